@@ -51,7 +51,7 @@ static tides_status clear(const batch_run *run, const char *name, const char *en
 
 /* The checkpoint goes before the events that it fits. */
 tides_status batch_clear(const batch_run *run, tides_error *error) {
-    static const char *const endings[] = {".checkpoint", "", ".part", ".part.tail"};
+    static const char *const endings[] = {".checkpoint", ".checkpoint.part", "", ".part", ".part.tail"};
     tides_status status = clear(run, "stats.json", "", error);
     for (size_t k = 0; k < KINDS + 2; k++)
         for (size_t e = 0; e < sizeof endings / sizeof endings[0] && status == TIDES_OK; e++)

@@ -145,8 +145,6 @@ cat >forty.json <<-'JSON'
 	  "grid": { "sensor.threshold_on": [0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.1], "image.log_eps": [0.001, 0.002, 0.003, 0.004, 0.005] } }
 JSON
 expect 0 tides batch forty.json -o whole.d -q
-# R, S, D: it goes on; T: it is stopped; Z or nothing: it has ended.
-state_of() { awk '{ print $3 }' /proc/$1/stat 2>/dev/null; }
 runs_of() { awk -v parent=$1 '$4 == parent { print $1 }' /proc/[0-9]*/stat 2>/dev/null; }
 # Stops one run of the batch $1 (a process) where `ready RUN` says so. Until it is killed or goes on the batch can't end, however
 # slow this shell is.
@@ -199,7 +197,7 @@ expect 0 tides batch forty.json -o forty.d --checkpoint 0.01
 out "40 done \([1-3][0-9] of them before\), 0 failed"
 (cd whole.d && find . -type f ! -name stats.json ! -name events.h5 | LC_ALL=C sort) >whole.list
 (cd forty.d && find . -type f ! -name stats.json ! -name events.h5 | LC_ALL=C sort) >forty.list
-cmp whole.list forty.list || fail "the folders hold other files"
+diff whole.list forty.list || fail "the folders hold other files"
 while read -r file; do cmp "whole.d/$file" "forty.d/$file" || fail "$file differs"; done <whole.list
 for name in whole.d/*/; do
     name=$(basename "$name")

@@ -74,3 +74,22 @@ make_scene() {
 
 # Small work runs on the reference unless a case says otherwise: it needs no OpenCL.
 export TIDES_DEVICE=reference
+
+# R, S, D: the process goes on; T: it is stopped; Z or nothing: it has ended.
+state_of() { awk '{ print $3 }' /proc/$1/stat 2>/dev/null; }
+
+# signal_at_checkpoint SIGNAL COMMAND...: starts it and sends the signal once it has left a (new) checkpoint, where it stands still
+# until then (pause_checkpoint.c). Leaves its exit code in `code`. For after `set -m`: jobs don't start with SIGINT ignored.
+signal_at_checkpoint() {
+    local signal=$1 run state
+    shift
+    [ -e pause.so ] || ${CC:-cc} -O1 -shared -fPIC -o pause.so "$here/pause_checkpoint.c" -ldl || skip "the shim needs glibc"
+    LD_PRELOAD=$PWD/pause.so ASAN_OPTIONS=${ASAN_OPTIONS:-}:verify_asan_link_order=0 "$@" >out 2>err &
+    run=$!
+    while state=$(state_of $run) && [[ $state == [RSD] ]]; do sleep 0.01; done
+    [ "$state" = T ] || fail "it ended before it was interrupted"
+    kill -"$signal" $run
+    kill -CONT $run 2>/dev/null # what was killed is gone
+    wait $run
+    code=$?
+}

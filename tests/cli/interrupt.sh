@@ -25,9 +25,9 @@ stopped() {
     local stage=$1
     shift
     "$@" >out 2>err &
-    for _ in $(seq 600); do
+    for _ in $(seq 3000); do
         grep -q "$stage: [0-9]* %" err && break
-        sleep 0.1
+        sleep 0.02
     done
     kill -INT $!
     wait $!
@@ -35,7 +35,7 @@ stopped() {
     [ ! -s out ] || fail "$2: facts of what wasn't done"
     err "^tides: stopped on request"
 }
-big="--set camera.width=2000 --set camera.height=1500 --set camera.fx=2000"
+big="--set camera.width=4000 --set camera.height=3000 --set camera.fx=4000" # seconds: a stage is told of after one
 stopped rendering tides render run.json -o big.exr --png big.png $big
 stopped rendering tides render run.json -o big.exr --truth depth $big
 stopped frames tides frames run.json -o frames --set exposure.exposure_s=0.01 $big

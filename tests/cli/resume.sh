@@ -30,18 +30,9 @@ same() {
 
 # interrupt SIGNAL OPTIONS...: starts a run of e.h5 and sends the signal once there is a (new) checkpoint.
 interrupt() {
-    local signal=$1 before after
+    local signal=$1
     shift
-    before=$(stat -c %i:%Y e.h5.checkpoint 2>/dev/null)
-    tides simulate run.json -qo e.h5 --checkpoint 0.02 "$@" >out 2>err &
-    for _ in $(seq 600); do
-        after=$(stat -c %i:%Y e.h5.checkpoint 2>/dev/null)
-        [ -n "$after" ] && [ "$after" != "$before" ] && break
-        sleep 0.02
-    done
-    kill -"$signal" $! || fail "the run ended before it was interrupted"
-    wait $!
-    code=$?
+    signal_at_checkpoint "$signal" tides simulate run.json -qo e.h5 --checkpoint 0.02 "$@"
     exists e.h5.checkpoint
     exists e.h5.part
     [ -n "${finished:-}" ] || missing e.h5
@@ -61,6 +52,7 @@ for mode in "--set stepping.mode=fixed --set stepping.step_s=0.002" "--set stepp
         expect 0 tides info e.h5.part
         # Interrupted again while it goes on, then to the end.
         interrupt KILL --resume $small $mode
+        echo half >e.h5.checkpoint.part # what a kill within a save leaves
         expect 0 tides simulate run.json -o e.h5 --resume --stats s.json --preview p.png $small $mode
         same whole.h5 e.h5
         [ "$(value s.json events)" = "$count" ] || fail "the statistics count $(value s.json events) events of $count"
@@ -152,7 +144,7 @@ refuse 2 "--keep-checkpoint: only an HDF5 file" tides simulate run.json -o e.raw
 rm e.h5 short.h5
 
 # No checkpoints where none are wanted.
-tides simulate run.json -qo none.h5 --checkpoint 0 $small $mode >out 2>err &
+tides simulate run.json -qo none.h5 --checkpoint 0 $small $mode --set time.stop=4 >out 2>err &
 for _ in $(seq 100); do
     [ -s none.h5.part ] && break
     sleep 0.02
