@@ -20,19 +20,14 @@ static void store_tile(const tides_simulator *s, int t, const double *planes, td
         memcpy(sample->plane[k] + first, unpacked + k * TD_TILE_PIXELS, bytes);
 }
 
-/* Renders what moves at grid points [first, first + count), which are swept: s->launch, point by point. */
-static tides_status render_points(tides_simulator *s, int64_t first, int count, int side, tides_error *error) {
+tides_status td_fixed_render(tides_simulator *s, int count, tides_error *error) {
     tides_status status = TIDES_OK;
     td_launch_clear(&s->launch);
-    for (int k = 0; k < count; k++)
+    for (int k = 1; k <= count; k++)
         for (int i = 0; i < s->moving_count && status == TIDES_OK; i++)
-            status = td_launch_add(&s->launch, s->moving[i], td_grid_time(s, first + k), 0, error);
+            status = td_launch_add(&s->launch, s->moving[i], td_grid_time(s, s->step + k), 0, error);
     if (status != TIDES_OK) return status;
-    return td_launch_render(s, 0, s->launch.count, side, td_fixed_outputs(s), error);
-}
-
-tides_status td_fixed_render(tides_simulator *s, int count, tides_error *error) {
-    return render_points(s, s->step + 1, count, TD_SIDE_ENDS, error);
+    return td_launch_render(s, 0, s->launch.count, TD_SIDE_ENDS, td_fixed_outputs(s), error);
 }
 
 void td_fixed_take(tides_simulator *s, int k, td_sample *sample) {
@@ -72,11 +67,24 @@ void td_fixed_adapt(tides_simulator *s, const tides_render_stats *before) {
         s->batch = 2 * s->batch < s->batch_limit ? 2 * s->batch : s->batch_limit;
 }
 
+/* Every unit at the run's start, a launch's worth at a time: a large image's planes need no room of their own. */
+static tides_status render_first(tides_simulator *s, tides_error *error) {
+    td_launch *launch = &s->launch;
+    tides_status status = TIDES_OK;
+    td_launch_clear(launch);
+    for (int t = 0; t < s->tiles && status == TIDES_OK; t++) status = td_launch_add(launch, t, 0, 0, error);
+    for (size_t first = 0; first < launch->count && status == TIDES_OK; first += launch->done) {
+        status = td_launch_render(s, first, s->refine.batch, TD_SIDE_BEGINS, td_fixed_outputs(s), error);
+        for (size_t i = first; i < first + launch->done && status == TIDES_OK; i++)
+            store_tile(s, launch->ask[i].unit, td_launch_planes(launch, i), &s->now);
+    }
+    return status;
+}
+
 tides_status td_begin(tides_simulator *s, tides_error *error) {
     tides_status status = td_sweep(s, 0, 0, error);
-    if (status == TIDES_OK) status = render_points(s, 0, 1, TD_SIDE_BEGINS, error);
+    if (status == TIDES_OK) status = render_first(s, error);
     if (status != TIDES_OK) return status;
-    td_fixed_take(s, 0, &s->now);
     if (s->surround.surround.on) td_surround_steps_begin(s);
     const double *S = s->surround.surround.on ? s->surround.S : s->now.plane[TD_PLANE_S];
     td_sensor_begin(&s->sensor, S);

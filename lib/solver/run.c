@@ -119,9 +119,8 @@ static tides_status advance_fixed(tides_simulator *s, int64_t most, tides_event_
     return status == TIDES_OK ? emitted : status;
 }
 
-/* The steps of the tiles that move in a macro step, until nothing asks for a shorter one; then all are compared that
- * weren't. */
-static tides_status refine(tides_simulator *s, double start, double stop, tides_error *error) {
+/* The steps of the tiles in s->moving, until nothing asks for a shorter one; then all are compared that weren't. */
+static tides_status refine_group(tides_simulator *s, double start, double stop, tides_error *error) {
     tides_status status = td_refine_begin(s, start, stop, error);
     while (status == TIDES_OK) {
         status = td_control_steps(s, start, stop, error);
@@ -130,6 +129,23 @@ static tides_status refine(tides_simulator *s, double start, double stop, tides_
         if (status == TIDES_OK) status = td_refine_level(s, start, stop, error);
     }
     return status == TIDES_OK ? td_settle(s, start, stop, 0, error) : status;
+}
+
+/* All tiles that move in a macro step, as many together as there is memory for. Until the first is compared a failure leaves
+ * the pixels as they were. */
+static tides_status refine(tides_simulator *s, double start, double stop, tides_error *error) {
+    int *const all = s->moving;
+    const int count = s->moving_count, most = td_window_units(s);
+    tides_status status = TIDES_OK;
+    for (int first = 0; first < count && status == TIDES_OK; first += most) {
+        s->moving = all + first;
+        s->moving_count = count - first < most ? count - first : most;
+        status = refine_group(s, start, stop, error);
+        s->broken |= status != TIDES_OK && (first > 0 || s->refine.early);
+    }
+    s->moving = all;
+    s->moving_count = count;
+    return status;
 }
 
 /* What fires in tiles where nothing moves, over the macro step as a whole. */
@@ -143,14 +159,13 @@ static tides_status compare_still(tides_simulator *s, double start, double stop,
     return status;
 }
 
-/* The comparator over one macro step, refined tile by tile. Until its first step is compared a failure leaves the pixels as
- * they were. */
+/* The comparator over one macro step, refined tile by tile. */
 static tides_status compare_refined(tides_simulator *s, tides_error *error) {
     const double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
     tides_status status = td_solve_keep_start(s, error);
     if (status == TIDES_OK) status = td_sweep(s, start, stop, error);
     if (status == TIDES_OK && s->moving_count > 0) status = refine(s, start, stop, error);
-    if (status != TIDES_OK) return status; /* td_settle has said whether the pixels still agree on the time */
+    if (status != TIDES_OK) return status; /* whether the pixels still agree on the time has been said */
     status = compare_still(s, start, stop, error);
     s->broken = status != TIDES_OK;
     return status;

@@ -147,7 +147,11 @@ static tides_status keep_references(tides_simulator *s, tides_error *error) {
     if (r->early) return TIDES_OK;
     tides_status status = td_reserve((void **)&r->reference, &r->reference_capacity, pixels, sizeof *r->reference, error);
     if (status != TIDES_OK) return status;
-    memcpy(r->reference, s->sensor.pixels.reference, pixels * sizeof *r->reference);
+    for (int i = 0; i < s->moving_count; i++) {
+        const size_t first = s->first_pixel[s->moving[i]];
+        memcpy(r->reference + first, s->sensor.pixels.reference + first,
+               (size_t)s->tile[s->moving[i]].count * sizeof *r->reference);
+    }
     r->early = 1;
     return TIDES_OK;
 }

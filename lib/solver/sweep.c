@@ -23,12 +23,13 @@ static tides_status turn_knot(tides_simulator *s, tides_error *error) {
     tides_status status = TIDES_OK;
     for (int i = 0; i < s->moving_count && status == TIDES_OK; i++)
         status = td_launch_add(&s->launch, s->moving[i], time, 0, error);
-    if (status == TIDES_OK) status = td_launch_render(s, 0, s->launch.count, TD_SIDE_BEGINS, TD_OUT_SIGNAL, error);
-    for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {
-        int t = s->moving[i];
-        double S[TD_TILE_PIXELS]; /* is the same on both sides */
-        td_unpack_tile(&s->tile[t], td_launch_planes(&s->launch, (size_t)i), S,
-                       s->now.plane[TD_PLANE_S_DOT] + s->first_pixel[t]);
+    for (size_t first = 0; first < s->launch.count && status == TIDES_OK; first += s->launch.done) {
+        status = td_launch_render(s, first, s->refine.batch, TD_SIDE_BEGINS, TD_OUT_SIGNAL, error);
+        for (size_t i = first; i < first + s->launch.done && status == TIDES_OK; i++) {
+            const int t = s->moving[i];
+            double S[TD_TILE_PIXELS]; /* is the same on both sides */
+            td_unpack_tile(&s->tile[t], td_launch_planes(&s->launch, i), S, s->now.plane[TD_PLANE_S_DOT] + s->first_pixel[t]);
+        }
     }
     return status;
 }

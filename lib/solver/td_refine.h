@@ -2,8 +2,9 @@
  * estimated error is too large, and each whole macro step once, to look inside (td_probe.h). A job is (tile, time); the jobs of
  * one refinement level go to the device in one launch.
  *
- * Memory is bounded: where the samples of a level would be too many, the earliest of its steps are refined first, until nothing
- * before them is open; those are compared, and their samples given back. The steps that come of it are the same: how a step is
+ * Memory is bounded: units are refined so many at a time as there is room for, and where the samples of a level would still be
+ * too many, the earliest of its steps are refined first, until nothing before them is open; those are compared, and their
+ * samples given back. The steps that come of it are the same: how a step is
  * judged depends on its samples, those of the steps that it was cut out of, and the pixels at the start of the macro step. */
 #ifndef TD_REFINE_H
 #define TD_REFINE_H
@@ -43,7 +44,7 @@ typedef struct td_refine {
     const int32_t *comparing; /* (tiles) the steps of all tiles that are compared together; NULL at other times */
     size_t cuts;              /* in this macro step */
     int early;                /* some of its steps have been compared while others are open; then */
-    double *reference;        /* (pixels) the references that it began with */
+    double *reference;        /* (pixels) the references that the units which are refined began with */
     size_t reference_capacity;
     int32_t *open; /* steps to be cut */
     size_t open_count, open_capacity;
@@ -90,6 +91,10 @@ void td_settle_planes(const tides_simulator *s, const td_refine_step *refined, c
 /* The events from number `first` on came of a tile's accepted step, compared between these planes (settle.c). */
 void td_settle_timing(tides_simulator *s, const td_refine_step *refined, const td_step *step, const double *const begin[],
                       const double *const end[], size_t first);
+
+/* How many of the moving units are refined together: nothing that decides a unit's steps is another's, so that a large image
+ * needs the memory of a part of it; all, where they share a budget or have their steps in common (window.c). */
+int td_window_units(const tides_simulator *s);
 
 /* Takes the steps of the next launch from refine->open to refine->pending (window.c). */
 tides_status td_window_take(tides_simulator *s, double start, double stop, tides_error *error);

@@ -28,6 +28,16 @@ void td_refine_bound(tides_simulator *s) {
     if (r->batch < 1) r->batch = 1;
 }
 
+/* A unit's samples: at both ends of the macro step, inside, and one where it is cut again. Most that are cut at all need more,
+ * but most aren't. */
+enum { SAMPLES_A_UNIT = 4 };
+
+int td_window_units(const tides_simulator *s) {
+    const size_t units = s->refine.limit / SAMPLES_A_UNIT;
+    if (!s->local || s->budget > 0 || s->surround.surround.on || units >= (size_t)s->moving_count) return s->moving_count;
+    return units < 1 ? 1 : (int)units;
+}
+
 /* Steps that a launch may take where the earliest are taken first: so few that those which come of them, level by level down to
  * the shortest, find room too. An eighth of the moving tiles may always: over some 14 levels that is two samples a tile more,
  * and with one step at a time an image whose tiles alone need more than the bound (8192x8192 and 256 MB) took hours. */
