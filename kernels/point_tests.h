@@ -16,8 +16,8 @@
  * first depth of a group is the least of all from there on. (Made for each tile anew they took two to four times as long.) */
 enum { TD_T_U = 0, TD_T_U_WAY, TD_T_V, TD_T_V_WAY, TD_T_A, TD_T_B, TD_T_C, TD_T_DEPTH, TD_TEST_REALS };
 
-TD_INLINE size_t td_point_tests_at(const td_point_tile *tile, const td_point_slices *slices, int slice) {
-    return ((size_t)tile->first * (size_t)slices->count + (size_t)slice * (size_t)tile->count) * TD_TEST_REALS;
+TD_INLINE size_t td_point_tests_at(const td_point_tile *tile, int slices, int slice) {
+    return ((size_t)tile->first * (size_t)slices + (size_t)slice * (size_t)tile->count) * TD_TEST_REALS;
 }
 
 /* Where those of a place are among them. */

@@ -72,9 +72,8 @@ __kernel void td_point_find_misfits(__constant const td_image *image_buffer, __g
  * their tests of the splats' records; keys have twice the room. counts: (all tiles). */
 __kernel void td_point_make_lists(__global const td_point_tile *tiles, __global const int *wanted,
                                   __global const int *candidates, __global const int *path, __global const int *depths,
-                                  __global const float *records, int pieces, int slices, int split, int group,
-                                  __global long *keys, __global int *listed, __global float *tests, __global int *counts) {
-    const td_point_paths paths = td_paths_make(path, 0, pieces, slices, split, group);
+                                  __global const float *records, int slices, __global long *keys, __global int *listed,
+                                  __global float *tests, __global int *counts) {
     const int number = wanted[get_group_id(0)], me = (int)get_local_id(0), items = (int)get_local_size(0);
     const td_point_tile tile = tiles[number];
     const int capacity = td_capacity(tile.count);
@@ -91,7 +90,7 @@ __kernel void td_point_make_lists(__global const td_point_tile *tiles, __global 
     for (int i = me; i < tile.count; i += items) {
         const int there = own[i] != TD_LAST_KEY;
         const int gaussian = there ? candidates[tile.first + (int)(own[i] & 0xffffffffL)] : -1;
-        __global float *place = tests + td_point_tests_at(&tile, &paths.slices, 0) + td_point_test_of(i);
+        __global float *place = tests + td_point_tests_at(&tile, slices, 0) + td_point_test_of(i);
         listed[tile.first + i] = there ? path[gaussian] : -1;
         if (there && (i + 1 == tile.count || own[i + 1] == TD_LAST_KEY)) counts[number] = i + 1;
         for (int slice = 0; slice < slices; slice++, place += tile.count * TD_TEST_REALS) {
@@ -105,7 +104,7 @@ __kernel void td_point_make_lists(__global const td_point_tile *tiles, __global 
     td_wait();
     const int taken = (counts[number] + TD_PAD - 1) / TD_PAD * TD_PAD;
     for (int slice = me; slice < slices; slice += items)
-        td_point_find_fronts(tests + td_point_tests_at(&tile, &paths.slices, slice), taken / TD_PAD);
+        td_point_find_fronts(tests + td_point_tests_at(&tile, slices, slice), taken / TD_PAD);
 }
 
 /* Each work-item works out its share of the chunks, in its own room for so many entries. */

@@ -43,7 +43,7 @@ TD_INLINE int td_point_enter_all(const td_point_chunk *chunk, const td_point_til
     }
     for (int level = 0; level < TD_PATH_LEVELS; level++) together[level] = td_point_together(curve + level * TD_LANES);
     td_point_eye eye = {td_collect(x), td_collect(y), td_splat(0.0f), td_splat(0.0f), td_splat(TD_POINT_NEVER), 0};
-    TD_GLOBAL const float *tests = lists->tests + td_point_tests_at(tile, &paths->slices, 0);
+    TD_GLOBAL const float *tests = lists->tests + td_point_tests_at(tile, paths->slices.count, 0);
     for (int i = 0; i < taken && td_point_goes_on(tests, slice, i, eye.end);) {
         int count = 0;
         for (; i < taken && count <= TD_POINT_BATCH - TD_POINT_ASKED; i += TD_POINT_ASKED)

@@ -146,14 +146,12 @@ static tides_status lists(td_points_engine *engine, const int *tiles, int count,
     opencl_points *p = (opencl_points *)engine;
     if (count == 0) return TIDES_OK;
     size_t local = on_gpu(p) ? GPU_GROUP : 1, global = (size_t)count * local;
-    const td_points_slices *slices = &p->at.slices;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->tiles),      TD_BUFFER_ARGUMENT(p->wanted),
-                                     TD_BUFFER_ARGUMENT(p->candidates), TD_BUFFER_ARGUMENT(p->path),
-                                     TD_BUFFER_ARGUMENT(p->depths),     TD_BUFFER_ARGUMENT(p->records),
-                                     TD_VALUE_ARGUMENT(slices->pieces), TD_VALUE_ARGUMENT(slices->count),
-                                     TD_VALUE_ARGUMENT(slices->split),  TD_VALUE_ARGUMENT(slices->group),
-                                     TD_BUFFER_ARGUMENT(p->keys),       TD_BUFFER_ARGUMENT(p->listed),
-                                     TD_BUFFER_ARGUMENT(p->tests),      TD_BUFFER_ARGUMENT(p->counts)};
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->tiles),          TD_BUFFER_ARGUMENT(p->wanted),
+                                     TD_BUFFER_ARGUMENT(p->candidates),     TD_BUFFER_ARGUMENT(p->path),
+                                     TD_BUFFER_ARGUMENT(p->depths),         TD_BUFFER_ARGUMENT(p->records),
+                                     TD_VALUE_ARGUMENT(p->at.slices.count), TD_BUFFER_ARGUMENT(p->keys),
+                                     TD_BUFFER_ARGUMENT(p->listed),         TD_BUFFER_ARGUMENT(p->tests),
+                                     TD_BUFFER_ARGUMENT(p->counts)};
     tides_status status = td_buffer_write(p->device, &p->wanted, tiles, (size_t)count * sizeof *tiles, error);
     if (status == TIDES_OK)
         status = td_launch(p->device, p->list_kernel, 1, &global, &local, arguments,

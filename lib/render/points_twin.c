@@ -120,7 +120,7 @@ static void make_list(twin *t, int number) {
     for (int i = 0; i < count; i++) t->listed[tile.first + i] = t->keys[i].path;
     const int groups = (count + TD_PAD - 1) / TD_PAD;
     for (int slice = 0; slice < paths.slices.count; slice++) {
-        float *tests = t->tests + td_point_tests_at(&tile, &paths.slices, slice);
+        float *tests = t->tests + td_point_tests_at(&tile, paths.slices.count, slice);
         for (int i = 0; i < count; i++) {
             const size_t at = (size_t)t->keys[i].gaussian * (size_t)paths.slices.count + (size_t)slice;
             td_point_place_test(t->records + at * TD_TEST_REALS, &tile, tests + td_point_test_of(i));

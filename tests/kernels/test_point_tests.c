@@ -120,7 +120,7 @@ static void check_splat(uint64_t *state, const td_point_slices *slices, int leve
         curves[i * TD_CURVE_REALS + TD_P_U] += tile.x, curves[i * TD_CURVE_REALS + TD_P_V] += tile.y;
     for (int k = 0; k < slices->count; k++) {
         td_point_make_tests(&paths, &image, k, &level, own, &at_once);
-        td_point_place_test(own, &tile, tests + td_point_tests_at(&tile, slices, k));
+        td_point_place_test(own, &tile, tests + td_point_tests_at(&tile, slices->count, k));
     }
     for (int i = 0; i < LOOKS; i++) {
         const double x = floor(between(state, 0, TD_TILE)) + 0.5, y = floor(between(state, 0, TD_TILE)) + 0.5;
