@@ -15,6 +15,7 @@ typedef struct frame_run {
     void *sink_user;
     tides_progress progress;
     void *user;
+    td_share share; /* of the time in hand, which the renderer tells */
     double *Y;      /* one frame, of all planes */
     double *speeds; /* L_dot or Z of it, where ESIM samples by brightness or by motion (pixels) */
     uint64_t frames;
@@ -126,11 +127,11 @@ static tides_status run_renders(frame_run *r, tides_error *error) {
     frame.plane[TIDES_Y] = r->Y;
     frame.plane[r->baseline->params.esim.adaptive_sampling == TIDES_ESIM_MOTION ? TIDES_Z : TIDES_L_DOT] = r->speeds;
     tides_status status = TIDES_OK;
+    if (r->progress) status = tides_renderer_set_progress(supply->renderer, td_share_step, &r->share, error);
     td_renderer_set_epoch(supply->renderer, supply->start);
     for (double time = 0; status == TIDES_OK;) {
-        td_share share = {r->progress, r->user, time / (supply->stop - supply->start), 0, "simulating"};
-        if (r->progress) status = tides_renderer_set_progress(supply->renderer, td_share_step, &share, error);
-        if (status == TIDES_OK) status = td_renderer_frame(supply->renderer, supply->camera, time, &frame, error);
+        r->share = (td_share){r->progress, r->user, time / (supply->stop - supply->start), 0, "simulating"};
+        status = td_renderer_frame(supply->renderer, supply->camera, time, &frame, error);
         if (status == TIDES_OK) status = push(r, supply->start, time, error);
         if (status != TIDES_OK || time >= supply->stop - supply->start) break;
         status = next_time(r, time, &time, error);

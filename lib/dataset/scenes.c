@@ -14,6 +14,7 @@ typedef struct scenes {
     const td_member *camera;
     const td_view *view; /* to those layouts that have it */
     tides_renderer *renderer;
+    td_share share; /* of the picture or truth in hand, which the renderer tells */
     size_t pixels;
     double *values;
     uint8_t *grey, *rgb;
@@ -121,13 +122,12 @@ typedef struct pass {
 
 /* `done` of `all` have been given before. */
 static tides_status give(scenes *s, const pass *p, size_t done, size_t all) {
-    tides_status status = TIDES_OK;
+    tides_status status = tides_renderer_set_progress(s->renderer, td_share_step, &s->share, s->error);
     for (size_t i = 0; i < p->pictures + p->truths && status == TIDES_OK; i++) {
         const int is_picture = i < p->pictures;
-        td_share share = {s->to->step, s->to->user, (double)(done + i) / (double)all, 1 / (double)all,
-                          is_picture ? "pictures" : "ground truth"};
-        status = tides_renderer_set_progress(s->renderer, td_share_step, &share, s->error);
-        if (status == TIDES_OK) status = is_picture ? picture(s, i) : truth(s, i - p->pictures);
+        s->share = (td_share){s->to->step, s->to->user, (double)(done + i) / (double)all, 1 / (double)all,
+                              is_picture ? "pictures" : "ground truth"};
+        status = is_picture ? picture(s, i) : truth(s, i - p->pictures);
     }
     return status;
 }

@@ -14,6 +14,7 @@ typedef struct frame_job {
     const tides_session_facts *facts;
     const char *folder;
     tides_renderer *renderer;
+    td_share share; /* of the frame in hand, which the renderer tells */
     double *light;
     uint16_t *values;
     tides_session_taken taken;
@@ -67,12 +68,10 @@ static tides_status write_times(const frame_job *job, const char *name, size_t c
 
 static tides_status make_frames(frame_job *job, size_t count, tides_progress progress, void *user, tides_error *error) {
     const tides_run_values *v = &job->facts->values;
-    tides_status status = TIDES_OK;
+    tides_status status = tides_renderer_set_progress(job->renderer, td_share_step, &job->share, error);
     for (size_t i = 0; i < count && status == TIDES_OK; i++) {
-        td_share share = {progress, user, (double)i / (double)count, 1 / (double)count, "frames"};
-        status = tides_renderer_set_progress(job->renderer, td_share_step, &share, error);
-        if (status == TIDES_OK)
-            status = make_frame(job, i, tides_exposure_time(&v->exposure, job->facts->intrinsics.height, v->start, i), error);
+        job->share = (td_share){progress, user, (double)i / (double)count, 1 / (double)count, "frames"};
+        status = make_frame(job, i, tides_exposure_time(&v->exposure, job->facts->intrinsics.height, v->start, i), error);
         if (status == TIDES_CANCELLED)
             return td_fail(error, TIDES_CANCELLED, "stopped on request after %zu of %zu frames", i, count);
     }

@@ -17,6 +17,7 @@ static const double slack = 1e-9; /* [s] that a time may lie beyond the stop, by
 typedef struct track_job {
     const tides_session_facts *facts;
     tides_renderer *renderer;
+    td_share share; /* of the time in hand, which the renderer tells */
     size_t points, times;
     tides_material_point *point; /* (points) */
     double *query;               /* (points x 3): when and where it was chosen [s, px, px] */
@@ -39,10 +40,8 @@ static tides_status choose(track_job *job, tides_progress progress, void *user, 
         const size_t share = wanted * (k + 1) / choices - wanted * k / choices;
         size_t found = 0;
         if (share == 0) continue;
-        td_share now = {progress, user, (double)k / choices, 1.0 / choices, "points to follow"};
-        status = tides_renderer_set_progress(job->renderer, td_share_step, &now, error);
-        if (status == TIDES_OK)
-            status = td_tracks_choose(job->renderer, job->facts, time, k, share, xy, job->point + job->points, &found, error);
+        job->share = (td_share){progress, user, (double)k / choices, 1.0 / choices, "points to follow"};
+        status = td_tracks_choose(job->renderer, job->facts, time, k, share, xy, job->point + job->points, &found, error);
         for (size_t i = 0; i < found; i++) {
             double *query = job->query + 3 * (job->points + i);
             query[0] = time;
@@ -59,9 +58,8 @@ static tides_status choose(track_job *job, tides_progress progress, void *user, 
 static tides_status follow(track_job *job, tides_progress progress, void *user, tides_error *error) {
     tides_status status = TIDES_OK;
     for (size_t k = 0; k < job->times && status == TIDES_OK; k++) {
-        td_share share = {progress, user, (double)k / (double)job->times, 1 / (double)job->times, "tracks"};
-        status = tides_renderer_set_progress(job->renderer, td_share_step, &share, error);
-        if (status == TIDES_OK && td_share_step(&share, 0, NULL)) status = TIDES_CANCELLED; /* it may all be on the host */
+        job->share = (td_share){progress, user, (double)k / (double)job->times, 1 / (double)job->times, "tracks"};
+        if (td_share_step(&job->share, 0, NULL)) status = TIDES_CANCELLED; /* it may all be on the host */
         if (status == TIDES_OK)
             status = tides_renderer_follow(job->renderer, job->facts->camera, time_of(job, k), job->point, job->points,
                                            job->track + k * job->points, error);
@@ -179,6 +177,7 @@ static tides_status prepare(tides_session *session, track_job *job, tides_progre
     const size_t wanted = (size_t)v->track_count;
     job->times = (size_t)floor((v->stop - v->start + slack) * v->track_rate_hz) + 1;
     tides_status status = tides_session_renderer(session, progress, user, &job->renderer, error);
+    if (status == TIDES_OK) status = tides_renderer_set_progress(job->renderer, td_share_step, &job->share, error);
     if (status != TIDES_OK) return status;
     job->point = td_alloc(wanted, sizeof *job->point, error);
     job->query = td_alloc(wanted, 3 * sizeof *job->query, error);
