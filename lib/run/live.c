@@ -213,25 +213,44 @@ static tides_status check_jumps(const tides_live *live, const tides_trajectory *
     return status;
 }
 
+/* A path as it was. */
+typedef struct live_mark {
+    tides_trajectory *path;
+    size_t count;
+    tides_pose_sample first;
+} live_mark;
+
+static tides_status mark(const tides_live *live, int32_t object, live_mark *m, tides_error *error) {
+    *m = (live_mark){.path = path_of(live, object)};
+    if (!m->path) return TIDES_OK; /* telling says that it isn't told */
+    m->count = tides_trajectory_count(m->path);
+    return tides_trajectory_sample(m->path, 0, &m->first, error);
+}
+
+/* A path of one sample may have been given another beginning. */
+static tides_status take_back(const live_mark *m, tides_error *error) {
+    if (m->path && m->count == 1) return td_trajectory_begin(m->path, &m->first, error);
+    if (m->path) td_trajectory_take_back(m->path, m->count);
+    return TIDES_OK;
+}
+
 tides_status tides_live_tell(tides_live *live, int32_t object, const tides_pose_sample *samples, size_t count,
                              tides_error *error) {
     if (!live || !samples) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_live_tell: live or samples is NULL");
-    tides_trajectory *path = path_of(live, object);
-    if (!path)
+    live_mark was;
+    tides_status status = mark(live, object, &was, error);
+    if (!was.path)
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "%s isn't told where it is in this run: ask for it when the run is opened, in its options",
                        object == TIDES_LIVE_CAMERA ? "the camera" : "this object");
-    tides_pose_sample was;
-    tides_status status = tides_trajectory_sample(path, 0, &was, error);
-    const int begins =
-        count && tides_trajectory_count(path) == 1 && fabs(samples[0].time - live->start) <= slack_of(live, live->start);
-    if (status == TIDES_OK && begins) status = td_trajectory_begin(path, samples++, error);
+    if (status != TIDES_OK) return status;
+    const int begins = count && was.count == 1 && fabs(samples[0].time - live->start) <= slack_of(live, live->start);
+    if (begins) status = td_trajectory_begin(was.path, samples++, error);
     if (begins) count--;
-    const int begun = begins && status == TIDES_OK;
-    if (status == TIDES_OK) status = check_jumps(live, path, samples, count, error);
-    if (status == TIDES_OK && count) status = tides_trajectory_append(path, samples, count, error);
+    if (status == TIDES_OK) status = check_jumps(live, was.path, samples, count, error);
+    if (status == TIDES_OK && count) status = tides_trajectory_append(was.path, samples, count, error);
     if (status == TIDES_OK) return TIDES_OK;
-    const tides_status undone = begun ? td_trajectory_begin(path, &was, NULL) : TIDES_OK; /* all samples or none */
+    const tides_status undone = take_back(&was, NULL); /* all samples or none */
     return fail_of(object, undone == TIDES_OK ? status : undone, error);
 }
 
@@ -301,27 +320,6 @@ tides_status tides_live_run(tides_live *live, double until, const tides_event **
     forget(live);
     if (events) *events = live->events;
     if (count) *count = live->count;
-    return TIDES_OK;
-}
-
-/* A path as it was. */
-typedef struct live_mark {
-    tides_trajectory *path;
-    size_t count;
-    tides_pose_sample first;
-} live_mark;
-
-static tides_status mark(const tides_live *live, int32_t object, live_mark *m, tides_error *error) {
-    *m = (live_mark){.path = path_of(live, object)};
-    if (!m->path) return TIDES_OK; /* telling says that it isn't told */
-    m->count = tides_trajectory_count(m->path);
-    return tides_trajectory_sample(m->path, 0, &m->first, error);
-}
-
-/* A path of one sample may have been given another beginning. */
-static tides_status take_back(const live_mark *m, tides_error *error) {
-    if (m->path && m->count == 1) return td_trajectory_begin(m->path, &m->first, error);
-    if (m->path) td_trajectory_take_back(m->path, m->count);
     return TIDES_OK;
 }
 
