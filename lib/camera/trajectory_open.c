@@ -65,6 +65,12 @@ static tides_status check_turns(const tides_trajectory *t, size_t from, size_t c
     return status;
 }
 
+/* The first sample of all may have its rate from the second. */
+void td_trajectory_take_back(tides_trajectory *t, size_t count) {
+    t->count = t->open.count = count;
+    if (count == 1 && !t->samples[0].has_rates) memset(t->open.knot[0].rate, 0, sizeof t->open.knot[0].rate);
+}
+
 tides_status tides_trajectory_append(tides_trajectory *trajectory, const tides_pose_sample *samples, size_t count,
                                      tides_error *error) {
     tides_trajectory *t = trajectory;
@@ -85,7 +91,7 @@ tides_status tides_trajectory_append(tides_trajectory *trajectory, const tides_p
     if (status == TIDES_OK)
         t->count += count;
     else
-        t->open.count = before;
+        td_trajectory_take_back(t, before);
     return status;
 }
 
@@ -117,8 +123,6 @@ tides_status td_trajectory_begin(tides_trajectory *t, const tides_pose_sample *f
     tides_trajectory_destroy(made);
     return TIDES_OK;
 }
-
-void td_trajectory_take_back(tides_trajectory *t, size_t count) { t->count = t->open.count = count; }
 
 int32_t tides_trajectory_is_open(const tides_trajectory *trajectory) { return trajectory ? trajectory->is_open : 0; }
 
