@@ -224,9 +224,7 @@ static herr_t rebuild_index(td_event_store *store) {
         uint64_t block = TD_EVENT_CHUNK - row % TD_EVENT_CHUNK; /* to a chunk's border: it is decompressed once */
         if (td_h5_read_rows(store->columns[TD_COLUMN_NS], H5T_NATIVE_INT64, row, (size_t)block, t) < 0) return -1;
         for (uint64_t i = 0; i < block; i++)
-            if (!td_event_after(t[i], store->offset, &after) ||
-                td_event_store_index(store, td_milliseconds_begun(t[i], store->offset), row + i) < 0)
-                return -1;
+            if (!td_event_after(t[i], store->offset, &after) || td_event_store_index(store, t[i], row + i) < 0) return -1;
         row += block;
     }
     return 0;

@@ -214,12 +214,19 @@ static herr_t write_pending(td_event_store *store) {
     return 0;
 }
 
-herr_t td_event_store_index(td_event_store *store, uint64_t end, uint64_t row) {
+/* Every millisecond before `end` that has no entry yet starts at event `row`. */
+static herr_t fill_index(td_event_store *store, uint64_t end, uint64_t row) {
     for (; store->next_ms < end; store->next_ms++) {
         store->pending[store->pending_count++] = row;
         if (store->pending_count == TD_INDEX_CHUNK && write_pending(store) < 0) return -1;
     }
     return 0;
+}
+
+/* Few events begin a millisecond. */
+herr_t td_event_store_index(td_event_store *store, int64_t t, uint64_t row) {
+    if (t - 1000 * store->offset < (int64_t)store->next_ms * 1000000) return 0;
+    return fill_index(store, td_milliseconds_begun(t, store->offset), row);
 }
 
 static herr_t append_column(const td_event_store *store, int column, size_t count) {
@@ -228,25 +235,15 @@ static herr_t append_column(const td_event_store *store, int column, size_t coun
     return td_h5_append_chunk(to, type, store->rows, count, store->scratch, (int64_t *)store->scratch + TD_EVENT_CHUNK);
 }
 
-/* Few events begin a millisecond. */
-static herr_t index_events(td_event_store *store, const tides_event *events, size_t count) {
-    int64_t next = 1000 * store->offset; /* where the first millisecond without an entry begins, or before */
-    for (size_t i = 0; i < count; i++) {
-        if (events[i].t < next) continue;
-        const uint64_t begun = td_milliseconds_begun(events[i].t, store->offset);
-        if (td_event_store_index(store, begun, store->rows + i) < 0) return -1;
-        next = 1000 * store->offset + (int64_t)begun * 1000000;
-    }
-    return 0;
-}
-
 static herr_t append_events(td_event_store *store, const tides_event *events, const int64_t *fired, size_t count) {
     for (int c = 0; c < TD_COLUMNS; c++) {
         gather_column(c, store->offset, events, count, store->scratch);
         if (append_column(store, c, count) < 0) return -1;
     }
     if (td_event_labels_append(store->file, &store->labels, store->rows, events, fired, count, store->scratch) < 0) return -1;
-    return index_events(store, events, count);
+    for (size_t i = 0; i < count; i++)
+        if (td_event_store_index(store, events[i].t, store->rows + i) < 0) return -1;
+    return 0;
 }
 
 static herr_t flush(const td_event_store *store) {
@@ -287,7 +284,7 @@ tides_status td_event_store_complete(td_event_store *store, uint64_t entries, in
         release_space(store->file);
         return td_fail(error, TIDES_WRITE_FAILED, "%s", strerror(no_space));
     }
-    if (td_event_store_index(store, entries, store->rows) < 0 || write_pending(store) < 0 ||
+    if (fill_index(store, entries, store->rows) < 0 || write_pending(store) < 0 ||
         H5Awrite(store->stop, H5T_NATIVE_INT64, &stop_ns) < 0 || flush(store) < 0)
         return hdf5_failure(store, error);
     release_space(store->file);

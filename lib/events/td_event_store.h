@@ -91,8 +91,9 @@ int td_event_claim_space(hid_t file, uint64_t bytes);
 /* Cuts a dataset of chunks of `chunk` rows back to `rows`, with all that lies beyond (event_reopen.c). */
 herr_t td_event_cut_rows(hid_t dataset, hsize_t rows, hsize_t chunk);
 
-/* Every millisecond before `end` that has no entry yet starts at event `row`. */
-herr_t td_event_store_index(td_event_store *store, uint64_t end, uint64_t row);
+/* Milliseconds that have no entry yet and begin at or before `t`, which td_event_after takes, start at event `row`, which is at
+ * `t`. */
+herr_t td_event_store_index(td_event_store *store, int64_t t, uint64_t row);
 
 /* Writes `count` <= TD_EVENT_CHUNK checked events, which fired when `fired` says (NULL: at their t), and makes them durable
  * against the death of the process. On failure the error's text is the bare reason, and what was flushed before stays readable.
