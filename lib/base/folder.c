@@ -25,9 +25,11 @@ const char *td_base_name(const char *path) {
     return slash ? slash + 1 : path;
 }
 
-char *td_folder_prefix(const char *path, tides_error *error) {
-    return td_format(error, "%.*s", (int)(td_base_name(path) - path), path);
+char *td_beside(const char *path, const char *name, tides_error *error) {
+    return td_format(error, "%.*s%s", (int)(td_base_name(path) - path), path, name);
 }
+
+char *td_folder_prefix(const char *path, tides_error *error) { return td_beside(path, "", error); }
 
 char *td_folder_of(const char *path, tides_error *error) {
     const int length = (int)(td_base_name(path) - path);

@@ -29,6 +29,9 @@ const char *td_base_name(const char *path);
 char *td_folder_of(const char *path, tides_error *error);
 char *td_folder_prefix(const char *path, tides_error *error);
 
+/* The path of `name` in the folder that holds `path`, allocated. */
+char *td_beside(const char *path, const char *name, tides_error *error);
+
 int td_is_folder(const char *path);
 int td_is_file(const char *path);
 

@@ -174,10 +174,9 @@ tides_status td_colmap_parse_cameras(const char *file, const char *data, size_t 
 }
 
 tides_status td_colmap_load_cameras(const char *file, int binary, td_colmap_cameras *cameras, tides_error *error) {
-    const int folder = (int)(td_base_name(file) - file);
     for (int k = 0; k < 2; k++) {
         int as_binary = k == 0 ? binary : !binary;
-        char *beside = td_format(error, "%.*scameras.%s", folder, file, as_binary ? "bin" : "txt");
+        char *beside = td_beside(file, as_binary ? "cameras.bin" : "cameras.txt", error);
         if (!beside) return TIDES_NO_MEMORY;
         char *data = NULL;
         size_t bytes = 0;

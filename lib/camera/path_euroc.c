@@ -107,10 +107,9 @@ static tides_status parse_sensor(td_path_reader *reader, const char *file, const
 
 static tides_status load_sensor(td_path_reader *reader, sensor *s) {
     static const char *const places[] = {"../cam0/sensor.yaml", "sensor.yaml"};
-    const int folder = (int)(td_base_name(reader->file) - reader->file);
     tides_status status = TIDES_OK;
     for (size_t k = 0; k < 2 && !status && !s->found; k++) {
-        char *file = td_format(reader->error, "%.*s%s", folder, reader->file, places[k]);
+        char *file = td_beside(reader->file, places[k], reader->error);
         char *text = NULL;
         size_t bytes = 0;
         if (!file) return TIDES_NO_MEMORY;

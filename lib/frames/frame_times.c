@@ -74,10 +74,9 @@ static char *find_file(const char *path, tides_error *error, tides_status *statu
     static const char *const names[] = {"timestamps.txt", "image_timestamps.txt", "../timestamps.txt",
                                         "../image_timestamps.txt"};
     const int folder = td_is_folder(path);
-    const int parent = (int)(td_base_name(path) - path);
     *status = TIDES_OK;
     for (size_t i = 0; i < (folder ? 4u : 2u); i++) {
-        char *file = folder ? td_format(error, "%s/%s", path, names[i]) : td_format(error, "%.*s%s", parent, path, names[i]);
+        char *file = folder ? td_format(error, "%s/%s", path, names[i]) : td_beside(path, names[i], error);
         if (!file) {
             *status = TIDES_NO_MEMORY;
             return NULL;

@@ -134,8 +134,7 @@ static int is_data(const char *uri) { return strncmp(uri, "data:", 5) == 0; }
 static tides_status read_beside(const td_gltf *g, const char *uri, td_gltf_buffer *buffer) {
     char *name = NULL, *file = NULL, *data = NULL;
     tides_status status = name_beside(g, uri, &name);
-    if (!status && !(file = td_format(g->error, "%.*s%s", (int)(td_base_name(g->path) - g->path), g->path, name)))
-        status = TIDES_NO_MEMORY;
+    if (!status && !(file = td_beside(g->path, name, g->error))) status = TIDES_NO_MEMORY;
     if (!status)
         status = td_is_file(file) ? td_read_file(file, SIZE_MAX - 1, &data, &buffer->size, g->error)
                                   : td_fail(g->error, TIDES_FILE_NOT_FOUND, "%s: its buffer %.200s isn't there", g->path, file);

@@ -18,7 +18,6 @@
 
 typedef struct lod {
     const char *path;
-    char *folder; /* of the file, with its slash */
     cJSON *meta;
     const char **names; /* of files; those of the finest level that are used have a count */
     int64_t *counts, files;
@@ -72,15 +71,13 @@ static void lod_close(lod *l) {
     cJSON_Delete(l->meta);
     free(l->names);
     free(l->counts);
-    free(l->folder);
 }
 
 static tides_status lod_open(lod *l, const char *path, tides_error *error) {
     char *text = NULL;
     size_t size = 0;
     *l = (lod){.path = path, .error = error};
-    tides_status status = (l->folder = td_folder_prefix(path, error)) ? TIDES_OK : TIDES_NO_MEMORY;
-    if (!status) status = td_read_file(path, SIZE_MAX - 1, &text, &size, error);
+    tides_status status = td_read_file(path, SIZE_MAX - 1, &text, &size, error);
     if (!status) status = td_splat_json(path, NULL, text, size, &l->meta, error);
     free(text);
     if (status) return status;
@@ -98,7 +95,7 @@ static tides_status lod_open(lod *l, const char *path, tides_error *error) {
 
 /* `wanted` Gaussians; -1: as many as there are. */
 static tides_status read_part(const lod *l, const char *name, int64_t wanted, td_gaussians *part) {
-    char *file = td_format(l->error, "%s%s", l->folder, name);
+    char *file = td_beside(l->path, name, l->error);
     tides_status status = file ? td_sog_read_folder(file, part, l->error) : TIDES_NO_MEMORY;
     if (!status && wanted >= 0 && part->count != wanted)
         status = td_fail(l->error, TIDES_BAD_FILE, "%s: %.80s has %lld Gaussians, but the tree's leaves say %lld", l->path,

@@ -253,11 +253,15 @@ static void test_paths_apart(void **state) {
                                           {"", ".", "", ""}};
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         char *folder = td_folder_of(rows[i][0], NULL), *prefix = td_folder_prefix(rows[i][0], NULL);
+        char *beside = td_beside(rows[i][0], "d/e", NULL), *expected = td_format(NULL, "%sd/e", rows[i][2]);
         assert_string_equal(folder, rows[i][1]);
         assert_string_equal(prefix, rows[i][2]);
         assert_string_equal(td_base_name(rows[i][0]), rows[i][3]);
+        assert_string_equal(beside, expected);
         free(folder);
         free(prefix);
+        free(beside);
+        free(expected);
     }
 }
 
