@@ -101,10 +101,9 @@ tides_status td_event_format_for(const char *path, const td_event_format **forma
         best = fits;
         *format = td_event_formats[i];
     }
-    const char *name = strrchr(path, '/');
-    const char *ending = strrchr(name ? name : path, '.');
     if (best > 0) return TIDES_OK;
-    if (ending && ending[1] && ending != path) {
+    const char *name = td_base_name(path), *ending = strrchr(name, '.');
+    if (ending && ending[1] && ending != name) {
         static const char endings[] = ".h5, .raw, .dat, .es, .aedat4, .npy, .npz, .csv or .txt";
         char suggestion[TD_SUGGESTION_MAX];
         return td_fail(error, TIDES_UNSUPPORTED, "%s: no format of event files ends in %s: use %s%s", path, ending, endings,

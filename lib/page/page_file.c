@@ -1,6 +1,7 @@
 /* The page of an event file: its events batch by batch, with the labels and the ground truth that lie beside them. */
 #include "events/td_event_format.h"
 #include "td_base.h"
+#include "td_folder.h"
 #include "td_page.h"
 
 #include <stdlib.h>
@@ -62,8 +63,8 @@ static tides_status pump(source *s, td_page *page, tides_progress progress, void
 /* What the options leave open, the file says. */
 static void fill_in(td_page *page, const source *s) {
     tides_page_options *o = &page->options;
-    const char *slash = strrchr(s->path, '/');
-    if (!o->title) o->title = slash && slash[1] ? slash + 1 : s->path;
+    const char *name = td_base_name(s->path);
+    if (!o->title) o->title = *name ? name : s->path;
     if (!o->width) o->width = s->facts.width;
     if (!o->height) o->height = s->facts.height;
     page->known_start = s->facts.start_ns;

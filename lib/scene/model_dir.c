@@ -266,8 +266,7 @@ static int is_network(const char *path) {
 /* A checkpoint or .npz: the file itself is what was asked for, whatever else lies beside it. */
 static tides_status enter_weights(td_model_dir *dir, const char *path, tides_error *error) {
     const char *name = td_base_name(path);
-    size_t length = strlen(name);
-    int is_npz = length > 4 && strcmp(name + length - 4, ".npz") == 0;
+    int is_npz = td_ends_in(name, ".npz");
     if (!(dir->weights = td_strdup(path, error))) return TIDES_NO_MEMORY;
     if (is_npz || strncmp(name, "chkpnt", 6) == 0) {
         dir->method = is_npz ? TD_METHOD_DYN3DGS : TD_METHOD_FUDAN4D;
@@ -293,17 +292,11 @@ static tides_status enter_network(td_model_dir *dir, const char *path, tides_err
 }
 
 static tides_status enter_file(td_model_dir *dir, const char *path, tides_error *error) {
-    size_t length = strlen(path);
     if (is_network(path)) return enter_network(dir, path, error);
-    if (length < 4 || strcmp(path + length - 4, ".ply") != 0) return enter_weights(dir, path, error);
+    if (!td_ends_in(path, ".ply")) return enter_weights(dir, path, error);
     if (!(dir->points = td_strdup(path, error))) return TIDES_NO_MEMORY;
     tides_status status = enter_folder(dir, error);
     return status ? status : judge_points(dir, error);
-}
-
-static int ends_in(const char *text, const char *ending) {
-    size_t length = strlen(text), tail = strlen(ending);
-    return length >= tail && strcmp(text + length - tail, ending) == 0;
 }
 
 /* As td_model_dir_find, without cfg_args. */
@@ -327,10 +320,10 @@ int td_model_dir_is(const char *path) {
         return found;
     }
     if (!td_is_file(path)) return 0;
-    if (ends_in(path, ".ply"))
+    if (td_ends_in(path, ".ply"))
         return td_ply_file_has(path, "trbf_center") || td_ply_file_has(path, "xyz_disp_0") ||
                td_ply_file_has(path, "motion_xyz_0_0");
-    if (!ends_in(path, ".pth") && !ends_in(path, ".pt") && !ends_in(path, ".npz")) return 0;
+    if (!td_ends_in(path, ".pth") && !td_ends_in(path, ".pt") && !td_ends_in(path, ".npz")) return 0;
     char start[4];
     FILE *file = fopen(path, "rb");
     size_t got = file ? fread(start, 1, sizeof start, file) : 0;

@@ -20,11 +20,6 @@ static char *stem_of(const char *path, tides_error *error) {
     return td_format(error, "%.*s", (int)(dot && dot > start ? (size_t)(dot - start) : strlen(start)), start);
 }
 
-static int ends_in(const char *text, const char *ending) {
-    size_t length = strlen(text), tail = strlen(ending);
-    return length >= tail && strcmp(text + length - tail, ending) == 0;
-}
-
 /* A format whose files are parsed from memory, or which reads what it needs; NULL, NULL: td_scene_hdf5_read. */
 typedef struct reader {
     tides_status (*parse)(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
@@ -97,8 +92,8 @@ static int is_hdf5(const beginning *b) {
 }
 
 /* A .ksplat has no magic number and a .splat not even a header, so that their names count too. */
-static int is_ksplat(const beginning *b) { return td_ksplat_is(b->bytes, b->got, b->size) || ends_in(b->file, ".ksplat"); }
-static int is_splat(const beginning *b) { return ends_in(b->file, ".splat"); }
+static int is_ksplat(const beginning *b) { return td_ksplat_is(b->bytes, b->got, b->size) || td_ends_in(b->file, ".ksplat"); }
+static int is_splat(const beginning *b) { return td_ends_in(b->file, ".splat"); }
 
 static int is_sog(const beginning *b) { return b->got >= 4 && memcmp(b->bytes, "PK\3\4", 4) == 0 && td_sog_is_zip(b->file); }
 
@@ -114,7 +109,7 @@ static int is_sog_folder(const beginning *b) { return b->folder ? holds(b, "meta
 static int is_sog_lod(const beginning *b) { return b->folder ? holds(b, "lod-meta.json") : td_sog_is_lod(b->file); }
 
 static int is_gltf(const beginning *b) {
-    return (b->got >= 4 && memcmp(b->bytes, "glTF", 4) == 0) || (!b->folder && ends_in(b->file, ".gltf"));
+    return (b->got >= 4 && memcmp(b->bytes, "glTF", 4) == 0) || (!b->folder && td_ends_in(b->file, ".gltf"));
 }
 
 /* What Git leaves in place of a large file that it hasn't fetched. */
@@ -223,8 +218,8 @@ tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_
     if (!scene || !file) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_scene_save: %s is NULL", scene ? "file" : "scene");
     if (scene->count == 0) return td_fail(error, TIDES_BAD_ARGUMENT, "%s: the scene is empty: add an object first", file);
     for (size_t i = 0; i < WRITERS; i++)
-        if (ends_in(file, writers[i].ending)) return save_one(scene, file, i, error);
-    if (ends_in(file, ".h5")) return td_scene_hdf5_write(scene, file, error);
+        if (td_ends_in(file, writers[i].ending)) return save_one(scene, file, i, error);
+    if (td_ends_in(file, ".h5")) return td_scene_hdf5_write(scene, file, error);
     return td_fail(error, TIDES_BAD_ARGUMENT,
                    "%s: a scene is saved as .h5, .ply, .spz, .splat or .glb: the name should end in one of them", file);
 }

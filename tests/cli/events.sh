@@ -24,6 +24,10 @@ exists p.png
 refuse 2 "only an HDF5 file" tides simulate run.json -o s.raw --resume
 refuse 2 "only an HDF5 file" tides simulate run.json -o s.raw --checkpoint 5
 refuse 1 "no format of event files ends in .mp4" tides simulate run.json -q -o s.mp4
+mkdir -p hidden
+expect 0 tides convert -q s.raw hidden/.s # a name, and no ending: HDF5
+expect 0 tides info hidden/.s
+out "^layout +tides"
 
 # Exact formats give the native file back, byte for byte in its datasets; the others what they floored.
 expect 0 tides convert -q e.h5 t.ns.csv
