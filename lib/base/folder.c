@@ -25,6 +25,12 @@ const char *td_base_name(const char *path) {
     return slash ? slash + 1 : path;
 }
 
+char *td_plain_path(const char *path, tides_error *error) {
+    size_t length = strlen(path);
+    while (length > 1 && path[length - 1] == '/') length--;
+    return td_format(error, "%.*s", (int)length, path);
+}
+
 char *td_beside(const char *path, const char *name, tides_error *error) {
     return td_format(error, "%.*s%s", (int)(td_base_name(path) - path), path, name);
 }

@@ -24,6 +24,9 @@ int td_ends_in(const char *name, const char *ending);
 /* What follows the last slash. */
 const char *td_base_name(const char *path);
 
+/* `path` without the slashes that a folder's name may end in: td_base_name has its name then. Allocated. */
+char *td_plain_path(const char *path, tides_error *error);
+
 /* The folder that holds `path`: "." of a bare name, "/" of one at the root. td_folder_prefix: with its slash, for a name to
  * follow, and "" of a bare name. Allocated. */
 char *td_folder_of(const char *path, tides_error *error);

@@ -25,8 +25,8 @@ typedef struct job {
     td_writer writers[WRITERS_MAX];
     size_t writer_count;
     uint64_t events;
-    int32_t unseeing; /* cameras that saw nothing */
-    char *part;
+    int32_t unseeing;    /* cameras that saw nothing */
+    char *folder, *part; /* without a slash at their ends */
     tides_progress progress;
     void *user;
     double from, width; /* what of the whole the stage that reports is */
@@ -237,11 +237,11 @@ static void give_camera(job *j, const td_member *camera, size_t index) {
 
 /* -- the whole ------------------------------------------------------------------------------------------------------------- */
 
-static void make(job *j, const char *folder) {
+static void make(job *j) {
     for (size_t i = 0; i < j->set.count && j->status == TIDES_OK; i++) give_camera(j, &j->set.cameras[i], i);
     EACH(j, w) if (w->layout->complete) j->status = w->layout->complete(w, j->error);
-    if (j->status == TIDES_OK && rename(j->part, folder) != 0)
-        j->status = td_fail(j->error, TIDES_WRITE_FAILED, "%s: can't be put in place: %s", folder, strerror(errno));
+    if (j->status == TIDES_OK && rename(j->part, j->folder) != 0)
+        j->status = td_fail(j->error, TIDES_WRITE_FAILED, "%s: can't be put in place: %s", j->folder, strerror(errno));
 }
 
 static void end(job *j, int began) {
@@ -256,6 +256,7 @@ static void end(job *j, int began) {
     for (size_t i = 0; i < j->set.count; i++)
         if (j->set.cameras[i].owned) tides_session_close(j->set.cameras[i].session);
     free(j->set.cameras);
+    free(j->folder);
     free(j->part);
 }
 
@@ -278,10 +279,10 @@ tides_status tides_dataset_write(tides_session *session, const char *folder, con
     job j = {.progress = progress, .user = user, .error = error};
     tides_session_facts facts;
     tides_session_get(session, &facts);
-    const char *slash = strrchr(folder, '/');
-    j.set.name = slash && slash[1] ? slash + 1 : folder;
     j.set.exposed = tides_run_gives(facts.run, "exposure.exposure_s");
-    j.part = td_format(error, "%s.part", folder);
+    j.folder = td_plain_path(folder, error);
+    j.part = j.folder ? td_format(error, "%s.part", j.folder) : NULL;
+    if (j.folder) j.set.name = td_base_name(j.folder);
     j.status = j.part ? add_cameras(&j.set, session, error) : TIDES_NO_MEMORY;
     if (j.status == TIDES_OK) set_times(&j.set, &facts.values);
     if (j.status == TIDES_OK && j.set.stop_us <= j.set.start_us)
@@ -291,7 +292,7 @@ tides_status tides_dataset_write(tides_session *session, const char *folder, con
     if (j.status == TIDES_OK && !fresh)
         j.status = td_fail(error, TIDES_WRITE_FAILED, "%s: is there: another is being written, or one died; remove it", j.part);
     if (j.status == TIDES_OK) j.status = add_writers(&j, names, error);
-    if (j.status == TIDES_OK) make(&j, folder);
+    if (j.status == TIDES_OK) make(&j);
     if (report && j.status == TIDES_OK)
         *report = (tides_dataset_report){j.events,
                                          (int32_t)j.set.count,

@@ -151,10 +151,8 @@ static char *print_run(cJSON *root, int32_t ok, const char *file, tides_error *e
 
 /* The run that a splat file is, given in place of a run file: it alone, on an orbit, for a tenth of a second. */
 static char *run_of_scene(const char *file, tides_error *error) {
-    const char *slash = strrchr(file, '/');
     cJSON *root = cJSON_CreateObject();
-    int32_t ok =
-        root && cJSON_AddStringToObject(cJSON_AddObjectToObject(root, "scene"), "file", slash && slash[1] ? slash + 1 : file);
+    int32_t ok = root && cJSON_AddStringToObject(cJSON_AddObjectToObject(root, "scene"), "file", td_base_name(file));
     ok = ok && cJSON_AddNumberToObject(cJSON_AddObjectToObject(root, "camera"), "orbit_s", 12.0);
     ok = ok && cJSON_AddNumberToObject(cJSON_AddObjectToObject(root, "time"), "stop", 0.1);
     return print_run(root, ok, file, error);
@@ -188,20 +186,21 @@ static tides_status note_scene(tides_run *run, tides_error *error) {
 tides_status tides_run_load(const char *file, const char *const *overrides, size_t count, tides_run **run, tides_error *error) {
     if (!file || !run || (count && !overrides))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_load: file, run or overrides is NULL");
-    char *text = NULL, *directory = NULL;
+    char *text = NULL, *plain = NULL, *directory = NULL;
     size_t bytes = 0;
     const int32_t video = td_run_is_video(file), scene = !video && is_scene(file);
     tides_status status = TIDES_OK;
-    if (!scene && !video)
-        status = td_read_file(file, RUN_FILE_LIMIT, &text, &bytes, error);
-    else if (!(text = scene ? run_of_scene(file, error) : run_of_video(file, error)))
+    if (!(plain = td_plain_path(file, error)) || !(directory = td_folder_prefix(plain, error)))
         status = TIDES_NO_MEMORY;
-    if (status != TIDES_OK) return status;
-    if (scene || video) bytes = strlen(text);
-    directory = td_folder_prefix(file, error);
-    status = directory ? parse(text, bytes, file, directory, overrides, count, run, error) : TIDES_NO_MEMORY;
+    else if (!scene && !video)
+        status = td_read_file(file, RUN_FILE_LIMIT, &text, &bytes, error);
+    else if (!(text = scene ? run_of_scene(plain, error) : run_of_video(file, error)))
+        status = TIDES_NO_MEMORY;
+    if (scene || video) bytes = text ? strlen(text) : 0;
+    if (status == TIDES_OK) status = parse(text, bytes, file, directory, overrides, count, run, error);
     if (status == TIDES_OK && scene) status = note_scene(*run, error);
     free(directory);
+    free(plain);
     free(text);
     return status;
 }

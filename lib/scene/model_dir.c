@@ -51,13 +51,6 @@ static tides_status take_file(char **out, const char *folder, const char *name, 
     return TIDES_OK;
 }
 
-/* A copy without slashes at its end. */
-static char *plain_path(const char *path, tides_error *error) {
-    size_t length = strlen(path);
-    while (length > 1 && path[length - 1] == '/') length--;
-    return td_format(error, "%.*s", (int)length, path);
-}
-
 /* Replaces `*path` by the folder `levels` above. */
 static tides_status climb(char **path, int levels, tides_error *error) {
     for (int i = 0; i < levels; i++) {
@@ -305,7 +298,7 @@ static tides_status find(const char *path, td_model_dir *dir, tides_error *error
     *dir = (td_model_dir){.iteration = -1};
     if (stat(path, &facts) != 0) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
     int is_folder = S_ISDIR(facts.st_mode);
-    dir->folder = is_folder ? plain_path(path, error) : td_folder_of(path, error);
+    dir->folder = is_folder ? td_plain_path(path, error) : td_folder_of(path, error);
     tides_status status = dir->folder ? TIDES_OK : TIDES_NO_MEMORY;
     if (!status && is_folder) status = enter_folder(dir, error);
     if (!status) status = is_folder ? recognise(dir, error) : enter_file(dir, path, error);

@@ -8,12 +8,13 @@ for file in events.txt images.txt groundtruth.txt calib.txt depthmaps.txt images
 done
 [ -s one/contact.png ] || fail "the contact sheet is missing"
 missing one.part
-expect 0 tides dataset run.json -o two --layout ecd --layout blinkflow --json $metric \
+expect 0 tides dataset run.json -o two/ --layout ecd --layout blinkflow --json $metric \
     --set 'rig.cameras=[{"name": "a"}, {"name": "b", "T_B_C": [[1,0,0,0.1],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]'
 out "\"cameras\":[[:space:]]*2"
 cmp -s one/events.txt two/ecd/a/events.txt || fail "a rig's first camera makes the events that the run makes"
 [ -s two/blinkflow/b/events_left/events.h5 ] || fail "the second camera's events are missing"
 
+missing two/.part
 refuse 1 "one: is there already" tides dataset run.json -o one --layout ecd $metric
 refuse 1 "metres_per_unit" tides dataset run.json -o three --layout ecd
 refuse 1 "'kitti' is none of" tides dataset run.json -o three --layout kitti

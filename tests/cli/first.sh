@@ -13,6 +13,11 @@ silent
 cmp -s orbit.h5 turned.h5 && fail "camera.up does nothing"
 expect 0 tides simulate --set scene.file=room.ply -qo named.h5 $small --set time.stop=0.02
 cmp orbit.h5 named.h5 || fail "--set scene.file alone is another run"
+mkdir -p model/point_cloud/iteration_7
+cp room.ply model/point_cloud/iteration_7/point_cloud.ply
+expect 0 tides simulate model -qo model.h5 $small --set time.stop=0.02
+expect 0 tides simulate model/ -qo slash.h5 $small --set time.stop=0.02 # as a shell completes it
+cmp model.h5 slash.h5 || fail "a model's folder with a slash is another run"
 
 # What tides makes itself stands on its feet, at a glance too.
 expect 0 tides scene fan --gaussians 300 -qo fan.h5

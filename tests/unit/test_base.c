@@ -265,6 +265,16 @@ static void test_paths_apart(void **state) {
     }
 }
 
+static void test_slashes_at_the_end(void **state) {
+    (void)state;
+    static const char *const rows[][2] = {{"a/b", "a/b"}, {"a/b/", "a/b"}, {"a//", "a"}, {"//", "/"}, {"", ""}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char *plain = td_plain_path(rows[i][0], NULL);
+        assert_string_equal(plain, rows[i][1]);
+        free(plain);
+    }
+}
+
 static void test_clock_and_memory(void **state) {
     (void)state;
     double before = td_now(), elapsed = 0.0;
@@ -278,11 +288,21 @@ static void test_clock_and_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_status_names),   cmocka_unit_test(test_version),          cmocka_unit_test(test_fail),
-        cmocka_unit_test(test_fail_truncates), cmocka_unit_test(test_fail_within),      cmocka_unit_test(test_alloc),
-        cmocka_unit_test(test_reserve),        cmocka_unit_test(test_format),           cmocka_unit_test(test_read_file),
-        cmocka_unit_test(test_commit),         cmocka_unit_test(test_nearest),          cmocka_unit_test(test_suggest),
-        cmocka_unit_test(test_paths_apart),    cmocka_unit_test(test_clock_and_memory),
+        cmocka_unit_test(test_status_names),
+        cmocka_unit_test(test_version),
+        cmocka_unit_test(test_fail),
+        cmocka_unit_test(test_fail_truncates),
+        cmocka_unit_test(test_fail_within),
+        cmocka_unit_test(test_alloc),
+        cmocka_unit_test(test_reserve),
+        cmocka_unit_test(test_format),
+        cmocka_unit_test(test_read_file),
+        cmocka_unit_test(test_commit),
+        cmocka_unit_test(test_nearest),
+        cmocka_unit_test(test_suggest),
+        cmocka_unit_test(test_paths_apart),
+        cmocka_unit_test(test_slashes_at_the_end),
+        cmocka_unit_test(test_clock_and_memory),
     };
     return cmocka_run_group_tests_name("base", tests, make_scratch, remove_scratch);
 }
