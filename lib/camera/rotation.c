@@ -75,6 +75,14 @@ void td_straighten_rotation(double rotation[9]) {
     td_rotation_from_quaternion(q, rotation);
 }
 
+void td_quaternion_product(const double a[4], const double b[4], double q[4]) {
+    const double product[4] = {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+                               a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+                               a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+                               a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]};
+    memcpy(q, product, sizeof product);
+}
+
 void td_quaternion_rate(const double q[4], const double omega[3], double q_dot[4]) {
     double cross[3];
     td_cross3(omega, q + 1, cross);

@@ -24,6 +24,9 @@ void td_quaternion_from_rotation(const double rotation[9], double q[4]);
 /* What is a rotation but for rounded digits becomes the nearest one. */
 void td_straighten_rotation(double rotation[9]);
 
+/* q = a b, which may be one of them. */
+void td_quaternion_product(const double a[4], const double b[4], double q[4]);
+
 /* q_dot = 1/2 omega q for an angular velocity in world axes. */
 void td_quaternion_rate(const double q[4], const double omega[3], double q_dot[4]);
 

@@ -37,14 +37,6 @@ tides_status td_sample_path(td_pose_at pose, void *shape, const tides_generate_o
     return status;
 }
 
-void td_quaternion_product(const double a[4], const double b[4], double q[4]) {
-    const double product[4] = {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-                               a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-                               a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-                               a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]};
-    memcpy(q, product, sizeof product);
-}
-
 void td_quaternion_about(const double axis[3], double angle, double q[4]) {
     q[0] = cos(0.5 * angle);
     for (int k = 0; k < 3; k++) q[k + 1] = sin(0.5 * angle) * axis[k];

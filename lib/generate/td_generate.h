@@ -3,6 +3,7 @@
 #define TD_GENERATE_H
 
 #include "tides/generate.h"
+#include "camera/td_rotation.h"
 #include "scene/td_scene.h"
 
 #define TD_GENERATE_PI 3.14159265358979323846
@@ -112,9 +113,7 @@ typedef struct td_turning {
 tides_status td_path_turning(const td_turning *turning, const tides_generate_options *options, tides_trajectory **path,
                              tides_error *error);
 
-/* q = a b for quaternions wxyz. */
-void td_quaternion_product(const double a[4], const double b[4], double q[4]);
-/* By `angle` about a unit vector. */
+/* The quaternion (wxyz) of a turn by `angle` about a unit vector. */
 void td_quaternion_about(const double axis[3], double angle, double q[4]);
 
 /* d^2 x / dt^2 of what swings or falls. */

@@ -78,14 +78,6 @@ static void turn_harmonics(const td_gaussians *g, const double r[9]) {
 
 /* -- shapes -------------------------------------------------------------------------------------------------------------- */
 
-static void multiply_quaternions(const double a[4], const float b[4], float out[4]) {
-    const double w = (double)b[0], x = (double)b[1], y = (double)b[2], z = (double)b[3];
-    out[0] = (float)(a[0] * w - a[1] * x - a[2] * y - a[3] * z);
-    out[1] = (float)(a[0] * x + a[1] * w + a[2] * z - a[3] * y);
-    out[2] = (float)(a[0] * y - a[1] * z + a[2] * w + a[3] * x);
-    out[3] = (float)(a[0] * z + a[1] * y - a[2] * x + a[3] * w);
-}
-
 /* Turns columns a and b of `m` within their plane until they stand upright on each other. 0: they did. */
 static int straighten_pair(double m[9], int a, int b) {
     double aa = 0, bb = 0, ab = 0;
@@ -166,9 +158,10 @@ tides_status td_gaussians_place(td_gaussians *g, const double map[12], tides_err
             stretch(g, i, linear);
             continue;
         }
-        float old[4];
-        memcpy(old, g->quaternion + 4 * i, sizeof old);
-        multiply_quaternions(q, old, g->quaternion + 4 * i);
+        float *own = g->quaternion + 4 * i;
+        double turned[4] = {(double)own[0], (double)own[1], (double)own[2], (double)own[3]};
+        td_quaternion_product(q, turned, turned);
+        for (int k = 0; k < 4; k++) own[k] = (float)turned[k];
         for (int k = 0; k < 3; k++) g->log_scale[3 * i + k] += larger;
     }
     turn_harmonics(g, turn);

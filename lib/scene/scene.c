@@ -52,6 +52,8 @@ static tides_status object_fill(td_object *object, td_gaussians *gaussians, cons
     return object->name && object->source ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
+static int32_t is_direction(const double v[3]) { return fabs(v[0]) > 0 || fabs(v[1]) > 0 || fabs(v[2]) > 0; }
+
 tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const tides_trajectory *trajectory, double scale,
                            const char *name, const char *source, int32_t *index, tides_error *error) {
     if (scene->count >= INT32_MAX)
@@ -70,7 +72,7 @@ tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const ti
         return name ? td_fail_within(error, status, "object %zu ('%.80s')", scene->count, name)
                     : td_fail_within(error, status, "%s", numbered);
     }
-    if (!trajectory && !tides_scene_up(scene, (double[3]){0})) memcpy(scene->up, gaussians->up, sizeof scene->up);
+    if (!trajectory && !is_direction(scene->up)) memcpy(scene->up, gaussians->up, sizeof scene->up);
     object.gaussians = *gaussians;
     memset(gaussians, 0, sizeof *gaussians);
     if (index) *index = (int32_t)scene->count;
@@ -89,8 +91,6 @@ tides_status tides_scene_add(tides_scene *scene, const tides_gaussians *gaussian
     td_gaussians_free(&copy); /* empty where it was taken */
     return status;
 }
-
-static int32_t is_direction(const double v[3]) { return fabs(v[0]) > 0 || fabs(v[1]) > 0 || fabs(v[2]) > 0; }
 
 int32_t tides_scene_up(const tides_scene *scene, double up[3]) {
     static const double unknown[3] = {0};
