@@ -20,14 +20,6 @@ double td_sensor_signal(const td_sensor *sensor, size_t pixel, double L, double 
     return S + td_sensor_noise_at(sensor, pixel, time);
 }
 
-static double threshold_on(const td_sensor *sensor, size_t i) {
-    return sensor->on ? sensor->threshold_on[i] : sensor->sensor.threshold_on;
-}
-
-static double threshold_off(const td_sensor *sensor, size_t i) {
-    return sensor->on ? sensor->threshold_off[i] : sensor->sensor.threshold_off;
-}
-
 td_levels td_sensor_levels(const td_sensor *sensor, const td_step *step, size_t first) {
     const tides_sensor *same = &sensor->sensor;
     const double *reference = sensor->pixels.reference + first;
@@ -51,7 +43,8 @@ double td_sensor_worst_residual(const td_sensor *sensor, const double *L, const 
     double worst = 0;
     for (size_t i = 0; i < sensor->count; i++) {
         double residual = td_sensor_signal(sensor, i, L[i], time) - sensor->pixels.reference[i];
-        double relative = fabs(residual) / (residual > 0 ? threshold_on(sensor, i) : threshold_off(sensor, i));
+        double relative =
+            fabs(residual) / (residual > 0 ? td_sensor_threshold_on(sensor, i) : td_sensor_threshold_off(sensor, i));
         if (relative > worst && is_free(sensor, i, coverage, time)) worst = relative;
     }
     return worst;
@@ -62,8 +55,8 @@ void td_sensor_resume(td_sensor *sensor) {
     const td_pixels *p = &sensor->pixels;
     for (size_t i = 0; i < sensor->count; i++) {
         int fired = p->count_on[i] || p->count_off[i];
-        p->reference[i] = fired ? td_reference_of(threshold_on(sensor, i), threshold_off(sensor, i), p->initial[i],
-                                                  p->count_on[i], p->count_off[i])
+        p->reference[i] = fired ? td_reference_of(td_sensor_threshold_on(sensor, i), td_sensor_threshold_off(sensor, i),
+                                                  p->initial[i], p->count_on[i], p->count_off[i])
                                 : p->initial[i];
         if (sensor->on) td_sensor_set_wake(sensor, i);
     }

@@ -206,6 +206,14 @@ static inline double td_sensor_time(const td_sensor *sensor, int64_t ns, double 
  */
 double td_sensor_signal(const td_sensor *sensor, size_t pixel, double L, double time);
 
+/* A pixel's own thresholds; without blocks that are on it has the nominal ones. */
+static inline double td_sensor_threshold_on(const td_sensor *sensor, size_t pixel) {
+    return sensor->on ? sensor->threshold_on[pixel] : sensor->sensor.threshold_on;
+}
+static inline double td_sensor_threshold_off(const td_sensor *sensor, size_t pixel) {
+    return sensor->on ? sensor->threshold_off[pixel] : sensor->sensor.threshold_off;
+}
+
 /* The smaller of the nominal thresholds, of which limits of errors are shares. */
 static inline double td_sensor_least_threshold(const tides_sensor *sensor) {
     return sensor->threshold_on < sensor->threshold_off ? sensor->threshold_on : sensor->threshold_off;

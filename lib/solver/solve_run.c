@@ -140,8 +140,7 @@ typedef struct turn {
 
 static int near_turns(const visit *v, turn *found, int most) {
     const td_sensor *sensor = &v->s->sensor;
-    const double on = sensor->on ? sensor->threshold_on[v->at] : sensor->sensor.threshold_on;
-    const double off = sensor->on ? sensor->threshold_off[v->at] : sensor->sensor.threshold_off;
+    const double on = td_sensor_threshold_on(sensor, v->at), off = td_sensor_threshold_off(sensor, v->at);
     const td_pieces *pieces = &v->model.pieces;
     int count = 0;
     for (int k = 0; k < pieces->count; k++) {
@@ -166,8 +165,7 @@ static double left_at(const visit *v, double s, double *residual) {
     const td_sensor *sensor = &v->s->sensor;
     int is_held;
     *residual = td_pieces_value(&v->model.pieces, s) - reference_at(v, s > 0 ? s : -1, &is_held);
-    const double on = sensor->on ? sensor->threshold_on[v->at] : sensor->sensor.threshold_on;
-    const double off = sensor->on ? sensor->threshold_off[v->at] : sensor->sensor.threshold_off;
+    const double on = td_sensor_threshold_on(sensor, v->at), off = td_sensor_threshold_off(sensor, v->at);
     return is_held ? INFINITY : td_lesser(on - *residual, *residual + off);
 }
 
@@ -290,10 +288,14 @@ static void note_error(visit *v, int n, const td_path_law *law) {
 /* What the events of a settled step are worth. Noise has times of its own. */
 static void note_events(visit *v, int doubts) {
     tides_simulator *s = v->s;
-    const td_path_law law = paths_of(v);
+    const int count = v->changes.count;
+    int k = 0;
     double residual;
     s->timing.uncertain += (uint64_t)(doubts + (ends_run(v) && left_at(v, 1, &residual) <= v->model.end + v->model.floor));
-    for (int k = 0; k < v->changes.count; k++) {
+    while (k < count && !v->changes.change[k].fired) k++;
+    if (k == count) return; /* most steps: what paths are off by is nobody's then */
+    const td_path_law law = paths_of(v);
+    for (; k < count; k++) {
         if (!v->changes.change[k].fired) continue;
         note_error(v, k, &law);
         s->solve.events += (uint64_t)(v->nodes > 0);
