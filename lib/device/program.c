@@ -52,11 +52,10 @@ static tides_status fail_build(const tides_device *device, cl_program program, c
     clGetProgramBuildInfo(program, device->id, CL_PROGRAM_BUILD_LOG, 0, NULL, &bytes);
     log = td_alloc(bytes + 1, 1, NULL);
     if (log) clGetProgramBuildInfo(program, device->id, CL_PROGRAM_BUILD_LOG, bytes, log, NULL);
+    for (char *c = log; c && *c; c++) /* one line */
+        if (*c == '\n' || *c == '\r') *c = ' ';
     tides_status status = td_fail(error, TIDES_DEVICE_FAILED, "kernel %s doesn't build on %.60s: %.700s", file,
                                   device->info.name, log ? log : "(no log)");
-    if (error) /* one line */
-        for (char *c = error->text; *c; c++)
-            if (*c == '\n' || *c == '\r') *c = ' ';
     free(log);
     return status;
 }
@@ -136,17 +135,35 @@ done:
     return status;
 }
 
-/* A program that can't be built with its own declarations is built with the driver's, and so are all after it: another PoCL may
- * have a header that these don't fit, and who changes kernels may call what they lack. Slower, and the same bits. */
-static tides_status build(tides_device *device, const dialect *of, const char *files, const char *defines, cl_program *program,
-                          tides_error *error) {
+static tides_status build_once(const tides_device *device, const dialect *of, const char *files, const char *defines,
+                               cl_program *program, tides_error *error) {
     td_source_text text = {0};
     tides_status status = gather_program(&text, device, of, files, defines, error);
     if (status == TIDES_OK) status = compile(device, &text, files, program, error);
     td_source_release(&text);
-    if (status == TIDES_OK || !device->own_builtins) return status;
+    return status;
+}
+
+/* Both compilers' lines, `error` holding the later ones, where they differ. */
+static tides_status fail_both(const tides_error *before, tides_status status, tides_error *error) {
+    if (!error || before->status != TIDES_DEVICE_FAILED || strcmp(before->text, error->text) == 0) return status;
+    const tides_error now = *error;
+    return td_fail(error, status, "%.550s; and before that, with kernels/builtins.h: %.400s", now.text, before->text);
+}
+
+/* A program that can't be built with its own declarations is built with the driver's, and so are all after it: another PoCL may
+ * have a header that these don't fit, and who changes kernels may call what they lack. Slower, and the same bits. Where that
+ * fails too the declarations aren't what is wrong. */
+static tides_status build(tides_device *device, const dialect *of, const char *files, const char *defines, cl_program *program,
+                          tides_error *error) {
+    tides_error before = {TIDES_OK, ""};
+    const int own = device->own_builtins;
+    if (own && build_once(device, of, files, defines, program, &before) == TIDES_OK) return TIDES_OK;
     device->own_builtins = 0;
-    return build(device, of, files, defines, program, error);
+    tides_status status = build_once(device, of, files, defines, program, error);
+    if (status == TIDES_OK || !own) return status;
+    device->own_builtins = own;
+    return fail_both(&before, status, error);
 }
 
 static tides_status find_program(tides_device *device, const dialect *of, const char *files, const char *defines,

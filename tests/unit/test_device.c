@@ -240,8 +240,12 @@ static void test_functions_that_nobody_declares(void **state) {
     assert_int_equal(device->own_builtins, is_pocl);
     tides_device_close(device);
     device = open_device("0");
-    scene_expect_error(build_text(device, "__kernel void f(void) { no_function(); }\n", "", &error), TIDES_DEVICE_FAILED,
-                       &error, "f.cl|no_function");
+    static const char wrong[] = "__kernel void f(void) { no_function(); }\n";
+    scene_expect_error(build_text(device, wrong, "", &error), TIDES_DEVICE_FAILED, &error, "f.cl|no_function");
+    assert_null(strstr(error.text, "builtins.h")); /* the same, and said once */
+    scene_expect_error(build_text(device, wrong, "no C\n", &error), TIDES_DEVICE_FAILED, &error,
+                       is_pocl ? "f.cl|no_function|before that|builtins.h:1" : "f.cl|no_function");
+    assert_int_equal(device->own_builtins, is_pocl); /* it isn't these */
     tides_device_close(device);
 }
 
