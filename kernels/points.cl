@@ -52,19 +52,18 @@ __kernel void td_point_make_splats(__constant const td_image *image_buffer, __gl
     }
 }
 
-/* Misfits of TD_LANES paths of a level per turn (td_path_try), in targets. */
+/* Misfits of TD_LANES paths of a level per turn (td_path_try), in targets: the worst, then, each `stride` on, bent and calm. */
 __kernel void td_point_find_misfits(__constant const td_image *image_buffer, __global const td_real *rows,
                                     __global const int *first, int count, int level, __global const td_real *lengths,
-                                    int pieces, td_real target, td_real rounding, __global td_real *worst,
-                                    __global td_real *bent, __global td_real *calm) {
+                                    int pieces, td_real target, td_real rounding, __global td_real *misfits, int stride) {
     const td_image image = td_specialised(image_buffer);
     const int items = (int)get_global_size(0) * TD_LANES;
     const td_path_terms terms = {target, 0, rounding, 0};
     for (int i = (int)get_global_id(0) * TD_LANES; i < count; i += items) {
         const td_path_misfits of = td_path_try(rows, td_load_ints(first + i), level, pieces, lengths, &terms, &image);
-        td_store_lanes(worst + i, of.worst);
-        td_store_lanes(bent + i, of.bent);
-        td_store_lanes(calm + i, of.calm);
+        td_store_lanes(misfits + i, of.worst);
+        td_store_lanes(misfits + stride + i, of.bent);
+        td_store_lanes(misfits + 2 * stride + i, of.calm);
     }
 }
 

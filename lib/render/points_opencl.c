@@ -25,7 +25,7 @@ typedef struct opencl_points {
     tides_device *device;
     cl_kernel misfit_kernel, splat_kernel, list_kernel, value_kernel;
     td_buffer image;
-    td_buffer first, piece_lengths, misfits, bent, calm;     /* paths that are tried */
+    td_buffer first, piece_lengths, misfits;                 /* paths that are tried */
     td_buffer path, row, lengths, curves, candidates, tiles; /* an interval */
     td_buffer seen, depths, records;                         /* its splats */
     td_buffer wanted, keys, listed, tests, counts;           /* lists */
@@ -44,47 +44,42 @@ static size_t even_items(const opencl_points *p, int count, size_t *local) {
     return count > GPU_GROUP ? ((size_t)count + GPU_GROUP - 1) / GPU_GROUP * GPU_GROUP : GPU_GROUP;
 }
 
+/* The last lanes write a little further. */
+static cl_int misfit_stride(const td_points_misfits *request) { return request->count + TD_PAD; }
+
 static tides_status launch_misfits(opencl_points *p, const td_buffer *rows, const td_points_misfits *request,
                                    tides_error *error) {
     size_t local, global = even_items(p, request->count, &local);
-    const cl_int count = request->count, level = request->level, pieces = request->pieces;
+    const cl_int count = request->count, level = request->level, pieces = request->pieces, stride = misfit_stride(request);
     const cl_double target = request->target, rounding = DBL_EPSILON / 2;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image), {rows, NULL, 0},
                                      TD_BUFFER_ARGUMENT(p->first), TD_VALUE_ARGUMENT(count),
                                      TD_VALUE_ARGUMENT(level),     TD_BUFFER_ARGUMENT(p->piece_lengths),
                                      TD_VALUE_ARGUMENT(pieces),    TD_VALUE_ARGUMENT(target),
                                      TD_VALUE_ARGUMENT(rounding),  TD_BUFFER_ARGUMENT(p->misfits),
-                                     TD_BUFFER_ARGUMENT(p->bent),  TD_BUFFER_ARGUMENT(p->calm)};
+                                     TD_VALUE_ARGUMENT(stride)};
     return td_launch(p->device, p->misfit_kernel, 1, &global, &local, arguments,
                      (cl_uint)(sizeof arguments / sizeof *arguments), NULL, error);
-}
-
-/* One of their numbers, as floats; `host` has room for it. */
-static tides_status read_misfits(opencl_points *p, const td_buffer *from, size_t count, double *host, float *out,
-                                 tides_error *error) {
-    tides_status status = td_buffer_read(p->device, from, host, count * sizeof *host, error);
-    for (size_t i = 0; i < count && status == TIDES_OK; i++) out[i] = (float)host[i];
-    return status;
 }
 
 static tides_status misfits(td_points_engine *engine, const td_points_misfits *request, const td_points_fit *fit,
                             tides_error *error) {
     opencl_points *p = (opencl_points *)engine;
-    const size_t count = (size_t)request->count, pieces = (size_t)request->pieces, room = count + TD_PAD;
-    if (count == 0) return TIDES_OK;
-    double *host = td_alloc(count + pieces, sizeof *host, error);
+    const size_t stride = (size_t)misfit_stride(request), pieces = (size_t)request->pieces;
+    if (request->count == 0) return TIDES_OK;
+    double *host = td_alloc(3 * stride + pieces, sizeof *host, error), *lengths = host ? host + 3 * stride : NULL;
     if (!host) return TIDES_NO_MEMORY;
-    for (size_t i = 0; i < pieces; i++) host[count + i] = request->knot[i + 1] - request->knot[i];
-    tides_status status = td_buffer_write(p->device, &p->first, request->first, room * sizeof(cl_int), error);
-    if (status == TIDES_OK)
-        status = td_buffer_write(p->device, &p->piece_lengths, host + count, pieces * sizeof(cl_double), error);
-    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->misfits, room * sizeof(cl_double), error);
-    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->bent, room * sizeof(cl_double), error);
-    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->calm, room * sizeof(cl_double), error);
+    for (size_t i = 0; i < pieces; i++) lengths[i] = request->knot[i + 1] - request->knot[i];
+    tides_status status = td_buffer_write(p->device, &p->first, request->first, stride * sizeof(cl_int), error);
+    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->piece_lengths, lengths, pieces * sizeof(cl_double), error);
+    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->misfits, 3 * stride * sizeof(cl_double), error);
     if (status == TIDES_OK) status = launch_misfits(p, td_exact_row_buffer(request->exact), request, error);
-    if (status == TIDES_OK) status = read_misfits(p, &p->misfits, count, host, fit->worst, error);
-    if (status == TIDES_OK) status = read_misfits(p, &p->bent, count, host, fit->bent, error);
-    if (status == TIDES_OK) status = read_misfits(p, &p->calm, count, host, fit->calm, error);
+    if (status == TIDES_OK) status = td_buffer_read(p->device, &p->misfits, host, 3 * stride * sizeof *host, error);
+    for (int i = 0; i < request->count && status == TIDES_OK; i++) {
+        fit->worst[i] = (float)host[i];
+        fit->bent[i] = (float)host[stride + (size_t)i];
+        fit->calm[i] = (float)host[2 * stride + (size_t)i];
+    }
     free(host);
     return status;
 }
@@ -232,10 +227,10 @@ static tides_status values(td_points_engine *engine, const td_points_batch *batc
 
 static void destroy(td_points_engine *engine) {
     opencl_points *p = (opencl_points *)engine;
-    td_buffer *buffers[] = {&p->first,  &p->piece_lengths, &p->misfits,    &p->bent,    &p->calm,  &p->image,  &p->path,
-                            &p->row,    &p->curves,        &p->candidates, &p->lengths, &p->tiles, &p->wanted, &p->keys,
-                            &p->listed, &p->seen,          &p->depths,     &p->records, &p->tests, &p->counts, &p->columns,
-                            &p->piece,  &p->chunks,        &p->values,     &p->entries};
+    td_buffer *buffers[] = {&p->first,   &p->piece_lengths, &p->misfits, &p->image,   &p->path,   &p->row,
+                            &p->curves,  &p->candidates,    &p->lengths, &p->tiles,   &p->wanted, &p->keys,
+                            &p->listed,  &p->seen,          &p->depths,  &p->records, &p->tests,  &p->counts,
+                            &p->columns, &p->piece,         &p->chunks,  &p->values,  &p->entries};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     if (p->misfit_kernel) clReleaseKernel(p->misfit_kernel);
     if (p->splat_kernel) clReleaseKernel(p->splat_kernel);
@@ -295,9 +290,9 @@ static tides_status warm_up(opencl_points *p, tides_error *error) {
                                          .tile_count = 1};
     const td_points_batch batch = {{no_length, no_length, no_length, no_length}, none, 0, NULL, 0, 0, 0};
     const td_points_misfits nobody = {NULL, 1, none, 0, 1, no_length, 1, 1};
-    td_buffer *misfit_buffers[] = {&p->first, &p->piece_lengths, &p->misfits, &p->bent, &p->calm};
+    td_buffer *misfit_buffers[] = {&p->first, &p->piece_lengths, &p->misfits};
     tides_status status = begin(&p->base, &interval, error);
-    for (int i = 0; i < 5 && status == TIDES_OK; i++)
+    for (int i = 0; i < 3 && status == TIDES_OK; i++)
         status = td_buffer_reserve(p->device, misfit_buffers[i], sizeof(cl_double), error);
     if (status == TIDES_OK) status = launch_misfits(p, &p->image, &nobody, error);
     if (status == TIDES_OK) status = lists(&p->base, none, 1, error);
