@@ -54,6 +54,9 @@ typedef struct td_argument {
 #define TD_VALUE_ARGUMENT(v) \
     { NULL, &(v), sizeof(v) }
 
+/* An array of them, and how many they are. */
+#define TD_ARGUMENTS(array) (array), (cl_uint)(sizeof(array) / sizeof *(array))
+
 /* Sets the arguments and enqueues: the only place that does. `local` may be NULL. `event` (nullable) is the caller's. */
 tides_status td_launch(tides_device *device, cl_kernel kernel, cl_uint dimensions, const size_t *global, const size_t *local,
                        const td_argument *arguments, cl_uint count, cl_event *event, tides_error *error);

@@ -40,20 +40,16 @@ tides_status td_opencl_write_reals(opencl_backend *b, td_buffer *buffer, const d
 
 static tides_status launch_project(opencl_backend *b, const td_batch *batch, int shared, cl_event *event, tides_error *error) {
     size_t local = td_opencl_group_size(b), global = td_opencl_takers(b, batch->job_count);
-    cl_int first_rate = b->first_rate, first_moved = b->gaussians, shared_count = shared, jobs = batch->job_count;
+    cl_int shared_count = shared, jobs = batch->job_count;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->jobs),
-                                     TD_BUFFER_ARGUMENT(b->candidates),   TD_BUFFER_ARGUMENT(b->object),
-                                     TD_BUFFER_ARGUMENT(b->views),        TD_BUFFER_ARGUMENT(b->geometry),
-                                     TD_BUFFER_ARGUMENT(b->rates),        TD_BUFFER_ARGUMENT(b->sh),
-                                     TD_BUFFER_ARGUMENT(b->sh_rates),     TD_BUFFER_ARGUMENT(b->owners),
-                                     TD_VALUE_ARGUMENT(first_rate),       TD_VALUE_ARGUMENT(first_moved),
+                                     TD_BUFFER_ARGUMENT(b->candidates),   TD_SOURCE_ARGUMENTS(b),
                                      TD_BUFFER_ARGUMENT(b->records),      TD_BUFFER_ARGUMENT(b->colours),
                                      TD_BUFFER_ARGUMENT(b->depths),       TD_BUFFER_ARGUMENT(b->lights),
                                      TD_BUFFER_ARGUMENT(b->masks),        TD_BUFFER_ARGUMENT(b->shared_as),
                                      TD_BUFFER_ARGUMENT(b->luminance),    TD_VALUE_ARGUMENT(shared_count),
                                      TD_BUFFER_ARGUMENT(b->turns),        TD_VALUE_ARGUMENT(jobs)};
-    return td_launch(b->device, b->project_kernel[kind_of_outputs(batch->outputs)], 1, &global, &local, arguments,
-                     (cl_uint)(sizeof arguments / sizeof *arguments), event, error);
+    return td_launch(b->device, b->project_kernel[kind_of_outputs(batch->outputs)], 1, &global, &local, TD_ARGUMENTS(arguments),
+                     event, error);
 }
 
 static tides_status launch_sort(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
@@ -66,8 +62,7 @@ static tides_status launch_sort(opencl_backend *b, const td_batch *batch, cl_eve
                                      TD_BUFFER_ARGUMENT(b->counts), TD_BUFFER_ARGUMENT(b->brightest),
                                      TD_BUFFER_ARGUMENT(b->hints),  TD_BUFFER_ARGUMENT(b->words),
                                      TD_BUFFER_ARGUMENT(b->turns),  TD_VALUE_ARGUMENT(jobs)};
-    return td_launch(b->device, b->sort_kernel, 1, &global, &local, arguments, (cl_uint)(sizeof arguments / sizeof *arguments),
-                     event, error);
+    return td_launch(b->device, b->sort_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), event, error);
 }
 
 static tides_status launch_composite(opencl_backend *b, const td_batch *batch, const td_staging *s, cl_event *event,
@@ -84,8 +79,8 @@ static tides_status launch_composite(opencl_backend *b, const td_batch *batch, c
                                      TD_BUFFER_ARGUMENT(b->blended),      TD_BUFFER_ARGUMENT(b->views),
                                      TD_BUFFER_ARGUMENT(b->decoder),      TD_BUFFER_ARGUMENT(b->asked),
                                      TD_BUFFER_ARGUMENT(b->words),        TD_VALUE_ARGUMENT(asked_count)};
-    return td_launch(b->device, b->composite_kernel[kind_of_outputs(batch->outputs)], 1, &global, &local, arguments,
-                     (cl_uint)(sizeof arguments / sizeof *arguments), event, error);
+    return td_launch(b->device, b->composite_kernel[kind_of_outputs(batch->outputs)], 1, &global, &local,
+                     TD_ARGUMENTS(arguments), event, error);
 }
 
 /* Records of all jobs, with the times of two launches. */

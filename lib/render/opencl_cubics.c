@@ -17,8 +17,7 @@ static tides_status launch_cubics(opencl_backend *b, size_t jobs, tides_error *e
                                      TD_VALUE_ARGUMENT(sh_stride),          TD_BUFFER_ARGUMENT(b->geometry),
                                      TD_BUFFER_ARGUMENT(b->rates),          TD_BUFFER_ARGUMENT(b->sh),
                                      TD_BUFFER_ARGUMENT(b->sh_rates)};
-    return td_launch(b->device, b->cubic_kernel, 1, &global, &local, arguments, (cl_uint)(sizeof arguments / sizeof *arguments),
-                     NULL, error);
+    return td_launch(b->device, b->cubic_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
 }
 
 tides_status td_opencl_run_cubics(opencl_backend *b, const td_move_batch *moves, tides_error *error) {
@@ -34,19 +33,11 @@ tides_status td_opencl_run_cubics(opencl_backend *b, const td_move_batch *moves,
 static tides_status launch_misfits(opencl_backend *b, const td_misfit_request *request, tides_error *error) {
     size_t local = td_opencl_group_size(b), lanes = (size_t)b->device->info.lanes;
     size_t groups = ((size_t)request->count + lanes - 1) / lanes, global = (groups + local - 1) / local * local;
-    cl_int first_rate = b->first_rate, first_moved = b->gaussians, sh_stride = b->image.sh_stride, count = request->count;
+    cl_int sh_stride = b->image.sh_stride, count = request->count;
     cl_int row0 = request->row[0], row1 = request->row[1], row2 = request->row[2];
     if (global == 0) global = local;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer),
-                                     TD_BUFFER_ARGUMENT(b->object),
-                                     TD_BUFFER_ARGUMENT(b->views),
-                                     TD_BUFFER_ARGUMENT(b->geometry),
-                                     TD_BUFFER_ARGUMENT(b->rates),
-                                     TD_BUFFER_ARGUMENT(b->sh),
-                                     TD_BUFFER_ARGUMENT(b->sh_rates),
-                                     TD_BUFFER_ARGUMENT(b->owners),
-                                     TD_VALUE_ARGUMENT(first_rate),
-                                     TD_VALUE_ARGUMENT(first_moved),
+                                     TD_SOURCE_ARGUMENTS(b),
                                      TD_VALUE_ARGUMENT(sh_stride),
                                      TD_VALUE_ARGUMENT(count),
                                      TD_VALUE_ARGUMENT(row0),
@@ -54,8 +45,7 @@ static tides_status launch_misfits(opencl_backend *b, const td_misfit_request *r
                                      TD_VALUE_ARGUMENT(row2),
                                      TD_BUFFER_ARGUMENT(b->misfit_terms),
                                      TD_BUFFER_ARGUMENT(b->misfits)};
-    return td_launch(b->device, b->misfit_kernel, 1, &global, &local, arguments,
-                     (cl_uint)(sizeof arguments / sizeof *arguments), NULL, error);
+    return td_launch(b->device, b->misfit_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
 }
 
 static tides_status send_terms(opencl_backend *b, const td_misfit_request *request, tides_error *error) {

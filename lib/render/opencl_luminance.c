@@ -44,17 +44,12 @@ static tides_status launch(opencl_backend *b, int groups, int slots, cl_event *e
     const size_t items = groups > 0 ? ((size_t)groups * TD_PAD + each - 1) / each : 1;
     const size_t local[2] = {td_opencl_group_size(b), 1};
     const size_t global[2] = {(items + local[0] - 1) / local[0] * local[0], (size_t)slots};
-    cl_int first_rate = b->first_rate, gaussians = b->gaussians, group_count = groups, slot_count = slots;
+    cl_int group_count = groups, slot_count = slots;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->groups),
                                      TD_VALUE_ARGUMENT(group_count),      TD_BUFFER_ARGUMENT(b->shared_slots),
-                                     TD_VALUE_ARGUMENT(slot_count),       TD_BUFFER_ARGUMENT(b->object),
-                                     TD_BUFFER_ARGUMENT(b->views),        TD_BUFFER_ARGUMENT(b->geometry),
-                                     TD_BUFFER_ARGUMENT(b->rates),        TD_BUFFER_ARGUMENT(b->sh),
-                                     TD_BUFFER_ARGUMENT(b->sh_rates),     TD_BUFFER_ARGUMENT(b->owners),
-                                     TD_VALUE_ARGUMENT(first_rate),       TD_VALUE_ARGUMENT(gaussians),
+                                     TD_VALUE_ARGUMENT(slot_count),       TD_SOURCE_ARGUMENTS(b),
                                      TD_BUFFER_ARGUMENT(b->luminance)};
-    return td_launch(b->device, b->luminance_kernel, 2, global, local, arguments,
-                     (cl_uint)(sizeof arguments / sizeof *arguments), event, error);
+    return td_launch(b->device, b->luminance_kernel, 2, global, local, TD_ARGUMENTS(arguments), event, error);
 }
 
 /* Drivers such as PoCL compile when a kernel first runs: one of no groups. */

@@ -45,8 +45,7 @@ static tides_status launch_kind(opencl_backend *b, int kind, int first, int end,
                                      TD_BUFFER_ARGUMENT(b->rates),
                                      TD_BUFFER_ARGUMENT(b->sh),
                                      TD_BUFFER_ARGUMENT(b->sh_rates)};
-    return td_launch(b->device, b->move_kernel[kind], 1, &global, &local, arguments,
-                     (cl_uint)(sizeof arguments / sizeof *arguments), NULL, error);
+    return td_launch(b->device, b->move_kernel[kind], 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
 }
 
 /* A job without Gaussians: drivers such as PoCL compile when a kernel first runs, and that belongs to the build's time. */

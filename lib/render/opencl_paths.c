@@ -11,15 +11,14 @@ typedef struct device_terms {
 
 static tides_status launch_nodes(opencl_backend *b, size_t jobs, cl_event *event, tides_error *error) {
     size_t local = td_opencl_group_size(b), global = jobs * local;
-    cl_int first_rate = b->first_rate, first_moved = b->gaussians;
-    const td_argument arguments[] =
-        {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->node_jobs), TD_BUFFER_ARGUMENT(b->node_gaussians),
-         TD_BUFFER_ARGUMENT(b->node_places),  TD_BUFFER_ARGUMENT(b->object),    TD_BUFFER_ARGUMENT(b->views),
-         TD_BUFFER_ARGUMENT(b->geometry),     TD_BUFFER_ARGUMENT(b->rates),     TD_BUFFER_ARGUMENT(b->sh),
-         TD_BUFFER_ARGUMENT(b->sh_rates),     TD_BUFFER_ARGUMENT(b->owners),    TD_VALUE_ARGUMENT(first_rate),
-         TD_VALUE_ARGUMENT(first_moved),      TD_BUFFER_ARGUMENT(b->path_rows), TD_BUFFER_ARGUMENT(b->path_low)};
-    return td_launch(b->device, b->node_kernel, 1, &global, &local, arguments, (cl_uint)(sizeof arguments / sizeof *arguments),
-                     event, error);
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer),
+                                     TD_BUFFER_ARGUMENT(b->node_jobs),
+                                     TD_BUFFER_ARGUMENT(b->node_gaussians),
+                                     TD_BUFFER_ARGUMENT(b->node_places),
+                                     TD_SOURCE_ARGUMENTS(b),
+                                     TD_BUFFER_ARGUMENT(b->path_rows),
+                                     TD_BUFFER_ARGUMENT(b->path_low)};
+    return td_launch(b->device, b->node_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), event, error);
 }
 
 static tides_status send_nodes(opencl_backend *b, const td_node_request *request, tides_error *error) {
@@ -70,8 +69,7 @@ static tides_status launch_measure(opencl_backend *b, int count_of, int level_of
                                      TD_BUFFER_ARGUMENT(b->path_lengths),
                                      TD_BUFFER_ARGUMENT(b->path_terms),
                                      TD_BUFFER_ARGUMENT(b->path_misfits)};
-    return td_launch(b->device, b->measure_kernel, 1, &global, &local, arguments,
-                     (cl_uint)(sizeof arguments / sizeof *arguments), NULL, error);
+    return td_launch(b->device, b->measure_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
 }
 
 tides_status td_opencl_path_misfits(td_backend *backend, const td_path_request *request, float *misfits, tides_error *error) {
@@ -115,21 +113,16 @@ static tides_status send_paths(opencl_backend *b, const td_batch *batch, tides_e
 
 static tides_status launch_fetch(opencl_backend *b, int jobs, cl_event *event, tides_error *error) {
     size_t local = td_opencl_group_size(b), global = td_opencl_takers(b, jobs);
-    cl_int first_rate = b->first_rate, first_moved = b->gaussians, job_count = jobs;
+    cl_int job_count = jobs;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->jobs),
-                                     TD_BUFFER_ARGUMENT(b->candidates),   TD_BUFFER_ARGUMENT(b->object),
-                                     TD_BUFFER_ARGUMENT(b->views),        TD_BUFFER_ARGUMENT(b->geometry),
-                                     TD_BUFFER_ARGUMENT(b->rates),        TD_BUFFER_ARGUMENT(b->sh),
-                                     TD_BUFFER_ARGUMENT(b->sh_rates),     TD_BUFFER_ARGUMENT(b->owners),
-                                     TD_VALUE_ARGUMENT(first_rate),       TD_VALUE_ARGUMENT(first_moved),
+                                     TD_BUFFER_ARGUMENT(b->candidates),   TD_SOURCE_ARGUMENTS(b),
                                      TD_BUFFER_ARGUMENT(b->path_rows),    TD_BUFFER_ARGUMENT(b->path_low),
                                      TD_BUFFER_ARGUMENT(b->path_cubics),  TD_BUFFER_ARGUMENT(b->path_nodes),
                                      TD_BUFFER_ARGUMENT(b->path_of),      TD_BUFFER_ARGUMENT(b->records),
                                      TD_BUFFER_ARGUMENT(b->depths),       TD_BUFFER_ARGUMENT(b->lights),
                                      TD_BUFFER_ARGUMENT(b->masks),        TD_BUFFER_ARGUMENT(b->turns),
                                      TD_VALUE_ARGUMENT(job_count)};
-    return td_launch(b->device, b->fetch_kernel, 1, &global, &local, arguments, (cl_uint)(sizeof arguments / sizeof *arguments),
-                     event, error);
+    return td_launch(b->device, b->fetch_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), event, error);
 }
 
 /* A job of each kernel without Gaussians: drivers such as PoCL compile when a kernel first runs. */

@@ -53,8 +53,7 @@ tides_status td_opencl_sweep(td_backend *backend, const td_sweep_request *reques
                                      TD_VALUE_ARGUMENT(end),
                                      TD_BUFFER_ARGUMENT(b->boxes),
                                      TD_BUFFER_ARGUMENT(b->travel)};
-    status = td_launch(b->device, b->sweep_kernel, 1, &global, &local, arguments,
-                       (cl_uint)(sizeof arguments / sizeof *arguments), NULL, error);
+    status = td_launch(b->device, b->sweep_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
     if (status == TIDES_OK)
         status = td_buffer_read_part(b->device, &b->boxes, boxes, 4 * (size_t)begin * sizeof *boxes,
                                      4 * (size_t)(end - begin) * sizeof *boxes, error);

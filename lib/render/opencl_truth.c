@@ -20,8 +20,7 @@ static tides_status launch_surfaces(opencl_backend *b, int jobs, tides_error *er
                                      TD_BUFFER_ARGUMENT(b->masks),          TD_BUFFER_ARGUMENT(b->surfaces),
                                      TD_BUFFER_ARGUMENT(b->surface_rates),  TD_BUFFER_ARGUMENT(b->turns),
                                      TD_VALUE_ARGUMENT(job_count)};
-    return td_launch(b->device, b->surface_kernel, 1, &global, &local, arguments,
-                     (cl_uint)(sizeof arguments / sizeof *arguments), NULL, error);
+    return td_launch(b->device, b->surface_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
 }
 
 tides_status td_opencl_truth(opencl_backend *b, const td_batch *batch, size_t asked, cl_event *event, tides_error *error) {
@@ -39,8 +38,7 @@ tides_status td_opencl_truth(opencl_backend *b, const td_batch *batch, size_t as
                                      TD_BUFFER_ARGUMENT(b->counts),        TD_VALUE_ARGUMENT(objects),
                                      TD_BUFFER_ARGUMENT(b->planes),        TD_BUFFER_ARGUMENT(b->blended),
                                      TD_BUFFER_ARGUMENT(b->asked),         TD_VALUE_ARGUMENT(asked_count)};
-    return td_launch(b->device, b->truth_kernel, 1, &global, &local, arguments, (cl_uint)(sizeof arguments / sizeof *arguments),
-                     event, error);
+    return td_launch(b->device, b->truth_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), event, error);
 }
 
 tides_status td_opencl_make_truth(opencl_backend *b, tides_error *error) {

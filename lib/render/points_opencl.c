@@ -58,8 +58,7 @@ static tides_status launch_misfits(opencl_points *p, const td_buffer *rows, cons
                                      TD_VALUE_ARGUMENT(pieces),    TD_VALUE_ARGUMENT(target),
                                      TD_VALUE_ARGUMENT(rounding),  TD_BUFFER_ARGUMENT(p->misfits),
                                      TD_VALUE_ARGUMENT(stride)};
-    return td_launch(p->device, p->misfit_kernel, 1, &global, &local, arguments,
-                     (cl_uint)(sizeof arguments / sizeof *arguments), NULL, error);
+    return td_launch(p->device, p->misfit_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
 }
 
 static tides_status misfits(td_points_engine *engine, const td_points_misfits *request, const td_points_fit *fit,
@@ -96,8 +95,7 @@ static tides_status make_splats(opencl_points *p, tides_error *error) {
                                      TD_VALUE_ARGUMENT(slices->count), TD_VALUE_ARGUMENT(slices->split),
                                      TD_VALUE_ARGUMENT(slices->group), TD_BUFFER_ARGUMENT(p->curves),
                                      TD_BUFFER_ARGUMENT(p->depths),    TD_BUFFER_ARGUMENT(p->records)};
-    return td_launch(p->device, p->splat_kernel, 1, &global, &local, arguments, (cl_uint)(sizeof arguments / sizeof *arguments),
-                     NULL, error);
+    return td_launch(p->device, p->splat_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
 }
 
 /* The interval's own data, what points need of its splats, and room for its lists. */
@@ -149,8 +147,7 @@ static tides_status lists(td_points_engine *engine, const int *tiles, int count,
                                      TD_BUFFER_ARGUMENT(p->counts)};
     tides_status status = td_buffer_write(p->device, &p->wanted, tiles, (size_t)count * sizeof *tiles, error);
     if (status == TIDES_OK)
-        status = td_launch(p->device, p->list_kernel, 1, &global, &local, arguments,
-                           (cl_uint)(sizeof arguments / sizeof *arguments), NULL, error);
+        status = td_launch(p->device, p->list_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
     for (int i = 0; i < count; i++)
         if (p->at.tiles[tiles[i]].count > p->longest) p->longest = p->at.tiles[tiles[i]].count;
     return td_finish(p->device, status, error);
@@ -208,8 +205,7 @@ static tides_status launch_values(opencl_points *p, const td_points_batch *batch
                                      TD_VALUE_ARGUMENT(backdrop),
                                      TD_VALUE_ARGUMENT(backdrop_dot),
                                      TD_BUFFER_ARGUMENT(p->values)};
-    return td_launch(p->device, p->value_kernel, 1, &items, &local, arguments, (cl_uint)(sizeof arguments / sizeof *arguments),
-                     NULL, error);
+    return td_launch(p->device, p->value_kernel, 1, &items, &local, TD_ARGUMENTS(arguments), NULL, error);
 }
 
 static tides_status values(td_points_engine *engine, const td_points_batch *batch, double *out, tides_error *error) {

@@ -54,6 +54,12 @@ typedef struct opencl_backend {
     size_t path_host_capacity;
 } opencl_backend;
 
+/* The Gaussians, as most kernels take them: td_source (kernels/projection.h) with objects and views. */
+#define TD_SOURCE_ARGUMENTS(b)                                                                          \
+    TD_BUFFER_ARGUMENT((b)->object), TD_BUFFER_ARGUMENT((b)->views), TD_BUFFER_ARGUMENT((b)->geometry), \
+        TD_BUFFER_ARGUMENT((b)->rates), TD_BUFFER_ARGUMENT((b)->sh), TD_BUFFER_ARGUMENT((b)->sh_rates), \
+        TD_BUFFER_ARGUMENT((b)->owners), TD_VALUE_ARGUMENT((b)->first_rate), TD_VALUE_ARGUMENT((b)->gaussians)
+
 /* Work-items that share a job's candidates, or neighbouring Gaussians: one on a CPU, a warp or two on a GPU. */
 static inline size_t td_opencl_group_size(const opencl_backend *b) { return b->device->info.lanes > 1 ? 1 : 64; }
 
