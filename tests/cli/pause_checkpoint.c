@@ -1,5 +1,5 @@
-/* LD_PRELOAD: a process stands still (SIGSTOP) once its first checkpoint is in place. It is then within its run, however fast the
- * run and however slow whoever waits to interrupt it. */
+/* LD_PRELOAD: a process stands still (SIGSTOP) once its first checkpoint is in place. It is then within its run, however fast
+ * the run and however slow whoever waits to interrupt it. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <signal.h>
