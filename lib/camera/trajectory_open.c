@@ -115,7 +115,7 @@ tides_status tides_trajectory_create_open(const tides_pose_sample *samples, size
 tides_status td_trajectory_begin(tides_trajectory *t, const tides_pose_sample *first, tides_error *error) {
     tides_trajectory *made = NULL;
     tides_status status = tides_trajectory_create_open(first, 1, &made, error);
-    if (status != TIDES_OK) return status;
+    if (status != TIDES_OK || !made) return status;
     t->samples[0] = made->samples[0];
     t->open.knot[0] = made->open.knot[0];
     t->origin = made->origin;
