@@ -28,7 +28,6 @@ import subprocess
 import threading
 import time
 import uuid
-import warnings
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +42,7 @@ from . import _api, errors
 from ._progress import Progress, shower
 from ._tool import tool_path
 from ._values import Facts
+from ._warn import warn
 
 _POLL_S = 0.5  # how late a worker notices that the batch is to stop
 _STOP_S = 60.0  # what runs get to save what going on needs
@@ -224,7 +224,7 @@ def _warn(batch: _Batch, summary: Facts) -> None:
     if len(rows) > _TOLD:
         quoted.append("...")
     if rows:
-        warnings.warn(f"{len(rows)} of {len(summary.runs)} runs failed: {'; '.join(quoted)}", RuntimeWarning, stacklevel=3)
+        warn(f"{len(rows)} of {len(summary.runs)} runs failed: {'; '.join(quoted)}", RuntimeWarning)
 
 
 def map(

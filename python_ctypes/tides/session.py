@@ -140,8 +140,8 @@ class Session(Handle):
         return self._done(stats)
 
     def _done(self, stats: Any) -> Facts:
-        if self.frames is None:
-            warn_of_nothing(stats.render.pairs_evaluated)
+        if self.frames is None and not stats.render.pairs_evaluated:
+            warn_of_nothing()
         return plain(stats)
 
     def simulate(self, progress: Progress = None) -> np.ndarray:
@@ -180,7 +180,8 @@ class Session(Handle):
         report = _api.tides_dataset_report()
         with self._lock, Reporter(progress) as step:
             call("tides_dataset_write", self._pointer, path(folder), encoded(names), step, None, byref(report))
-        warn_of_nothing(0 if report.unseeing else 1, f" of {report.unseeing} of {report.cameras} cameras")
+        if report.unseeing:
+            warn_of_nothing(f" of {report.unseeing} of {report.cameras} cameras")
         return plain(report)
 
     def add_truth(self, file: str | os.PathLike[str], progress: Progress = None) -> None:
@@ -194,7 +195,8 @@ class Session(Handle):
         taken = _api.tides_session_taken()
         with self._lock, Reporter(progress) as step:
             call("tides_session_frames", self._pointer, path(folder), step, None, byref(taken))
-        warn_of_nothing(taken.pairs)
+        if not taken.pairs:
+            warn_of_nothing()
         return plain(taken)
 
     def write_imu(self, file: str | os.PathLike[str]) -> Facts:

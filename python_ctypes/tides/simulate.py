@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 import threading
-import warnings
 from ctypes import POINTER, byref, c_double, c_uint32, memmove, sizeof
 from typing import Any, Callable, Iterator
 
@@ -17,7 +16,7 @@ from ._handle import Handle
 from ._library import lib
 from ._progress import Progress, Reporter
 from ._values import Facts, Value, plain
-
+from ._warn import warn
 from .device import Device, opened
 from .events import EVENT
 from .readout import Readout
@@ -86,10 +85,9 @@ class _Collector:
         return self.events[: self.count]
 
 
-def warn_of_nothing(pairs: int, who: str = "") -> None:
+def warn_of_nothing(who: str = "") -> None:
     """A run whose camera looks away ends well, and empty: its user should hear why."""
-    if pairs == 0:
-        warnings.warn(f"nothing of the scene was in view{who}, at any time: look at the camera's path", stacklevel=4)
+    warn(f"nothing of the scene was in view{who}, at any time: look at the camera's path")
 
 
 class Simulation(Handle):
@@ -163,8 +161,8 @@ class Simulation(Handle):
         self._goes_on()
         self._step_to(self.stop if until is None else until, sink, progress)
         self._spent = until is None
-        if self._spent:
-            warn_of_nothing(self.stats.render.pairs_evaluated)
+        if self._spent and not self.stats.render.pairs_evaluated:
+            warn_of_nothing()
 
     def _step_to(self, until: float, sink: Callable[..., int], progress: Progress) -> None:
         with self._lock, Reporter(progress, self._stopping) as step:
@@ -242,7 +240,8 @@ class Simulation(Handle):
             finally:
                 self._stopping.clear()
         self._spent, stats = True, self.stats
-        warn_of_nothing(stats.render.pairs_evaluated)
+        if not stats.render.pairs_evaluated:
+            warn_of_nothing()
         return stats
 
     def cancel(self) -> None:

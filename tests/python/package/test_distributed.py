@@ -109,8 +109,10 @@ def test_killed_worker(client, tmp_path, monkeypatch):
 def test_failures_are_told_at_the_end(client, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     manifest = make_manifest(tmp_path, gone={"scene.file": "gone.ply"}, outside={"camera.file": "run.json"})
-    with pytest.warns(RuntimeWarning, match=r"2 of 6 runs failed: gone: .*gone.ply: can't be opened.*; outside: .*run.json: "):
+    told = r"2 of 6 runs failed: gone: .*gone.ply: can't be opened.*; outside: .*run.json: "
+    with pytest.warns(RuntimeWarning, match=told) as heard:
         summary = tides.distributed.map(manifest, client, "dask")
+    assert [one.filename for one in heard if one.category is RuntimeWarning] == [__file__]
     assert (summary.done, summary.failed) == (4, 2) and "gone.ply" in summary.runs[4].error
     equal_folders(tmp_path / "dask", whole(tmp_path, code=1))
 

@@ -122,15 +122,22 @@ def test_what_is_spent_says_so(scene, camera, events, tmp_path):
     assert np.array_equal(simulation.run(0.1), events) and len(simulation.run()) == 0  # to a time: there may be a rest
 
 
+def hears_of_nothing(take):
+    """That the warning comes once, and names the user's line: here that is one of this file."""
+    with pytest.warns(UserWarning, match="nothing of the scene was in view") as heard:
+        take()
+    assert [one.filename for one in heard] == [__file__]
+
+
 def test_a_view_of_nothing_says_so(scene, tmp_path):
     """A camera that looks away has no events, and its user hears why; one that stands still before a scene doesn't."""
     lens = tides.Intrinsics.from_fov(*SIZE, 0.8)
     stepping = tides.Stepping(mode="fixed", step_s=0.01)
     away = tides.Camera(tides.Trajectory.static((0, 0, -4), (0, 1, 0, 0)), lens)
-    for take in (lambda one: one.run(), lambda one: list(one), lambda one: one.write(tmp_path / "no.h5")):
+    silent, file = lambda packet: None, tmp_path / "no.h5"
+    for take in (lambda one: one.run(), list, lambda one: one.feed(silent), lambda one: one.write(file)):
         simulation = tides.Simulation(scene, away, 0, 0.02, stepping=stepping, device="reference")
-        with pytest.warns(UserWarning, match="nothing of the scene was in view"):
-            take(simulation)
+        hears_of_nothing(lambda: take(simulation))
         assert simulation.stats.events == 0
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -142,16 +149,18 @@ def test_a_session_of_nothing_says_so(tmp_path):
     away = {"exposure.frames_per_second": 100, "exposure.exposure_s": 0.001, "time.stop": 0.02}
     (tmp_path / "away.txt").write_text("0 0 0 -4 0 1 0 0\n")
     away["camera.file"] = str(tmp_path / "away.txt")
-    session = tides.Session("tests/install/run.json", away, device="reference")
-    ways = {
-        "simulate": session.simulate,
-        "write": lambda: session.write(tmp_path / "no.h5"),
-        "frames": lambda: session.write_frames(tmp_path / "frames"),
-        "dataset": lambda: session.dataset(tmp_path / "set", "blinkflow"),
-    }
-    for way in ways.values():
-        with pytest.warns(UserWarning, match="nothing of the scene was in view"):
-            way()
+    run = tides.Run("tests/install/run.json", away)
+    session = run.session("reference")
+    ways = (
+        lambda: run.simulate("reference"),
+        session.simulate,
+        lambda: session.run(lambda packet: None),
+        lambda: session.write(tmp_path / "no.h5"),
+        lambda: session.write_frames(tmp_path / "frames"),
+        lambda: session.dataset(tmp_path / "set", "blinkflow"),
+    )
+    for way in ways:
+        hears_of_nothing(way)
 
 
 def test_absolute_times(scene, camera, tmp_path):
