@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 enum { NAMES_MAX = 32 };
 
@@ -50,8 +51,33 @@ static int unknown(const parser *p, const char *name, size_t length) {
     return cli_usage(p->command, "unknown option %s", given);
 }
 
+static const char *ending_of(const char *path, const char *const *endings) {
+    while (*endings && !cli_ends_in(path, *endings)) endings++;
+    return *endings;
+}
+
+/* A folder that is to be made and is called like a file: whoever says -o frames.mp4 wants a video. One that is there may be
+ * called anything, and so may NAME.mp4/. */
+static int check_folder(const cli_command *command, const char *path) {
+    static const char *const videos[] = {".mp4", ".m4v", ".mov", ".avi", ".mkv", ".webm", ".gif", ".apng", ".y4m", NULL};
+    static const char *const files[] = {".png",  ".jpg",  ".jpeg", ".exr", ".tif", ".tiff", ".svg", ".pdf",
+                                        ".html", ".h5",   ".hdf5", ".npy", ".npz", ".csv",  ".txt", ".json",
+                                        ".bag",  ".mcap", ".zip",  ".tar", ".gz",  ".zst",  NULL};
+    const char *video = ending_of(path, videos), *ending = video ? video : ending_of(path, files);
+    struct stat found;
+    if (!ending || (stat(path, &found) == 0 && S_ISDIR(found.st_mode))) return CLI_GO;
+    const int stem = (int)(strlen(path) - strlen(ending));
+    if (!video) return cli_usage(command, "-o %s: a folder is made, not a file: give -o %.*s", path, stem, path);
+    return cli_usage(command,
+                     "-o %s: a folder is made, not a video: give -o %.*s; frames in it become one by "
+                     "ffmpeg -framerate HZ -i %.*s/frame_%%06d.png %s",
+                     path, stem, path, stem, path, path);
+}
+
 /* Stores a value, or sets a switch where `value` is NULL. */
 static int store(const parser *p, const cli_option *option, const char *value) {
+    const int named = option->argument && strcmp(option->argument, "DIR") == 0 ? check_folder(p->command, value) : CLI_GO;
+    if (named != CLI_GO) return named;
     if (option->flag)
         *option->flag = 1;
     else if (option->text && *option->text)

@@ -23,6 +23,15 @@ refuse 1 "exposure.bits" tides frames run.json -o odd --set exposure.bits=12
 refuse 1 "psf_sigma_px" tides frames run.json -o both --set exposure.shutter=rolling --set frontend.psf_sigma_px=1 \
     --set exposure.exposure_s=0.01
 refuse 2 "-o DIR" tides frames run.json
+refuse 2 "a folder is made, not a video: give -o my.film; .* ffmpeg -framerate HZ -i my.film/frame_%06d.png my.film.mp4; see" \
+    tides frames run.json -o my.film.mp4
+for name in one.PNG some/film.avi; do refuse 2 "-o $name: a folder is made, not a .*: give -o ${name%.*};" tides frames run.json -o $name; done
+refuse 2 "-o set.bag: a folder is made, not a file: give -o set;" tides dataset run.json -o set.bag
+refuse 2 "-o all.h5: a folder is made, not a file: give -o all;" tides batch run.json -o all.h5
+missing my.film.mp4
+mkdir there.mp4
+expect 0 tides frames run.json -o there.mp4 --set exposure.frames_per_second=100 --set exposure.exposure_s=0.01
+exists there.mp4/frame_000003.png
 
 known="--set scene.metres_per_unit=0.001 --set imu.down=[0,1,0]"
 expect 0 tides imu run.json -o imu.csv $known
