@@ -3,6 +3,7 @@
  * at pixels as often as log_luminance changes there. Compare numbers of one run only. */
 #include "render/td_render.h"
 #include "tides.h"
+#include "tests/support/scene_make.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -17,20 +18,13 @@ static void stop_on(tides_status status, const tides_error *error) {
     exit(1);
 }
 
-static double uniform(uint64_t *state) { /* splitmix64 */
-    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
 /* Pixels by their share of the sum of |L_dot|, which becomes running sums. */
 static void scatter(double *rates, size_t pixels, int32_t width, double start, double length, td_point *points, size_t count) {
     uint64_t state = 1;
     double sum = 0;
     for (size_t i = 0; i < pixels; i++) rates[i] = sum += fabs(rates[i]);
     for (size_t i = 0; i < count; i++) {
-        const double at = sum * uniform(&state);
+        const double at = sum * scene_between(&state, 0, 1);
         size_t low = 0, high = pixels - 1;
         while (low < high) {
             const size_t middle = (low + high) / 2;
@@ -39,7 +33,7 @@ static void scatter(double *rates, size_t pixels, int32_t width, double start, d
             else
                 high = middle;
         }
-        points[i] = (td_point){start + length * uniform(&state), (int32_t)low % width, (int32_t)low / width};
+        points[i] = (td_point){start + length * scene_between(&state, 0, 1), (int32_t)low % width, (int32_t)low / width};
     }
 }
 

@@ -6,6 +6,7 @@
 #include "tides.h"
 #include "td_base.h"
 #include "td_sort.h"
+#include "tests/support/scene_make.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,16 +20,9 @@ static void stop_on(tides_status status, const tides_error *error) {
     exit(1);
 }
 
-static double uniform(uint64_t *state) { /* splitmix64 */
-    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
 static double normal(uint64_t *state) {
     double sum = 0;
-    for (int i = 0; i < 12; i++) sum += uniform(state);
+    for (int i = 0; i < 12; i++) sum += scene_between(state, 0, 1);
     return sum - 6;
 }
 
@@ -39,7 +33,7 @@ static void add_random(tides_scene *scene) {
     uint64_t state = 1;
     tides_error error;
     if (!sh) exit(1);
-    for (int i = 0; i < 3 * RANDOM_COUNT; i++) mean[i] = (float)(2 * uniform(&state) - 1);
+    for (int i = 0; i < 3 * RANDOM_COUNT; i++) mean[i] = (float)(scene_between(&state, -1, 1));
     for (int i = 0; i < 3 * RANDOM_COUNT; i++) scale[i] = (float)(log(0.006) + 0.5 * normal(&state));
     for (int i = 0; i < 4 * RANDOM_COUNT; i++) quaternion[i] = (float)normal(&state);
     for (int i = 0; i < RANDOM_COUNT; i++) opacity[i] = (float)(2 * normal(&state));

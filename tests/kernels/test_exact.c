@@ -12,6 +12,7 @@
 #include "kernels/layout.h"
 #include "kernels/soft_order.h"
 #include "td_launch.h"
+#include "tests/support/scene_make.h"
 
 #include <stdlib.h>
 
@@ -25,19 +26,8 @@ typedef struct numbers {
     double *host, *device; /* (FUNCTIONS x COUNT) */
 } numbers;
 
-static uint64_t next(uint64_t *state) { /* splitmix64 */
-    uint64_t z = *state += UINT64_C(0x9e3779b97f4a7c15);
-    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return z ^ (z >> 31);
-}
-
-static double between(uint64_t *state, double from, double to) {
-    return from + (to - from) * (double)(next(state) >> 11) * 0x1p-53;
-}
-
 /* Between 2^from and 2^to, of either sign or positive. */
-static double scaled(uint64_t *state, int from, int to) { return exp2(between(state, from, to)); }
+static double scaled(uint64_t *state, int from, int to) { return exp2(scene_between(state, from, to)); }
 
 /* The first few are where functions are most likely to go wrong; then each quarter is another kind of number. */
 static void make_inputs(double *x, double *y) {
@@ -46,8 +36,8 @@ static void make_inputs(double *x, double *y) {
                                      1e-300, 0.70710678118654757, 0.70710678118654746};
     uint64_t state = SEED;
     for (size_t i = 0; i < COUNT; i++) {
-        x[i] = i % 4 == 0 ? between(&state, -1100, 1023) : between(&state, -60, 1);
-        y[i] = i % 4 == 0 ? scaled(&state, -1022, 1023) : between(&state, 1e-4, 3);
+        x[i] = i % 4 == 0 ? scene_between(&state, -1100, 1023) : scene_between(&state, -60, 1);
+        y[i] = i % 4 == 0 ? scaled(&state, -1022, 1023) : scene_between(&state, 1e-4, 3);
         if (i % 4 == 1) y[i] = 1 - scaled(&state, -53, -1);
         if (i % 8 == 2) x[i] = -scaled(&state, -60, 1), y[i] = scaled(&state, -1022, -960); /* subnormal products */
         if (i % 8 == 6) x[i] = scaled(&state, -1040, -960);                                 /* and quotients, or themselves */

@@ -9,6 +9,7 @@
 #include "kernels/extent.h" /* without TD_REAL_DOUBLE: the kernels' precision */
 #include "kernels/soft_order.h"
 #include "td_launch.h"
+#include "tests/support/scene_make.h"
 
 #include <stdlib.h>
 
@@ -33,18 +34,12 @@ typedef struct numbers {
     float *in, *host, *device; /* (FUNCTIONS x COUNT) */
 } numbers;
 
-static uint32_t next(uint64_t *state) { /* splitmix64 */
-    uint64_t z = *state += UINT64_C(0x9e3779b97f4a7c15);
-    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    return (uint32_t)(((z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb)) >> 32);
-}
-
-static float between(uint64_t *state, double from, double to) { return (float)(from + (to - from) * next(state) * 0x1p-32); }
+static float between(uint64_t *state, double from, double to) { return (float)scene_between(state, from, to); }
 
 /* Positive normal floats of every exponent. */
 static float any_positive(uint64_t *state) {
     const uint32_t least = 0x00800000u, infinity = 0x7f800000u;
-    return td_from_bits((int32_t)(least + next(state) % (infinity - least)));
+    return td_from_bits((int32_t)(least + scene_next(state) % (infinity - least)));
 }
 
 /* Inputs where each function is defined; the first few are where it is most likely to go wrong. */
@@ -227,8 +222,8 @@ static void test_soft_order_keeps_small_numbers(void **state) {
     (void)state;
     uint64_t seed = SEED + 1;
     for (int i = 0; i < COUNT; i++) {
-        float tau = between(&seed, 0, 0.99) * (i % 4 == 0 ? (float)next(&seed) * 0x1p-32f : 1.0f);
-        float a, a_dot, x = between(&seed, 0, TD_SOFT_REACH) * (i % 4 == 1 ? (float)next(&seed) * 0x1p-32f : 1.0f);
+        float tau = between(&seed, 0, 0.99) * (i % 4 == 0 ? between(&seed, 0, 1) : 1.0f);
+        float a, a_dot, x = between(&seed, 0, TD_SOFT_REACH) * (i % 4 == 1 ? between(&seed, 0, 1) : 1.0f);
         if (i % 4 == 2) tau = td_exp2(-tau * 80), x = td_exp2(-x * 4);
         td_optical_depth(tau, 1, &a, &a_dot);
         double want = -log1p(-(double)tau), taken = -expm1(-(double)x);

@@ -10,6 +10,7 @@
 #define TD_REAL_DOUBLE
 #define TD_EXACT
 #include "kernels/point_splats.h"
+#include "tests/support/scene_make.h"
 
 #include <stdlib.h>
 
@@ -17,21 +18,14 @@ enum { LEVELS = 6, PIECES_MOST = 11, SPLATS = 160, LOOKS = 300, ROW = 2 * TD_PAT
 enum { CURVES_MOST = PIECES_MOST << (LEVELS - 1), SLICES_MOST = 8 };
 static const double LENGTH = 0.01; /* of the interval [s] */
 
-static double between(uint64_t *state, double from, double to) { /* splitmix64 */
-    uint64_t z = *state += UINT64_C(0x9e3779b97f4a7c15);
-    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return from + (to - from) * (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
 /* A number that goes and swings: a + b t + c sin(w t + p). */
 typedef struct swing {
     double a, b, c, w, p;
 } swing;
 
 static swing any_swing(uint64_t *state, double low, double high, double way, double swings) {
-    return (swing){between(state, low, high), between(state, -way, way) / LENGTH, between(state, 0, swings),
-                   between(state, 0, 12) / LENGTH, between(state, 0, 6.28)};
+    return (swing){scene_between(state, low, high), scene_between(state, -way, way) / LENGTH, scene_between(state, 0, swings),
+                   scene_between(state, 0, 12) / LENGTH, scene_between(state, 0, 6.28)};
 }
 
 /* The numbers of a splat, of which b goes by the correlation and the determinant by what that leaves. */
@@ -123,9 +117,9 @@ static void check_splat(uint64_t *state, const td_point_slices *slices, int leve
         td_point_place_test(own, &tile, tests + td_point_tests_at(&tile, slices->count, k));
     }
     for (int i = 0; i < LOOKS; i++) {
-        const double x = floor(between(state, 0, TD_TILE)) + 0.5, y = floor(between(state, 0, TD_TILE)) + 0.5;
-        const double part = i == 0 ? 0 : i == 1 ? 1 : between(state, 0, 1);
-        const int piece = (int)between(state, 0, slices->pieces);
+        const double x = floor(scene_between(state, 0, TD_TILE)) + 0.5, y = floor(scene_between(state, 0, TD_TILE)) + 0.5;
+        const double part = i == 0 ? 0 : i == 1 ? 1 : scene_between(state, 0, 1);
+        const int piece = (int)scene_between(state, 0, slices->pieces);
         float w, across = (float)x, down = (float)y;
         double depth;
         const int slice = td_point_slice(slices, piece, part, &w), first = slice * tile.count * TD_TEST_REALS;

@@ -55,13 +55,7 @@ static int keep(void *user, const tides_event *events, size_t count) {
 }
 
 static tides_session *opened(void *folder, const random_scene *scene, const char *const *sets, size_t count) {
-    tides_error error = {0, ""};
-    tides_session *session = NULL;
-    scene_expect_ok(tides_scene_save(scene->scene, scene_in_folder(folder, "scene.h5"), &error), &error);
-    scene_expect_ok(tides_path_save(scene_in_folder(folder, "path.json"), scene->path, &scene->camera, &error), &error);
-    scene_file_write(scene_in_folder(folder, "run.json"), run_text, sizeof run_text - 1);
-    scene_expect_ok(tides_session_load(scene_in_folder(folder, "run.json"), sets, count, NULL, &session, &error), &error);
-    return session;
+    return random_scene_session(folder, scene, run_text, sets, count);
 }
 
 static void same(const stream *a, const stream *b, const char *what) {

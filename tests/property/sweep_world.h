@@ -10,10 +10,6 @@
 
 #define PI 3.14159265358979323846
 
-static inline double uniform(uint64_t *seed, double from, double to) {
-    return from + (to - from) * (double)(scene_next(seed) >> 11) * 0x1p-53;
-}
-
 /* -- band-limited motion -------------------------------------------------------------------------------------------- */
 
 enum { SINES = 3, SAMPLES = 481, GAUSSIANS = 24 };
@@ -27,9 +23,9 @@ typedef struct wave {
 static inline wave make_wave(uint64_t *seed, double amplitude, double step) {
     wave w;
     for (int k = 0; k < SINES; k++) {
-        w.amplitude[k] = uniform(seed, 0, amplitude) / SINES;
-        w.frequency[k] = step > 0 ? floor(uniform(seed, 1, 2000 * step)) / step : uniform(seed, 0, 2000);
-        w.phase[k] = step > 0 ? 0.5 * PI : uniform(seed, 0, 2 * PI);
+        w.amplitude[k] = scene_between(seed, 0, amplitude) / SINES;
+        w.frequency[k] = step > 0 ? floor(scene_between(seed, 1, 2000 * step)) / step : scene_between(seed, 0, 2000);
+        w.phase[k] = step > 0 ? 0.5 * PI : scene_between(seed, 0, 2 * PI);
     }
     return w;
 }
@@ -75,12 +71,12 @@ static inline void make_cloud(uint64_t *seed, double spread, cloud *c) {
     memset(c, 0, sizeof *c);
     for (int i = 0; i < GAUSSIANS; i++) {
         for (int k = 0; k < 3; k++) {
-            c->mean[3 * i + k] = (float)uniform(seed, -spread, spread);
-            c->log_scale[3 * i + k] = (float)uniform(seed, -5, -1.5);
-            c->sh[3 * i + k] = (float)uniform(seed, -1, 1);
+            c->mean[3 * i + k] = (float)scene_between(seed, -spread, spread);
+            c->log_scale[3 * i + k] = (float)scene_between(seed, -5, -1.5);
+            c->sh[3 * i + k] = (float)scene_between(seed, -1, 1);
         }
-        for (int k = 0; k < 4; k++) c->quaternion[4 * i + k] = (float)uniform(seed, -1, 1);
-        c->logit[i] = (float)uniform(seed, -4, 5);
+        for (int k = 0; k < 4; k++) c->quaternion[4 * i + k] = (float)scene_between(seed, -1, 1);
+        c->logit[i] = (float)scene_between(seed, -4, 5);
     }
     const tides_gaussians made = {.count = GAUSSIANS,
                                   .mean = c->mean,
@@ -134,11 +130,11 @@ static inline tides_motion *narrow_bells(uint64_t *seed) {
     tides_motion *motion = NULL;
     tides_error error;
     for (int g = 0; g < GAUSSIANS; g++) {
-        centre[g] = (float)uniform(seed, 0, LASTS);
-        log_width[g] = (float)log(uniform(seed, 1, 30) * 1e-4);
+        centre[g] = (float)scene_between(seed, 0, LASTS);
+        log_width[g] = (float)log(scene_between(seed, 1, 30) * 1e-4);
         for (int k = 0; k < 9; k++)
-            coefficient[9 * g + k] = (float)uniform(seed, -1, 1) * (k < 3 ? 10.0f : k < 6 ? 1e3f : 1e5f);
-        for (int k = 0; k < 4; k++) turn[4 * g + k] = (float)uniform(seed, -100, 100);
+            coefficient[9 * g + k] = (float)scene_between(seed, -1, 1) * (k < 3 ? 10.0f : k < 6 ? 1e3f : 1e5f);
+        for (int k = 0; k < 4; k++) turn[4 * g + k] = (float)scene_between(seed, -100, 100);
     }
     const tides_polynomial_motion arrays = {.count = GAUSSIANS,
                                             .stop = LASTS,

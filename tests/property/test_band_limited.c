@@ -43,7 +43,7 @@ typedef struct trial {
 } trial;
 
 static double draw_hz(trial *t) {
-    double hz = t->law == ANY_DECADE ? world_between_log(&t->seed, 5, t->highest) : world_between(&t->seed, 0, t->highest);
+    double hz = t->law == ANY_DECADE ? world_between_log(&t->seed, 5, t->highest) : scene_between(&t->seed, 0, t->highest);
     const double unit = (t->law == COMMENSURATE ? 1 : 0.5) / STEP_S;
     if (t->law == COMMENSURATE || t->law == HALF_COMMENSURATE) hz = unit * fmax(1, round(hz / unit));
     t->fastest = fmax(t->fastest, hz);
@@ -57,18 +57,18 @@ static waves draw_waves(trial *t, double amplitude) {
     for (int i = 0; i < w.count; i++) {
         w.hz[i] = draw_hz(t);
         w.amplitude[i] = amplitude / w.count;
-        w.phase[i] = symmetric ? 0.5 * WORLD_PI : world_between(&t->seed, 0, 2 * WORLD_PI);
+        w.phase[i] = symmetric ? 0.5 * WORLD_PI : scene_between(&t->seed, 0, 2 * WORLD_PI);
     }
     return w;
 }
 
-static int tossed(trial *t, double share) { return world_between(&t->seed, 0, 1) < share; }
+static int tossed(trial *t, double share) { return scene_between(&t->seed, 0, 1) < share; }
 static double pixels(trial *t) { return world_between_log(&t->seed, 0.2, 4); }
 
 /* As recorded (no rates, 8 samples or more of the fastest period), or exact. */
 static tides_trajectory *sampled(trial *t, const shaking *s, double stop) {
     const int rates = tossed(t, 0.5);
-    return shaking_path(s, 0, stop, 1 / (world_between(&t->seed, rates ? 6 : 8, 20) * fmax(t->fastest, 50)), rates);
+    return shaking_path(s, 0, stop, 1 / (scene_between(&t->seed, rates ? 6 : 8, 20) * fmax(t->fastest, 50)), rates);
 }
 
 static void add_camera(judged *j, trial *t) {
@@ -95,12 +95,12 @@ static void add_object(judged *j, trial *t, splat_set *set) {
 
 static void add_pulsing(judged *j, trial *t, splat_set *set) {
     pulsing p = {.logit = {0}};
-    if (tossed(t, 0.5)) p.logit = draw_waves(t, world_between(&t->seed, 0.2, 1.5));
-    if (tossed(t, 0.3)) p.log_size = draw_waves(t, world_between(&t->seed, 0.05, 0.4));
-    if (tossed(t, 0.3)) p.turn = draw_waves(t, world_between(&t->seed, 0.1, 1));
+    if (tossed(t, 0.5)) p.logit = draw_waves(t, scene_between(&t->seed, 0.2, 1.5));
+    if (tossed(t, 0.3)) p.log_size = draw_waves(t, scene_between(&t->seed, 0.05, 0.4));
+    if (tossed(t, 0.3)) p.turn = draw_waves(t, scene_between(&t->seed, 0.1, 1));
     if (tossed(t, 0.3)) p.shift[0] = draw_waves(t, pixels(t) * PIXEL_AT_2);
-    if (tossed(t, 0.5) || t->fastest == 0) p.light = draw_waves(t, world_between(&t->seed, 0.1, 0.7));
-    const double fastest = fmax(t->fastest, 50), interval = 1 / (world_between(&t->seed, 8, 20) * fastest);
+    if (tossed(t, 0.5) || t->fastest == 0) p.light = draw_waves(t, scene_between(&t->seed, 0.1, 0.7));
+    const double fastest = fmax(t->fastest, 50), interval = 1 / (scene_between(&t->seed, 8, 20) * fastest);
     tides_motion *motion;
     if (t->by_function) {
         j->user = malloc(sizeof p);

@@ -12,6 +12,7 @@
 #include "tests/support/judged_run.h"
 #include "tests/support/pulsing_callback.h"
 #include "tests/support/scene_folder.h"
+#include "tests/support/scene_make.h"
 #include "tests/support/splat_world.h"
 
 #include <math.h>
@@ -211,9 +212,9 @@ static judged bells(double phase) {
     tides_error error;
     splat_set_texture(&set, &seed, COUNT, 2, 0.8, 0.6, 0.15);
     for (int i = 0; i < COUNT; i++) {
-        centre[i] = (float)world_between(&seed, 0.02, 0.98);
+        centre[i] = (float)scene_between(&seed, 0.02, 0.98);
         width[i] = (float)log(0.7e-3 / j.stop);
-        for (int k = 0; k < 3; k++) mean[9 * i + k] = (float)world_between(&seed, -0.5, 0.5);
+        for (int k = 0; k < 3; k++) mean[9 * i + k] = (float)scene_between(&seed, -0.5, 0.5);
     }
     const tides_polynomial_motion arrays = {COUNT, 0, 1, centre, width, mean, turn, .plain_colour = 0};
     scene_expect_ok(tides_motion_create_polynomial(&arrays, &motion, &error), &error);
@@ -234,10 +235,10 @@ static judged rotor_bells(double phase) {
     splat_set_texture(&set, &seed, COUNT, 2, 0.8, 0.6, 0.2);
     for (int i = 0; i < COUNT; i++) {
         const double sigma = i % 2 ? 0.7e-3 : 0.1; /* half of them are there all the time */
-        centre[i] = (float)world_between(&seed, 0, j.stop);
+        centre[i] = (float)scene_between(&seed, 0, j.stop);
         width[i] = (float)(2 * log(sigma)); /* without quaternion_right e^log_scale_time is the variance */
     }
-    for (int i = 0; i < 3 * HARMONICS * COUNT; i++) harmonic[i] = (float)world_between(&seed, -0.3, 0.3);
+    for (int i = 0; i < 3 * HARMONICS * COUNT; i++) harmonic[i] = (float)scene_between(&seed, -0.3, 0.3);
     const tides_rotor_motion arrays = {.count = COUNT,
                                        .start = 0,
                                        .stop = j.stop,

@@ -128,7 +128,7 @@ enum { LENGTHS = sizeof lengths / sizeof *lengths };
 static const double box_lengths[] = {1e-3, 10e-3, 50e-3, 100e-3, 200e-3};
 enum { BOX_LENGTHS = sizeof box_lengths / sizeof *box_lengths };
 
-static double random_start(uint64_t *seed, double length) { return (1 - length) * (double)(scene_next(seed) >> 11) * 0x1p-53; }
+static double random_start(uint64_t *seed, double length) { return scene_between(seed, 0, 1 - length); }
 
 static void test_candidate_lists_are_conservative(void **state) {
     (void)state;

@@ -15,8 +15,6 @@ enum { TRIALS = 1000, INEXACT_TRIALS = 400, SAMPLES = 5 };
 
 static const double tick = 1.0 / (1 << 22); /* what doubles between 2^30 and 2^31 are multiples of */
 
-static double uniform(uint64_t *seed) { return (double)(scene_next(seed) >> 11) / 9007199254740992.0; }
-
 /* -- a run, moved ---------------------------------------------------------------------------------------------------------- */
 
 typedef struct world {
@@ -152,10 +150,10 @@ static triple random_triple(uint64_t *seed, int dyadic) {
     static const double slivers[] = {0, 0, 1e-12, 1e-7, 1e-4, 9e-4, 1e-2, -1e-7, -1e-3};
     static const int modes[] = {TIDES_STEPPING_FIXED, TIDES_STEPPING_FIXED, TIDES_STEPPING_ERROR, TIDES_STEPPING_ERROR_RISK};
     triple t;
-    t.step_s = steps[scene_next(seed) % 6] * (scene_next(seed) % 2 ? 1 : 0.5 + uniform(seed));
-    double count = scene_next(seed) % 2 ? (double)(1 + scene_next(seed) % 9) : 0.3 + 9 * uniform(seed);
+    t.step_s = steps[scene_next(seed) % 6] * (scene_next(seed) % 2 ? 1 : 0.5 + scene_between(seed, 0, 1));
+    double count = scene_next(seed) % 2 ? (double)(1 + scene_next(seed) % 9) : 0.3 + 9 * scene_between(seed, 0, 1);
     t.duration = t.step_s * (count + slivers[scene_next(seed) % 9]);
-    t.start = scene_next(seed) % 3 ? starts[scene_next(seed) % 5] + uniform(seed) : 2e9 * uniform(seed);
+    t.start = scene_next(seed) % 3 ? starts[scene_next(seed) % 5] + scene_between(seed, 0, 1) : 2e9 * scene_between(seed, 0, 1);
     t.mode = modes[scene_next(seed) % 4];
     t.sensor = scene_next(seed) % 4 == 0;
     if (t.duration < 4 * tick) t.duration = 4 * tick;

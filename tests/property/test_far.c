@@ -26,10 +26,6 @@ typedef struct far_scene {
 static const double turned[4] = {0.8, 0.36, -0.48, 0}; /* a unit quaternion wxyz */
 static const double object_scale = 1.25;
 
-static double between(uint64_t *seed, double lower, double upper) {
-    return lower + (upper - lower) * (double)(scene_next(seed) >> 11) * 0x1p-53;
-}
-
 static double on_grid(double x) { return round(x * 0x1p20) * 0x1p-20; }
 
 /* R(q) v */
@@ -51,16 +47,17 @@ typedef struct arrays {
 static void draw(arrays *a) {
     uint64_t seed = 11;
     memset(a, 0, sizeof *a);
-    for (int i = 0; i < 3 * COUNT; i++) a->mean[i] = on_grid(between(&seed, -1, 1));
-    for (int i = 0; i < 3 * COUNT; i++) a->log_scale[i] = (float)(log(0.15) + between(&seed, -0.8, 0.8));
-    for (int i = 0; i < 4 * COUNT; i++) a->quaternion[i] = (float)(between(&seed, -1, 1) + (i % 4 == 0));
-    for (int i = 0; i < COUNT; i++) a->logit[i] = (float)between(&seed, -1, 3);
-    for (int i = 0; i < 12 * COUNT; i++) a->sh[i] = (float)(i % 12 < 3 ? between(&seed, -1, 1.5) : between(&seed, -0.2, 0.2));
-    for (int i = 0; i < 9 * COUNT; i++) a->coefficient[i] = (float)between(&seed, -0.4, 0.4);
+    for (int i = 0; i < 3 * COUNT; i++) a->mean[i] = on_grid(scene_between(&seed, -1, 1));
+    for (int i = 0; i < 3 * COUNT; i++) a->log_scale[i] = (float)(log(0.15) + scene_between(&seed, -0.8, 0.8));
+    for (int i = 0; i < 4 * COUNT; i++) a->quaternion[i] = (float)(scene_between(&seed, -1, 1) + (i % 4 == 0));
+    for (int i = 0; i < COUNT; i++) a->logit[i] = (float)scene_between(&seed, -1, 3);
+    for (int i = 0; i < 12 * COUNT; i++)
+        a->sh[i] = (float)(i % 12 < 3 ? scene_between(&seed, -1, 1.5) : scene_between(&seed, -0.2, 0.2));
+    for (int i = 0; i < 9 * COUNT; i++) a->coefficient[i] = (float)scene_between(&seed, -0.4, 0.4);
     for (int i = 0; i < COUNT; i++) a->wide[i] = 3;
     for (int f = 0; f < FRAMES; f++) {
         a->time[f] = f / (FRAMES - 1.0);
-        for (int i = 0; i < 3 * COUNT; i++) a->frame[3 * COUNT * f + i] = f ? on_grid(between(&seed, -0.2, 0.2)) : 0;
+        for (int i = 0; i < 3 * COUNT; i++) a->frame[3 * COUNT * f + i] = f ? on_grid(scene_between(&seed, -0.2, 0.2)) : 0;
         memcpy(a->turning + 4 * COUNT * f, a->quaternion, sizeof a->quaternion);
     }
 }

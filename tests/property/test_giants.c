@@ -17,10 +17,6 @@ typedef struct world {
     tides_intrinsics camera;
 } world;
 
-static double between(uint64_t *seed, double lower, double upper) {
-    return lower + (upper - lower) * (double)(scene_next(seed) >> 11) * 0x1p-53;
-}
-
 /* Ordinary splats before a moving camera, and the last one with these scales. */
 static world make(const double scales[3], float colour) {
     td_gaussians g = scene_random(3, COUNT, 0, SCENE_TRAINED);
@@ -28,9 +24,9 @@ static world make(const double scales[3], float colour) {
     uint64_t seed = 4;
     tides_error error;
     for (int i = 0; i < 3 * COUNT; i++) {
-        g.mean[i] = (float)between(&seed, -1, 1);
-        g.log_scale[i] = (float)(i < 3 * COUNT - 3 ? -2 + between(&seed, -0.5, 0.5) : log(scales[i % 3]));
-        g.sh[i] = (float)between(&seed, -1, 1.5);
+        g.mean[i] = (float)scene_between(&seed, -1, 1);
+        g.log_scale[i] = (float)(i < 3 * COUNT - 3 ? -2 + scene_between(&seed, -0.5, 0.5) : log(scales[i % 3]));
+        g.sh[i] = (float)scene_between(&seed, -1, 1.5);
     }
     for (int k = 0; k < 3; k++) g.sh[3 * COUNT - 3 + k] = colour;
     g.opacity_logit[COUNT - 1] = 0;

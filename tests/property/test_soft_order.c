@@ -155,20 +155,16 @@ static double largest_difference(const double *a, const double *b, int which) {
 
 /* -- scenes -------------------------------------------------------------------------------------------------------- */
 
-static double between(uint64_t *seed, double lower, double upper) {
-    return lower + (upper - lower) * (double)(scene_next(seed) >> 11) * 0x1p-53;
-}
-
 /* Splats that overlap, with depths within `spread` of DEPTH, relatively; some of them the very same. */
 static void draw(splat *splats, int count, double spread, uint64_t *seed) {
     for (int i = 0; i < count; i++) {
-        splat s = {between(seed, -0.6, 0.6),
-                   between(seed, -0.5, 0.5),
-                   (double)(float)(DEPTH * (1 + between(seed, -spread, spread))),
+        splat s = {scene_between(seed, -0.6, 0.6),
+                   scene_between(seed, -0.5, 0.5),
+                   (double)(float)(DEPTH * (1 + scene_between(seed, -spread, spread))),
                    0,
-                   between(seed, 0.2, 0.6),
-                   between(seed, 0.1, 0.95),
-                   between(seed, -1.5, 2)};
+                   scene_between(seed, 0.2, 0.6),
+                   scene_between(seed, 0.1, 0.95),
+                   scene_between(seed, -1.5, 2)};
         if (i > 0 && i % 5 == 0) s.z = splats[i - 1].z;
         splats[i] = s;
     }
@@ -180,10 +176,10 @@ static void draw_swap(splat *splats, int count, double speed, uint64_t *seed) {
     for (int i = 0; i < count; i++) {
         splats[i].x *= 0.3; /* so that they overlap where both are opaque */
         splats[i].y *= 0.3;
-        splats[i].opacity = count <= 3 ? between(seed, 0.6, 0.95) : between(seed, 0.02, 0.2);
+        splats[i].opacity = count <= 3 ? scene_between(seed, 0.6, 0.95) : scene_between(seed, 0.02, 0.2);
         splats[i].grey = i % 2 ? 2.0 : -1.2;
-        splats[i].z_dot = i == 0 ? speed : i == 1 ? 0 : between(seed, -0.7, 0.7) * speed;
-        splats[i].z = DEPTH - 0.5 * splats[i].z_dot + (i < 2 ? 0 : between(seed, -0.3, 0.3) * DELTA * DEPTH);
+        splats[i].z_dot = i == 0 ? speed : i == 1 ? 0 : scene_between(seed, -0.7, 0.7) * speed;
+        splats[i].z = DEPTH - 0.5 * splats[i].z_dot + (i < 2 ? 0 : scene_between(seed, -0.3, 0.3) * DELTA * DEPTH);
     }
 }
 
@@ -282,7 +278,7 @@ static void test_weights_sum_to_opacity(void **state) {
             draw(splats, counts[c], 2e-4, &seed);
             for (int i = 0; i < counts[c]; i++) {
                 splats[i].grey = 1;
-                if (faint) splats[i].opacity = between(&seed, 0.005, 0.02);
+                if (faint) splats[i].opacity = scene_between(&seed, 0.005, 0.02);
             }
             double *frame = render(splats, counts[c], 0, SOFT), most = 0;
             for (int i = 0; i < PIXELS; i++) {

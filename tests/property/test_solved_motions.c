@@ -115,11 +115,11 @@ static void fudan(judged *j, const row *r) {
     tides_error error;
     uint64_t seed = 14;
     for (int i = 0; i < COUNT; i++) {
-        centre[i] = (float)world_between(&seed, 0, 10);
+        centre[i] = (float)scene_between(&seed, 0, 10);
         width[i] = (float)log(r->other / j->stop * 10);
-        for (int k = 0; k < 4; k++) right[4 * i + k] = (float)world_between(&seed, -1, 1);
+        for (int k = 0; k < 4; k++) right[4 * i + k] = (float)scene_between(&seed, -1, 1);
     }
-    for (int i = 0; i < HARMONICS * 3 * COUNT; i++) harmonic[i] = (float)world_between(&seed, -0.3, 0.3);
+    for (int i = 0; i < HARMONICS * 3 * COUNT; i++) harmonic[i] = (float)scene_between(&seed, -0.3, 0.3);
     tides_rotor_motion arrays = {.count = COUNT, .start = 0, .stop = 10, .centre = centre, .log_scale_time = width};
     arrays.harmonics = HARMONICS;
     arrays.sh_harmonic = harmonic;

@@ -50,7 +50,7 @@ static double worst_overhang(tides_renderer *renderer, const world *w, uint64_t 
     sweep(renderer, w->path, start, start + length);
     memcpy(swept, renderer->boxes, bytes);
     for (int k = 0; k < TIMES; k++) {
-        double time = uniform(seed, start, start + length);
+        double time = scene_between(seed, start, start + length);
         sweep(renderer, w->path, time, time);
         for (int i = 0; i < 4 * renderer->store.count; i++) {
             float now = renderer->boxes[i];
@@ -93,7 +93,7 @@ static void check_kind(int kind, const char *name, int trials, int lens) {
         if (lens) bend(&w.camera, lens);
         tides_renderer *renderer = make_renderer(device, w.scene, &w.camera, trial % RULES);
         for (int i = 0; i < 3; i++) {
-            double start = i == 0 ? 0 : i == 1 ? step : uniform(&seed, 0, LASTS - step);
+            double start = i == 0 ? 0 : i == 1 ? step : scene_between(&seed, 0, LASTS - step);
             double most = worst_overhang(renderer, &w, &seed, start, step, &sum);
             if (!(most < 0.01))
                 print_message("%s, trial %d: a splat reaches out by %g px, step %g from %.9g\n", name, trial, most, step,

@@ -126,14 +126,8 @@ static tides_session *open_session(void *folder, const random_scene *scene, cons
                                "\"sensor\": {\"threshold_on\": 0.1, \"threshold_off\": 0.13}}";
     char set[64];
     const char *const sets[] = {set};
-    tides_session *session = NULL;
-    tides_error error;
     snprintf(set, sizeof set, "device=%s", device);
-    scene_expect_ok(tides_scene_save(scene->scene, scene_in_folder(folder, "scene.h5"), &error), &error);
-    scene_expect_ok(tides_path_save(scene_in_folder(folder, "path.json"), scene->path, &scene->camera, &error), &error);
-    scene_file_write(scene_in_folder(folder, "run.json"), text, sizeof text - 1);
-    scene_expect_ok(tides_session_load(scene_in_folder(folder, "run.json"), sets, 1, NULL, &session, &error), &error);
-    return session;
+    return random_scene_session(folder, scene, text, sets, 1);
 }
 
 static void share_a_session(void *folder, const char *device) {

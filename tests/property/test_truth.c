@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "tests/property/renderer_of.h"
+#include "tests/support/scene_make.h"
 #include "tests/support/splat_world.h"
 #include "tides/truth.h"
 
@@ -150,9 +151,9 @@ static double residual_of(const double velocity[3], double *fastest) {
     tides_trajectory *camera = shaking_path(&s, 0, 1, 0.125, 1);
     scene_expect_ok(tides_scene_create(&scene, &error), &error);
     for (int i = 0; i < 6000; i++) { /* discs that face the camera, of all sizes, each a little behind the one before */
-        const double sigma = world_between_log(&seed, 0.06, 0.2), grey = world_between(&seed, 0.05, 1);
-        const splat one = {.mean = {world_between(&seed, -3, 3), world_between(&seed, -2.5, 2.5), 4 + 1e-5 * i},
-                           .sigma = {sigma, sigma * world_between(&seed, 0.5, 1), exp(-20)},
+        const double sigma = world_between_log(&seed, 0.06, 0.2), grey = scene_between(&seed, 0.05, 1);
+        const splat one = {.mean = {scene_between(&seed, -3, 3), scene_between(&seed, -2.5, 2.5), 4 + 1e-5 * i},
+                           .sigma = {sigma, sigma * scene_between(&seed, 0.5, 1), exp(-20)},
                            .opacity = 0.9,
                            .rgb = {grey, grey, grey}};
         splat_set_add(&set, &one);

@@ -10,6 +10,7 @@
 #include "tests/support/judged_run.h"
 #include "tests/support/opencl.h"
 #include "tests/support/scene_folder.h"
+#include "tests/support/scene_make.h"
 #include "tests/support/splat_world.h"
 
 #include <math.h>
@@ -111,12 +112,12 @@ static splat_set sheet(uint64_t *seed, int count, double tilt, double sigma_px) 
     const double px = 2 / (1.25 * WIDTH);
     splat_set set = {0};
     for (int i = 0; i < count; i++) {
-        const double x = world_between(seed, -1, 1) * 0.75 * WIDTH * px, y = world_between(seed, -1, 1) * 0.75 * HEIGHT * px;
-        const double s = sigma_px * px * world_between_log(seed, 0.5, 2), angle = world_between(seed, 0, WORLD_PI);
-        const splat one = {{x, y, (2 + tilt * x) * (1 + NEAR * world_between(seed, -1, 1))},
+        const double x = scene_between(seed, -1, 1) * 0.75 * WIDTH * px, y = scene_between(seed, -1, 1) * 0.75 * HEIGHT * px;
+        const double s = sigma_px * px * world_between_log(seed, 0.5, 2), angle = scene_between(seed, 0, WORLD_PI);
+        const splat one = {{x, y, (2 + tilt * x) * (1 + NEAR * scene_between(seed, -1, 1))},
                            {s, 0.5 * s, 0.01 * s},
                            {cos(0.5 * angle), 0, 0, sin(0.5 * angle)},
-                           world_between(seed, 0.01, 0.97),
+                           scene_between(seed, 0.01, 0.97),
                            {GREY, GREY, GREY}};
         splat_set_add(&set, &one);
     }
@@ -287,10 +288,10 @@ static judged swapping(int count, uint64_t seed) {
           *mean = calloc(9 * n, sizeof *mean);
     assert_true(zeros && centre && width && mean);
     for (int i = 0; i < count; i++) {
-        const double grey = world_between(&seed, 0.05, 1), speed = world_between(&seed, -1, 1);
-        splat_set_ball(&set, world_between(&seed, -0.4, 0.4), world_between(&seed, -0.3, 0.3), 2, 0.5,
-                       world_between(&seed, 0.1, 0.97), grey);
-        centre[i] = (float)world_between(&seed, 0.4, 0.6);
+        const double grey = scene_between(&seed, 0.05, 1), speed = scene_between(&seed, -1, 1);
+        splat_set_ball(&set, scene_between(&seed, -0.4, 0.4), scene_between(&seed, -0.3, 0.3), 2, 0.5,
+                       scene_between(&seed, 0.1, 0.97), grey);
+        centre[i] = (float)scene_between(&seed, 0.4, 0.6);
         width[i] = 20; /* the bell of opacity is as good as flat */
         mean[9 * i + 2] = (float)(2 * 2e-3 * speed);
     }

@@ -19,7 +19,7 @@ enum { WIDTH = 20, HEIGHT = 10 };
 #define FOCAL (1.25 * WIDTH)
 #define PX (2 / FOCAL) /* scene units of a pixel at depth 2, where things are */
 
-static double pick(uint64_t *seed, double lower, double upper) { return world_between(seed, lower, upper); }
+static double pick(uint64_t *seed, double lower, double upper) { return scene_between(seed, lower, upper); }
 static double pick_log(uint64_t *seed, double lower, double upper) { return world_between_log(seed, lower, upper); }
 static double sign(uint64_t *seed) { return scene_next(seed) % 2 ? 1 : -1; }
 

@@ -12,7 +12,8 @@
 
 enum { N = RANDOM_MOTION_GAUSSIANS, T = RANDOM_MOTION_FRAMES };
 
-static double next(uint64_t *state) { /* splitmix64, to [0, 1) */
+/* Nearly scene_next: splitmix64 less its last mixing, which golden/runs.txt has the numbers of; in [0, 1). */
+static double next(uint64_t *state) {
     uint64_t z = *state += UINT64_C(0x9e3779b97f4a7c15);
     z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
     z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);

@@ -1,17 +1,11 @@
 /* Random deformation networks. Aborts where memory fails. */
 #include "tests/support/random_network.h"
+#include "tests/support/scene_make.h"
 
 #include "motion/td_hexplane.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-static double uniform(uint64_t *state) { /* splitmix64, in [-1, 1) */
-    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1;
-}
 
 static void expect(tides_status status, const tides_error *error) {
     if (status == TIDES_OK) return;
@@ -26,11 +20,11 @@ random_gaussians random_gaussians_make(uint64_t seed, int count, int sh_degree, 
     if (!made.values) abort();
     float *mean = made.values, *scale = mean + 3 * n, *rotation = scale + 3 * n, *opacity = rotation + 4 * n,
           *colour = opacity + n;
-    for (size_t i = 0; i < 3 * n; i++) mean[i] = (float)(spread * uniform(&seed));
-    for (size_t i = 0; i < 3 * n; i++) scale[i] = (float)(-4 + uniform(&seed));
-    for (size_t i = 0; i < 4 * n; i++) rotation[i] = (float)((i % 4 == 0 ? 1.5 : 0) + uniform(&seed));
-    for (size_t i = 0; i < n; i++) opacity[i] = (float)(3 * uniform(&seed));
-    for (size_t i = 0; i < sh * n; i++) colour[i] = (float)(0.5 * uniform(&seed));
+    for (size_t i = 0; i < 3 * n; i++) mean[i] = (float)(spread * scene_between(&seed, -1, 1));
+    for (size_t i = 0; i < 3 * n; i++) scale[i] = (float)(-4 + scene_between(&seed, -1, 1));
+    for (size_t i = 0; i < 4 * n; i++) rotation[i] = (float)((i % 4 == 0 ? 1.5 : 0) + scene_between(&seed, -1, 1));
+    for (size_t i = 0; i < n; i++) opacity[i] = (float)(3 * scene_between(&seed, -1, 1));
+    for (size_t i = 0; i < sh * n; i++) colour[i] = (float)(0.5 * scene_between(&seed, -1, 1));
     made.view = (tides_gaussians){.count = count, .sh_degree = sh_degree, .mean = mean, .log_scale = scale};
     made.view.quaternion = rotation;
     made.view.opacity_logit = opacity;
@@ -50,7 +44,7 @@ void random_field(tides_motion *motion, uint64_t *state, const char *name, int r
     for (int i = 0; i < rank; i++) count *= shape[i];
     float *value = malloc(count * sizeof *value);
     if (!value) abort();
-    for (size_t i = 0; i < count; i++) value[i] = (float)(strength * uniform(state) + offset);
+    for (size_t i = 0; i < count; i++) value[i] = (float)(strength * scene_between(state, -1, 1) + offset);
     expect(td_motion_take_field(motion, name, rank, shape, value, &error), &error);
 }
 

@@ -14,12 +14,9 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { PATH_SAMPLES = 5 };
-
-static double between(uint64_t *seed, double lower, double upper) {
-    return lower + (upper - lower) * (double)(scene_next(seed) >> 11) * 0x1p-53;
-}
 
 random_recipe random_recipe_defaults(uint64_t seed) {
     random_recipe recipe = {seed, 60, 1, 3, 0, 64, 48, 1.5, 0.12, 0.1, 0.9, 1, TIDES_LENS_NONE, 1};
@@ -28,15 +25,15 @@ random_recipe random_recipe_defaults(uint64_t seed) {
 
 /* Raw parameters of one Gaussian at time 0. Colours are mostly, not always, positive for every direction. */
 static void draw_gaussian(const random_recipe *recipe, uint64_t *seed, double *raw) {
-    for (int i = 0; i < 3; i++) raw[RANDOM_MEAN + i] = between(seed, -recipe->spread, recipe->spread);
-    for (int i = 0; i < 3; i++) raw[RANDOM_LOG_SCALE + i] = log(recipe->size) + between(seed, -1.1, 1.1);
-    for (int i = 0; i < 4; i++) raw[RANDOM_QUATERNION + i] = between(seed, -1, 1);
+    for (int i = 0; i < 3; i++) raw[RANDOM_MEAN + i] = scene_between(seed, -recipe->spread, recipe->spread);
+    for (int i = 0; i < 3; i++) raw[RANDOM_LOG_SCALE + i] = log(recipe->size) + scene_between(seed, -1.1, 1.1);
+    for (int i = 0; i < 4; i++) raw[RANDOM_QUATERNION + i] = scene_between(seed, -1, 1);
     raw[RANDOM_QUATERNION] += raw[RANDOM_QUATERNION] < 0 ? -0.5 : 0.5; /* far from a zero quaternion while it moves */
-    double opacity = between(seed, recipe->opacity_min, recipe->opacity_max);
+    double opacity = scene_between(seed, recipe->opacity_min, recipe->opacity_max);
     raw[RANDOM_LOGIT] = log(opacity / (1 - opacity));
     double *sh = raw + RANDOM_SH;
     for (int k = 0; k < (recipe->sh_degree + 1) * (recipe->sh_degree + 1); k++)
-        for (int c = 0; c < 3; c++) sh[3 * k + c] = k == 0 ? between(seed, -1, 1.5) : between(seed, -0.15, 0.15);
+        for (int c = 0; c < 3; c++) sh[3 * k + c] = k == 0 ? scene_between(seed, -1, 1.5) : scene_between(seed, -0.15, 0.15);
 }
 
 static void draw_all(random_scene *s, uint64_t *seed) {
@@ -50,8 +47,8 @@ static void draw_all(random_scene *s, uint64_t *seed) {
     if (!s->recipe.moving) return;
     for (size_t i = 0; i < reals; i++) {
         double share = i % (size_t)s->parameters < RANDOM_SH ? 0.5 : 0.2;
-        s->raw[1][i] = s->recipe.speed * between(seed, -share, share);
-        s->raw[2][i] = s->recipe.speed * between(seed, -share, share);
+        s->raw[1][i] = s->recipe.speed * scene_between(seed, -share, share);
+        s->raw[2][i] = s->recipe.speed * scene_between(seed, -share, share);
     }
 }
 
@@ -64,8 +61,8 @@ static tides_trajectory *draw_path(uint64_t *seed, const double place[3], double
         samples[i].time = i / (double)(PATH_SAMPLES - 1);
         samples[i].quaternion[0] = 1;
         for (int k = 0; k < 3; k++) {
-            samples[i].position[k] = place[k] + between(seed, -wander, wander);
-            samples[i].quaternion[1 + k] = between(seed, -0.5 * turn, 0.5 * turn);
+            samples[i].position[k] = place[k] + scene_between(seed, -wander, wander);
+            samples[i].quaternion[1 + k] = scene_between(seed, -0.5 * turn, 0.5 * turn);
         }
     }
     scene_expect_ok(tides_trajectory_create(samples, PATH_SAMPLES, &path, &error), &error);
@@ -100,7 +97,7 @@ static void add_objects(random_scene *s, uint64_t *seed) {
         td_gaussians g = object_gaussians(s, i);
         tides_gaussians view = td_gaussians_view(&g);
         tides_trajectory *path = i == 0 ? NULL : draw_path(seed, middle, 0.3, 1.2);
-        double scale = i == 0 ? 1 : between(seed, 0.6, 1.4);
+        double scale = i == 0 ? 1 : scene_between(seed, 0.6, 1.4);
         scene_expect_ok(tides_scene_add(s->scene, &view, path, scale, NULL, NULL, &error), &error);
         tides_trajectory_destroy(path);
         td_gaussians_free(&g);
@@ -225,4 +222,15 @@ td_image_numbers random_scene_image(const random_scene *scene, int rules, int an
     image.moving = scene->recipe.moving;
     image.outputs = outputs;
     return td_image_pack(&image);
+}
+
+tides_session *random_scene_session(void *folder, const random_scene *scene, const char *run, const char *const *sets,
+                                    size_t count) {
+    tides_error error;
+    tides_session *session = NULL;
+    scene_expect_ok(tides_scene_save(scene->scene, scene_in_folder(folder, "scene.h5"), &error), &error);
+    scene_expect_ok(tides_path_save(scene_in_folder(folder, "path.json"), scene->path, &scene->camera, &error), &error);
+    scene_file_write(scene_in_folder(folder, "run.json"), run, strlen(run));
+    scene_expect_ok(tides_session_load(scene_in_folder(folder, "run.json"), sets, count, NULL, &session, &error), &error);
+    return session;
 }

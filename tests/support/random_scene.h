@@ -7,6 +7,7 @@
 #define TESTS_SUPPORT_RANDOM_SCENE_H
 
 #include "render/td_backend.h"
+#include "tides/session.h"
 
 /* What to make. The camera is near (0, 0, -4) and looks along +z; means fill a box around the origin. */
 typedef struct random_recipe {
@@ -50,5 +51,10 @@ double *random_scene_backdrops(const random_scene *scene, const double *times, i
 
 /* The image's numbers for rules TIDES_RULES_* (td_image_resolve), outputs and objects set. */
 td_image_numbers random_scene_image(const random_scene *scene, int rules, int antialias, int outputs);
+
+/* A session of it by a run file's text, which names "scene.h5" and "path.json"; all three are written into `folder`. `sets` as
+ * tides_session_load has them. Closed by the caller. */
+tides_session *random_scene_session(void *folder, const random_scene *scene, const char *run, const char *const *sets,
+                                    size_t count);
 
 #endif

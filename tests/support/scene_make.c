@@ -18,6 +18,10 @@ uint64_t scene_next(uint64_t *seed) {
     return x ^ x >> 31;
 }
 
+double scene_between(uint64_t *seed, double lower, double upper) {
+    return lower + (upper - lower) * (double)(scene_next(seed) >> 11) * 0x1p-53;
+}
+
 void scene_bytes_add(scene_bytes *bytes, const void *data, size_t size) {
     if (bytes->size + size + 1 > bytes->capacity) {
         bytes->capacity = 2 * (bytes->size + size + 1);

@@ -52,7 +52,8 @@ tides_trajectory *scene_path(int rates);
 /* Saves a scene of two objects, "a" and "b", of the same 4 Gaussians, degree 1, the second moving. The caller frees them. */
 void scene_save_pair(const char *path, td_gaussians *gaussians);
 
-/* splitmix64: the next number of a seeded sequence. */
+/* splitmix64: the next number of a seeded sequence; from it, one in [lower, upper). */
 uint64_t scene_next(uint64_t *seed);
+double scene_between(uint64_t *seed, double lower, double upper);
 
 #endif

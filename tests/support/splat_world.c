@@ -14,11 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-double world_between(uint64_t *seed, double lower, double upper) {
-    return lower + (upper - lower) * (double)(scene_next(seed) >> 11) * 0x1p-53;
-}
 double world_between_log(uint64_t *seed, double lower, double upper) {
-    return exp(world_between(seed, log(lower), log(upper)));
+    return exp(scene_between(seed, log(lower), log(upper)));
 }
 double world_colour(float sh) { return 0.5 + WORLD_SH0 * (double)sh; }
 float world_sh(double colour) { return (float)((colour - 0.5) / WORLD_SH0); }
@@ -59,11 +56,11 @@ void splat_set_ball(splat_set *set, double x, double y, double z, double sigma, 
 
 void splat_set_texture(splat_set *set, uint64_t *seed, int count, double z, double half_x, double half_y, double sigma) {
     for (int i = 0; i < count; i++) {
-        const double angle = world_between(seed, 0, WORLD_PI);
-        splat one = {{world_between(seed, -half_x, half_x), world_between(seed, -half_y, half_y), z * (1 - 1e-3 * i)},
+        const double angle = scene_between(seed, 0, WORLD_PI);
+        splat one = {{scene_between(seed, -half_x, half_x), scene_between(seed, -half_y, half_y), z * (1 - 1e-3 * i)},
                      {sigma * world_between_log(seed, 0.5, 2), sigma * world_between_log(seed, 0.5, 2), 0.1 * sigma},
                      {cos(0.5 * angle), 0, 0, sin(0.5 * angle)},
-                     world_between(seed, 0.3, 0.98),
+                     scene_between(seed, 0.3, 0.98),
                      {0, 0, 0}};
         for (int k = 0; k < 3; k++) one.rgb[k] = world_between_log(seed, 0.05, 1);
         splat_set_add(set, &one);

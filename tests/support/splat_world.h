@@ -32,8 +32,7 @@ void splat_set_texture(splat_set *set, uint64_t *seed, int count, double z, doub
 tides_gaussians splat_set_view(const splat_set *set);
 void splat_set_free(splat_set *set);
 
-/* Uniform in [lower, upper), and log-uniform. */
-double world_between(uint64_t *seed, double lower, double upper);
+/* Log-uniform in [lower, upper). */
 double world_between_log(uint64_t *seed, double lower, double upper);
 
 /* Linear value of colour for the float coefficient that stands for it, and back. */

@@ -11,7 +11,7 @@
 enum { WIDTH = 23, HEIGHT = 17, BYTES = 3 * WIDTH * HEIGHT, PICTURES = 3 };
 
 static void fill_random(uint64_t seed, uint8_t rgb[BYTES]) {
-    for (int i = 0; i < BYTES; i++) rgb[i] = (uint8_t)random_next(&seed);
+    for (int i = 0; i < BYTES; i++) rgb[i] = (uint8_t)scene_next(&seed);
 }
 
 static tides_animation *open_animation(const char *path, double rate) {

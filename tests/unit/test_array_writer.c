@@ -163,7 +163,7 @@ static void write_limited(void *result, void *user) {
     tides_array_writer *writer = NULL;
     static double array[VALUES];
     uint64_t seed = 1;
-    for (int i = 0; i < VALUES; i++) array[i] = 1e-19 * (double)random_next(&seed);
+    for (int i = 0; i < VALUES; i++) array[i] = 1e-19 * (double)scene_next(&seed);
     tides_status status = tides_array_writer_open(user, &large, &writer, NULL);
     for (int w = 0; w < 4 && status == TIDES_OK; w++) status = tides_array_writer_append(writer, array, w, w + 1, 0, NULL);
     if (status == TIDES_OK)

@@ -81,10 +81,10 @@ static void test_cut_anywhere(void **state) {
         tides_device *device = open_device(&j);
         outcome *whole = run_whole(&j, device), *pieces = new_outcome();
         tides_simulator *s = make_simulator(&j, device);
-        for (double until = j.start; until < j.stop; until += (double)(random_next(&random) % 1000) * 4e-5) {
+        for (double until = j.start; until < j.stop; until += (double)(scene_next(&random) % 1000) * 4e-5) {
             advance(s, until, pieces);
-            if (random_next(&random) % 2) cut(&j, device, path, &s);
-            int calls = 1 + (int)(random_next(&random) % 3);
+            if (scene_next(&random) % 2) cut(&j, device, path, &s);
+            int calls = 1 + (int)(scene_next(&random) % 3);
             tides_status status = tides_simulator_run(s, until + 0.01, collect, pieces, stop_after, &calls, NULL);
             assert_true(status == TIDES_OK || status == TIDES_CANCELLED);
             if (status == TIDES_CANCELLED) cut(&j, device, path, &s);

@@ -11,19 +11,13 @@
 #include "checkpoint/td_checkpoint.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/scene_folder.h"
+#include "tests/support/scene_make.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <unistd.h>
 
 static const uint64_t SEED = 4711;
-
-static inline uint64_t random_next(uint64_t *state) { /* splitmix64 */
-    uint64_t z = (*state += UINT64_C(0x9e3779b97f4a7c15));
-    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return z ^ (z >> 31);
-}
 
 /* -- running --------------------------------------------------------------------------------------------------------------- */
 

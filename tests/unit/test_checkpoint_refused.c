@@ -20,8 +20,8 @@ static void test_damage(void **state) {
     }
     uint64_t random = SEED;
     for (int i = 0; i < 300; i++) {
-        size_t at = i == 0 ? 0 : i == 1 ? size - 1 : (size_t)(random_next(&random) % size);
-        char bit = (char)(1 << random_next(&random) % 8);
+        size_t at = i == 0 ? 0 : i == 1 ? size - 1 : (size_t)(scene_next(&random) % size);
+        char bit = (char)(1 << scene_next(&random) % 8);
         bytes[at] = (char)(bytes[at] ^ bit);
         scene_file_write(spoilt, bytes, size);
         hid_t image = -1;

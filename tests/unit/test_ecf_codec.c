@@ -102,8 +102,7 @@ static void test_altered(void **state) {
         tides_event read[8];
         size_t count = 0;
         memcpy(altered, chunks[c].data, chunks[c].bytes);
-        for (int edits = 0; edits < 3; edits++)
-            altered[random_next(&seed) % chunks[c].bytes] = (unsigned char)random_next(&seed);
+        for (int edits = 0; edits < 3; edits++) altered[scene_next(&seed) % chunks[c].bytes] = (unsigned char)scene_next(&seed);
         if (td_ecf_unpack(altered, chunks[c].bytes, read, 8, &count)) assert_true(count <= 8);
         free(altered);
     }

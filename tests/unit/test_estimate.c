@@ -16,10 +16,6 @@ static const uint64_t SEED = 31415;
 static const double H = 0.01, C = 0.2; /* [s], [log units] */
 static const double BULGE = 4.0 / 27.0;
 
-static double between(uint64_t *seed, double lower, double upper) {
-    return lower + (upper - lower) * (double)(scene_next(seed) >> 11) * 0x1p-53;
-}
-
 /* Ideal pixels. */
 static td_sensor sensor_of(double on, double off) {
     td_sensor sensor = {.model = TIDES_MODEL_HERMITE};
@@ -58,8 +54,9 @@ static void test_cubic_signals(void **state) {
     td_sensor sensor = sensor_of(C, C);
     uint64_t seed = SEED;
     for (int trial = 0; trial < 200; trial++) {
-        double h = between(&seed, 1e-4, 0.1), b = between(&seed, -1, 1) / h, c = between(&seed, -1, 1) / (h * h);
-        double d = between(&seed, -1, 1) / (h * h * h), a = between(&seed, -5, 5);
+        double h = scene_between(&seed, 1e-4, 0.1), b = scene_between(&seed, -1, 1) / h,
+               c = scene_between(&seed, -1, 1) / (h * h);
+        double d = scene_between(&seed, -1, 1) / (h * h * h), a = scene_between(&seed, -5, 5);
         pixel p = cubic(h, a, b, c, d);
         td_estimate estimate = estimate_of(&sensor, h, &p);
         double error = BULGE * fabs(d) * h * h * h, moved = fmax(fabs(p.S1 - p.S0), error), most = 0;
@@ -80,7 +77,7 @@ static void test_quadratic_signals_have_no_error(void **state) {
     td_sensor sensor = sensor_of(C, C);
     uint64_t seed = SEED + 1;
     for (int trial = 0; trial < 100; trial++) {
-        pixel p = cubic(H, between(&seed, -1, 1), between(&seed, -99, 99), between(&seed, -1e4, 1e4), 0);
+        pixel p = cubic(H, scene_between(&seed, -1, 1), scene_between(&seed, -99, 99), scene_between(&seed, -1e4, 1e4), 0);
         expect_near(estimate_of(&sensor, H, &p).error, 0, 1, "error");
     }
     pixel still = {0.3, 0, 0.3, 0, 0.3};
@@ -94,7 +91,8 @@ static void test_bounds_the_models_error(void **state) {
     td_sensor sensor = sensor_of(C, C);
     uint64_t seed = SEED + 2;
     for (int trial = 0; trial < 200; trial++) {
-        double w = between(&seed, 0.05, 0.3) / H, phase = between(&seed, -1.2, 1.2); /* away from where the third rate is 0 */
+        double w = scene_between(&seed, 0.05, 0.3) / H,
+               phase = scene_between(&seed, -1.2, 1.2); /* away from where the third rate is 0 */
         pixel p = {sin(phase), w * cos(phase), sin(w * H + phase), w * cos(w * H + phase), sin(phase)};
         double worst = 0, rise = p.S1 - p.S0, r0 = H * p.S0_dot, r1 = H * p.S1_dot;
         for (int i = 0; i <= 100; i++) {
@@ -145,8 +143,8 @@ static void test_worst_of_many(void **state) {
     for (int trial = 0; trial < 100; trial++) {
         td_estimate worst = {0, 0, 0, 0, 0};
         for (int i = 0; i < COUNT; i++) {
-            pixel p = {between(&seed, -0.1, 0.1), between(&seed, -3, 3), between(&seed, -0.1, 0.1), between(&seed, -3, 3),
-                       between(&seed, -1, 1)};
+            pixel p = {scene_between(&seed, -0.1, 0.1), scene_between(&seed, -3, 3), scene_between(&seed, -0.1, 0.1),
+                       scene_between(&seed, -3, 3), scene_between(&seed, -1, 1)};
             if (i % 7 == 3) p.S0 = NAN;
             if (i % 7 == 4) p.S1_dot = NAN;
             S0[i] = p.S0, S0_dot[i] = p.S0_dot, S1[i] = p.S1, S1_dot[i] = p.S1_dot, reference[i] = p.reference;
@@ -184,9 +182,9 @@ static void test_crossings(void **state) {
     (void)state;
     uint64_t seed = SEED + 4;
     for (int trial = 0; trial < 400; trial++) {
-        const double on = between(&seed, 0.02, 0.3), off = trial % 2 ? on : between(&seed, 0.02, 0.3);
-        const pixel any = {between(&seed, -0.02, 0.02), between(&seed, -900, 900), between(&seed, -3, 3),
-                           between(&seed, -900, 900), 0};
+        const double on = scene_between(&seed, 0.02, 0.3), off = trial % 2 ? on : scene_between(&seed, 0.02, 0.3);
+        const pixel any = {scene_between(&seed, -0.02, 0.02), scene_between(&seed, -900, 900), scene_between(&seed, -3, 3),
+                           scene_between(&seed, -900, 900), 0};
         const pixel rises = {any.S0, 300, any.S0 + 3, 300, 0};
         td_sensor sensor = sensor_of(on, off);
         const double most = estimate_of(&sensor, H, &any).crossings, all = estimate_of(&sensor, H, &rises).crossings;

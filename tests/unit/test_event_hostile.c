@@ -83,9 +83,9 @@ static void alter(const char *path, uint64_t *seed) {
     assert_true(read && altered);
     for (size_t i = 0; i < 150; i++) {
         memcpy(altered, data, bytes);
-        for (uint64_t edits = 1 + random_next(seed) % 4; edits > 0; edits--) {
-            size_t where = (size_t)(random_next(seed) % (i % 2 || bytes < 1000 ? bytes : 1000));
-            altered[where] = (char)random_next(seed);
+        for (uint64_t edits = 1 + scene_next(seed) % 4; edits > 0; edits--) {
+            size_t where = (size_t)(scene_next(seed) % (i % 2 || bytes < 1000 ? bytes : 1000));
+            altered[where] = (char)scene_next(seed);
         }
         put_bytes(path, altered, bytes);
         read_all(path, read, 1 << 17, text);

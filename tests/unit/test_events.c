@@ -63,7 +63,7 @@ static void test_every_kind_of_plane(void **state) {
     for (int kind = 0; kind < KINDS; kind++) {
         int64_t t = kind % 2 ? INT64_C(123456789012) : 0;
         for (int i = 0; i < COUNT; i++) {
-            const uint64_t random = random_next(&seed), other = random_next(&seed);
+            const uint64_t random = scene_next(&seed), other = scene_next(&seed);
             t += kind < 5 ? (int64_t)(random % (uint64_t)(2 * apart[kind])) + 1 : apart[kind];
             events[i] = (tides_event){.t = t, .x = 5, .y = (uint16_t)(i / 5000), .polarity = other >> 63 ? 1 : -1};
             if (kind != 1) events[i].x = (uint16_t)((other >> 20) % (kind == 2 ? 3 : 346));
@@ -87,7 +87,7 @@ static void test_portions_make_no_difference(void **state) {
     assert_int_equal(tides_event_writer_open(in_folder(f, "parts.h5"), &facts, &writer, &error), TIDES_OK);
     uint64_t random = 5;
     for (size_t done = 0; done < count;) {
-        size_t portion = (size_t)(random_next(&random) % 9973);
+        size_t portion = (size_t)(scene_next(&random) % 9973);
         if (portion > count - done) portion = count - done;
         assert_int_equal(tides_event_writer_append(writer, events + done, portion, &error), TIDES_OK);
         done += portion;

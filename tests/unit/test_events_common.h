@@ -22,9 +22,9 @@ static inline int event_order(const void *a, const void *b) {
 static inline tides_event *random_events(uint64_t seed, size_t count, int32_t width, int32_t height, int64_t silence) {
     tides_event *events = calloc(count ? count : 1, sizeof *events);
     assert_non_null(events);
-    int64_t t = (int64_t)(random_next(&seed) % 3) * 700000;
+    int64_t t = (int64_t)(scene_next(&seed) % 3) * 700000;
     for (size_t i = 0; i < count; i++) {
-        uint64_t kind = random_next(&seed) % 100, gap = random_next(&seed);
+        uint64_t kind = scene_next(&seed) % 100, gap = scene_next(&seed);
         if (kind < 20)
             gap = 0;
         else if (kind < 60)
@@ -36,9 +36,9 @@ static inline tides_event *random_events(uint64_t seed, size_t count, int32_t wi
         if (kind == 99) gap = (uint64_t)(1000000 - t % 1000000); /* exactly on a millisecond */
         t += (int64_t)gap;
         events[i].t = t;
-        events[i].x = (uint16_t)(random_next(&seed) % (uint64_t)width);
-        events[i].y = (uint16_t)(random_next(&seed) % (uint64_t)height);
-        events[i].polarity = random_next(&seed) % 2 ? 1 : -1;
+        events[i].x = (uint16_t)(scene_next(&seed) % (uint64_t)width);
+        events[i].y = (uint16_t)(scene_next(&seed) % (uint64_t)height);
+        events[i].polarity = scene_next(&seed) % 2 ? 1 : -1;
     }
     qsort(events, count, sizeof *events, event_order);
     return events;

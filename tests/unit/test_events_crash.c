@@ -80,7 +80,7 @@ static void test_kill(void **state) {
     print_message("seed %llu\n", (unsigned long long)random);
     for (long k = 0; k < kills; k++) {
         pid_t child = start_child(in_folder(f, "events.h5"), events);
-        nanosleep(&(struct timespec){.tv_nsec = (long)(random_next(&random) % within_ns)}, NULL);
+        nanosleep(&(struct timespec){.tv_nsec = (long)(scene_next(&random) % within_ns)}, NULL);
         kill(child, SIGKILL);
         assert_int_equal(waitpid(child, NULL, 0), child);
         size_t held = check_prefix(part, events);

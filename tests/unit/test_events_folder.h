@@ -9,6 +9,8 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "tests/support/scene_make.h"
+
 #include <dirent.h>
 #include <signal.h>
 #include <stdio.h>
@@ -53,13 +55,6 @@ static inline const char *in_folder(folder *f, const char *name) {
 }
 
 static inline int file_exists(const char *path) { return access(path, F_OK) == 0; }
-
-static inline uint64_t random_next(uint64_t *state) { /* splitmix64 */
-    uint64_t z = (*state += UINT64_C(0x9e3779b97f4a7c15));
-    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return z ^ (z >> 31);
-}
 
 static inline void put_text(const char *path, const char *text) {
     FILE *file = fopen(path, "w");

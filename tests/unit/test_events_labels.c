@@ -13,7 +13,7 @@ static const tides_event_file bare = {.width = 64, .height = 48}, labelled = {.w
 static tides_event *noisy_events(size_t first) {
     uint64_t seed = 7;
     tides_event *events = random_events(7, COUNT, 64, 48, 100000);
-    for (size_t i = first; i < COUNT; i++) events[i].cause = (uint8_t)(random_next(&seed) % TIDES_CAUSES);
+    for (size_t i = first; i < COUNT; i++) events[i].cause = (uint8_t)(scene_next(&seed) % TIDES_CAUSES);
     return events;
 }
 
@@ -24,8 +24,8 @@ static tides_event *labelled_events(int64_t **fired) {
     *fired = calloc(COUNT, sizeof **fired);
     assert_non_null(*fired);
     for (size_t i = 0; i < COUNT; i++) {
-        events[i].frontend = td_half_bits((double)(random_next(&seed) % 10000) * 1e-3 - 5);
-        (*fired)[i] = events[i].t - (int64_t)(random_next(&seed) % 70000) * (int64_t)(random_next(&seed) % 70000);
+        events[i].frontend = td_half_bits((double)(scene_next(&seed) % 10000) * 1e-3 - 5);
+        (*fired)[i] = events[i].t - (int64_t)(scene_next(&seed) % 70000) * (int64_t)(scene_next(&seed) % 70000);
     }
     return events;
 }

@@ -50,15 +50,15 @@ static int run_errand(const errand *e) {
                                   : tides_event_writer_open(e->path, &facts, &writer, NULL);
     if (status != TIDES_OK) return 2;
     while (done < e->to) {
-        size_t portion = 1 + random_next(&random) % 30000;
+        size_t portion = 1 + scene_next(&random) % 30000;
         if (portion > e->to - done) portion = e->to - done;
         if (tides_event_writer_append(writer, e->events + done, portion, NULL) != TIDES_OK) return 3;
         done += portion;
-        if (random_next(&random) % 3) continue;
+        if (scene_next(&random) % 3) continue;
         if (tides_event_writer_flush(writer, NULL) != TIDES_OK) return 4;
         if (write(e->ends[1], &done, sizeof done) != sizeof done) return 5;
     }
-    if (random_next(&random) % 2) tides_event_writer_abandon(writer);
+    if (scene_next(&random) % 2) tides_event_writer_abandon(writer);
     return 0;
 }
 
@@ -114,13 +114,13 @@ static void test_deaths_in_a_row(void **state) {
         write_all(whole, &facts, events, STREAM, 0);
         size_t at = 0;
         while (at < STREAM) {
-            size_t ahead = 1 + random_next(&random) % 150000;
-            errand e = {path, events, at, at + ahead < STREAM ? at + ahead : STREAM, random_next(&random), {0, 0}};
+            size_t ahead = 1 + scene_next(&random) % 150000;
+            errand e = {path, events, at, at + ahead < STREAM ? at + ahead : STREAM, scene_next(&random), {0, 0}};
             size_t told = send(&e, 0);
             check_part(part, events);
             if (told == at && ahead > 100000) break;
             at = told;
-            if (random_next(&random) % 8 == 0) break;
+            if (scene_next(&random) % 8 == 0) break;
         }
         if (!file_exists(part)) continue;
         finish_rest(path, events, at);
@@ -145,8 +145,8 @@ static void test_kills(void **state) {
     write_all(whole, &facts, events, STREAM, 0);
     size_t at = 0;
     for (long k = 0; k < kills; k++) {
-        errand e = {path, events, at, STREAM, random_next(&random), {0, 0}};
-        size_t told = send(&e, 1000000 + (long)(random_next(&random) % 50000000));
+        errand e = {path, events, at, STREAM, scene_next(&random), {0, 0}};
+        size_t told = send(&e, 1000000 + (long)(scene_next(&random) % 50000000));
         if (told > 0) check_part(part, events);
         at = told < STREAM ? told : 0;
     }

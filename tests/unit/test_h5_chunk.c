@@ -11,21 +11,15 @@
 #include <cmocka.h>
 
 #include "lib/archive/td_h5.h"
+#include "tests/support/scene_make.h"
 
 enum { MOST = 65536 };
-
-static uint64_t random_next(uint64_t *state) { /* splitmix64 */
-    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return z ^ z >> 31;
-}
 
 /* What a byte of all values may be. */
 enum { NOISE, SAME, RUNS, FEW, KINDS };
 
 static unsigned char byte_of(int kind, size_t i, uint64_t *random) {
-    const uint64_t r = random_next(random);
+    const uint64_t r = scene_next(random);
     switch (kind) {
         case NOISE: return (unsigned char)(r >> 24);
         case SAME: return 7;

@@ -10,7 +10,7 @@ static float *random_plane(uint64_t *seed, size_t count, int any_bits) {
     float *plane = calloc(count, sizeof *plane);
     assert_non_null(plane);
     for (size_t i = 0; i < count; i++) {
-        uint32_t bits = (uint32_t)random_next(seed);
+        uint32_t bits = (uint32_t)scene_next(seed);
         if (any_bits)
             memcpy(&plane[i], &bits, sizeof bits); /* NaNs with payloads, infinities, denormals */
         else
@@ -92,7 +92,7 @@ static void fill_hard_planes(uint64_t seed, float planes[3][37 * 21]) {
     for (int c = 0; c < 3; c++)
         for (int y = 0; y < 21; y++)
             for (int x = 0; x < 37; x++) {
-                uint32_t bits = (uint32_t)random_next(&seed);
+                uint32_t bits = (uint32_t)scene_next(&seed);
                 if (x < y / 2) bits = 0;
                 memcpy(&planes[c][37 * y + x], &bits, sizeof bits);
             }
@@ -347,7 +347,7 @@ static void test_claims(void **state) {
 static void write_big(void *result, void *user) {
     static float plane[256 * 256];
     uint64_t seed = 3;
-    for (size_t i = 0; i < 256 * 256; i++) plane[i] = (float)random_next(&seed);
+    for (size_t i = 0; i < 256 * 256; i++) plane[i] = (float)scene_next(&seed);
     tides_error error = {0};
     int32_t *seen = result;
     seen[0] = tides_exr_write(user, 256, 256, &(tides_channel){"v", plane}, 1, TIDES_EXR_ZIPS, NULL, &error);

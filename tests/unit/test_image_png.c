@@ -9,7 +9,7 @@ static uint8_t *random_picture(uint64_t seed, int32_t width, int32_t height) {
     size_t bytes = (size_t)width * (size_t)height * 3;
     uint8_t *rgb = malloc(bytes);
     assert_non_null(rgb);
-    for (size_t i = 0; i < bytes; i++) rgb[i] = (uint8_t)random_next(&seed);
+    for (size_t i = 0; i < bytes; i++) rgb[i] = (uint8_t)scene_next(&seed);
     return rgb;
 }
 

@@ -8,10 +8,6 @@
 static const uint64_t SEED = 2718;
 static const double H = 0.01; /* [s] */
 
-static double between(uint64_t *seed, double lower, double upper) {
-    return lower + (upper - lower) * (double)(scene_next(seed) >> 11) * 0x1p-53;
-}
-
 /* -- pieces -------------------------------------------------------------------------------------------------------------- */
 
 /* A wave: no cubic. */
@@ -30,7 +26,7 @@ static int make(const wave *w, uint64_t *seed, int nodes, td_node *node, td_piec
     double s = 0;
     int count = 0;
     for (; count < nodes; count++) {
-        s += between(seed, 0.2, 1.5) / (nodes + 1);
+        s += scene_between(seed, 0.2, 1.5) / (nodes + 1);
         if (s >= 1) break;
         node[count] = wave_at(w, s);
     }
@@ -43,7 +39,7 @@ static void test_nodes_are_met_and_bound_the_error(void **state) {
     (void)state;
     uint64_t seed = SEED;
     for (int trial = 0; trial < 300; trial++) {
-        const wave w = {between(&seed, 0.1, 1), between(&seed, 1, 6), between(&seed, 0, 6)};
+        const wave w = {scene_between(&seed, 0.1, 1), scene_between(&seed, 1, 6), scene_between(&seed, 0, 6)};
         td_node node[TD_NODES_MAX];
         td_pieces pieces;
         const int nodes = make(&w, &seed, trial % 8, node, &pieces);
@@ -66,8 +62,8 @@ static void test_ramps(void **state) {
     (void)state;
     uint64_t seed = SEED + 1;
     for (int trial = 0; trial < 300; trial++) {
-        const wave w = {1, between(&seed, 1, 6), between(&seed, 0, 6)};
-        const double begin = between(&seed, -2, 2), rise = between(&seed, -2, 2);
+        const wave w = {1, scene_between(&seed, 1, 6), scene_between(&seed, 0, 6)};
+        const double begin = scene_between(&seed, -2, 2), rise = scene_between(&seed, -2, 2);
         td_node node[TD_NODES_MAX];
         td_pieces plain, ramped;
         const uint64_t same = seed;
@@ -87,7 +83,7 @@ static void test_crossings(void **state) {
     uint64_t seed = SEED + 2;
     int found = 0;
     for (int trial = 0; trial < 300; trial++) {
-        const wave w = {between(&seed, 0.5, 2), between(&seed, 1, 9), between(&seed, 0, 6)};
+        const wave w = {scene_between(&seed, 0.5, 2), scene_between(&seed, 1, 9), scene_between(&seed, 0, 6)};
         td_node node[TD_NODES_MAX];
         td_pieces pieces;
         make(&w, &seed, trial % 10, node, &pieces);

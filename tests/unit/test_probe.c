@@ -15,10 +15,6 @@
 
 static const uint64_t SEED = 27182;
 
-static double between(uint64_t *seed, double lower, double upper) {
-    return lower + (upper - lower) * (double)(scene_next(seed) >> 11) * 0x1p-53;
-}
-
 /* -- places ---------------------------------------------------------------------------------------------------------- */
 
 static void test_places(void **state) {
@@ -61,10 +57,10 @@ static void test_polynomials(void **state) {
     (void)state;
     uint64_t seed = SEED + 1;
     for (int trial = 0; trial < 200; trial++) {
-        double h = between(&seed, 1e-4, 0.1), theta = between(&seed, 0.4, 0.6), t = theta * h, rest = 1 - theta;
-        double a = between(&seed, -1, 1), b = between(&seed, -1, 1) / h, c = between(&seed, -1, 1) / (h * h),
-               d = between(&seed, -1, 1) / (h * h * h);
-        double m = trial % 2 ? between(&seed, -9, 9) / (h * h * h * h) : 0;
+        double h = scene_between(&seed, 1e-4, 0.1), theta = scene_between(&seed, 0.4, 0.6), t = theta * h, rest = 1 - theta;
+        double a = scene_between(&seed, -1, 1), b = scene_between(&seed, -1, 1) / h, c = scene_between(&seed, -1, 1) / (h * h),
+               d = scene_between(&seed, -1, 1) / (h * h * h);
+        double m = trial % 2 ? scene_between(&seed, -9, 9) / (h * h * h * h) : 0;
         looked l = {a, b, 0, 0, 0, 0};
         l.S1 = a + h * (b + h * (c + h * (d + h * m / 24)));
         l.S1_dot = b + h * (2 * c + h * (3 * d + h * m / 6));
@@ -143,9 +139,9 @@ static double looked_at(double from, double to, double theta, double kink, int p
 }
 
 static twice look_twice(uint64_t *seed, double kink, int power) {
-    int left = between(seed, 0, 1) < 0.5;
-    double theta = 0.5 + (between(seed, 0, 1) < 0.5 ? -1 : 1) * between(seed, 0.01, 0.02);
-    double from = kink < theta ? 0 : theta, to = kink < theta ? theta : 1, h = to - from, s = between(seed, 0, 1);
+    int left = scene_between(seed, 0, 1) < 0.5;
+    double theta = 0.5 + (scene_between(seed, 0, 1) < 0.5 ? -1 : 1) * scene_between(seed, 0.01, 0.02);
+    double from = kink < theta ? 0 : theta, to = kink < theta ? theta : 1, h = to - from, s = scene_between(seed, 0, 1);
     td_model part = td_model_fit(TIDES_MODEL_HERMITE, h, risen(from, kink, power), rises(from, kink, power),
                                  risen(to, kink, power), rises(to, kink, power));
     return (twice){looked_at(left ? 0 : -1, left ? 2 : 1, 0.5, kink, power), looked_at(0, 1, theta, kink, power), s,
@@ -160,7 +156,7 @@ static void test_left(void **state) {
     uint64_t seed = SEED + 3;
     int is_kink = 0, above[2] = {0, 0};
     for (int i = 0; i < KINKS; i++) {
-        twice t = look_twice(&seed, between(&seed, 0, 1), 1);
+        twice t = look_twice(&seed, scene_between(&seed, 0, 1), 1);
         const uint8_t fall = td_probe_fall(t.deviation, t.before);
         td_probe_law law = td_probe_left(fall);
         double bow = t.deviation * 4 * t.s * (1 - t.s);

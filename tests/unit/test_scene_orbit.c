@@ -27,18 +27,16 @@ typedef struct world {
     tides_scene *scene;
 } world;
 
-static double uniform(uint64_t *seed) { return (double)(scene_next(seed) >> 11) * 0x1p-53; }
-
 static void world_make(world *w, uint64_t seed) {
     w->gaussians = scene_random(seed, COUNT, 0, SCENE_TRAINED);
     w->scene = scene_new();
     for (int64_t i = 0; i < COUNT; i++) {
         double p[3], length = 2;
         while (length > 1 || length < 1e-3) {
-            for (int k = 0; k < 3; k++) p[k] = 2 * uniform(&seed) - 1;
+            for (int k = 0; k < 3; k++) p[k] = scene_between(&seed, -1, 1);
             length = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
         }
-        const double far = i < STRAYS ? 100 : w->endless ? pow(10, 2 * uniform(&seed) - 1) / length : 1;
+        const double far = i < STRAYS ? 100 : w->endless ? pow(10, scene_between(&seed, -1, 1)) / length : 1;
         for (int k = 0; k < 3; k++) w->gaussians.mean[3 * i + k] = (float)(w->middle[k] + w->axes[k] * far * p[k]);
         w->gaussians.opacity_logit[i] = 2;
     }

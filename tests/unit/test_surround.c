@@ -32,10 +32,8 @@ static td_surround make(double lambda, double tau, double tolerance) {
     return s;
 }
 
-static double uniform(uint64_t *seed) { return (double)(scene_next(seed) >> 11) * 0x1p-53 * 2 - 1; }
-
 static void random_image(uint64_t *seed, double scale, double *image) {
-    for (int i = 0; i < PIXELS; i++) image[i] = scale * uniform(seed);
+    for (int i = 0; i < PIXELS; i++) image[i] = scale * scene_between(seed, -1, 1);
 }
 
 /* -- the transform --------------------------------------------------------------------------------------------------------- */
@@ -51,7 +49,7 @@ static void test_cosine(void **state) {
         double *image = calloc(3 * (size_t)count, sizeof *image), *modes = image + count, *again = modes + count, energy = 0;
         assert_non_null(image);
         assert_int_equal(td_dct_create(sizes[n][0], sizes[n][1], &c, NULL), TIDES_OK);
-        for (int i = 0; i < count; i++) image[i] = uniform(&seed);
+        for (int i = 0; i < count; i++) image[i] = scene_between(&seed, -1, 1);
         td_dct_forward(&c, image, modes);
         td_dct_back(&c, modes, again);
         for (int i = 0; i < count; i++) {
