@@ -1,5 +1,5 @@
 /* Buffers that host and device share (lib/device/td_near.h): what is written, read, lent and grown is what it is through
- * commands, and so is an image, to the bit. */
+ * commands, and so are an image and a whole run, to the bit. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -9,6 +9,7 @@
 #include "device/td_launch.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/scene_folder.h"
+#include "tides.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -45,6 +46,7 @@ static void use_buffer(tides_device *device, int near) {
     memset(to, 0, sizeof to);
     scene_expect_ok(td_buffer_read_part(device, &buffer, to, skipped, part, &error), &error);
     assert_memory_equal(to + FIRST, from + FIRST, part);
+    for (int i = 0; i < COUNT; i++) from[i] += 3;
     scene_expect_ok(td_buffer_send(device, &buffer, from, COUNT * sizeof *from, &error), &error);
     memset(to, 0, sizeof to);
     scene_expect_ok(td_buffer_fetch(device, &buffer, to, COUNT * sizeof *to, &error), &error);
@@ -100,7 +102,96 @@ static void test_images_are_the_same(void **state) {
     tides_device_close(device);
 }
 
+/* What a run leaves. */
+typedef struct run {
+    tides_event *events;
+    size_t count, capacity;
+    double *signal, *reference;
+} run;
+
+static int keep(void *user, const tides_event *events, size_t count) {
+    run *r = user;
+    scene_expect_ok(td_reserve((void **)&r->events, &r->capacity, r->count + count, sizeof *events, NULL), NULL);
+    if (count) memcpy(r->events + r->count, events, count * sizeof *events);
+    r->count += count;
+    return 0;
+}
+
+static void simulate(tides_device *device, const random_scene *scene, const tides_stepping *stepping, run *r) {
+    tides_simulator *simulator = NULL;
+    tides_image_params params;
+    tides_sensor sensor;
+    tides_error error = {0, ""};
+    const size_t pixels = (size_t)scene->camera.width * (size_t)scene->camera.height;
+    *r = (run){.signal = calloc(pixels, sizeof(double)), .reference = calloc(pixels, sizeof(double))};
+    assert_true(r->signal && r->reference);
+    tides_image_params_defaults(&params);
+    tides_sensor_defaults(&sensor);
+    sensor.threshold_on = 0.1;
+    sensor.threshold_off = 0.13;
+    scene_expect_ok(tides_simulator_create(device, scene->scene, scene->path, &scene->camera, &params, &sensor, stepping, 0.2,
+                                           0.24, NULL, NULL, &simulator, &error),
+                    &error);
+    scene_expect_ok(tides_simulator_run(simulator, 0.24, keep, r, NULL, NULL, &error), &error);
+    tides_simulator_state(simulator, r->signal, r->reference, NULL, NULL);
+    tides_simulator_destroy(simulator);
+}
+
+static void expect_same(const run *a, const run *b, size_t pixels, const char *what) {
+    if (a->count != b->count) fail_msg("%s: %zu events and %zu", what, a->count, b->count);
+    assert_true(a->count > 100);
+    assert_memory_equal(a->events, b->events, a->count * sizeof *a->events);
+    assert_memory_equal(a->signal, b->signal, pixels * sizeof(double));
+    assert_memory_equal(a->reference, b->reference, pixels * sizeof(double));
+}
+
+static void free_run(run *r) {
+    free(r->events);
+    free(r->signal);
+    free(r->reference);
+}
+
+/* Runs of every kind, each of which launches kernels of its own; `near` is switched off for a second run of each. */
+static void test_runs_are_the_same(void **state) {
+    static const struct kind {
+        const char *name;
+        int32_t mode, solve, unit, paths;
+    } kinds[] = {{"fixed steps", TIDES_STEPPING_FIXED, TIDES_SOLVE_OFF, TIDES_UNIT_TILE, 0},
+                 {"error control", TIDES_STEPPING_ERROR, TIDES_SOLVE_OFF, TIDES_UNIT_TILE, 0},
+                 {"events looked up", TIDES_STEPPING_ERROR, TIDES_SOLVE_FLOAT, TIDES_UNIT_BLOCK, 0},
+                 {"in double, paths", TIDES_STEPPING_ERROR, TIDES_SOLVE_DOUBLE, TIDES_UNIT_BLOCK, 1}};
+    tides_device *device = open_device();
+    random_recipe recipe = random_recipe_defaults(62);
+    const int near = device->near;
+    (void)state;
+    recipe.objects = 2;
+    recipe.size = 0.2;
+    recipe.camera_speed = 2;
+    random_scene scene = random_scene_make(&recipe);
+    const size_t pixels = (size_t)scene.camera.width * (size_t)scene.camera.height;
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+        tides_stepping stepping;
+        run own, commanded;
+        tides_stepping_defaults(&stepping);
+        stepping.mode = kinds[i].mode;
+        stepping.solve = kinds[i].solve;
+        stepping.unit = kinds[i].unit;
+        stepping.paths = kinds[i].paths;
+        stepping.step_s = kinds[i].mode == TIDES_STEPPING_FIXED ? 2e-3 : 20e-3;
+        device->near = near;
+        simulate(device, &scene, &stepping, &own);
+        device->near = 0;
+        simulate(device, &scene, &stepping, &commanded);
+        expect_same(&own, &commanded, pixels, kinds[i].name);
+        free_run(&own);
+        free_run(&commanded);
+    }
+    random_scene_free(&scene);
+    tides_device_close(device);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_a_buffer_is_a_buffer), cmocka_unit_test(test_images_are_the_same)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_a_buffer_is_a_buffer), cmocka_unit_test(test_images_are_the_same),
+                                       cmocka_unit_test(test_runs_are_the_same)};
     return cmocka_run_group_tests_name("near", tests, NULL, NULL);
 }

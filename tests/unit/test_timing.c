@@ -15,17 +15,13 @@
 static const uint64_t SEED = 31415;
 static const double H = 0.01; /* [s] */
 
-static double between(uint64_t *seed, double lower, double upper) {
-    return lower + (upper - lower) * (double)(scene_next(seed) >> 11) * 0x1p-53;
-}
-
 /* -- one crossing ---------------------------------------------------------------------------------------------------- */
 
 static void test_straight(void **state) {
     (void)state;
     uint64_t seed = SEED;
     for (int trial = 0; trial < 100; trial++) {
-        double v = between(&seed, 0.1, 2), error = between(&seed, 0, 0.3);
+        double v = scene_between(&seed, 0.1, 2), error = scene_between(&seed, 0, 0.3);
         int touches;
         double reach = td_timing_reach(v, 0, error, &touches);
         assert_true(fabs(reach - fmin(error / v, 1)) < 1e-9 && !touches);
@@ -38,7 +34,7 @@ static void test_parabolas(void **state) {
     uint64_t seed = SEED + 1;
     int touched = 0;
     for (int trial = 0; trial < 400; trial++) {
-        double v = between(&seed, 0, 1), a = between(&seed, -3, 3), error = between(&seed, 0, 0.02);
+        double v = scene_between(&seed, 0, 1), a = scene_between(&seed, -3, 3), error = scene_between(&seed, 0, 0.02);
         int touches;
         double reach = td_timing_reach(v, a, error, &touches), turn = v / fabs(a);
         int can_undo = a < 0 && v * turn / 2 < error; /* it turns before it is `error` beyond the level */
@@ -72,16 +68,35 @@ static void test_touch(void **state) {
 
 /* -- many ------------------------------------------------------------------------------------------------------------ */
 
-/* Adds events of one pixel that rises by 1 in a step of H with an error of `error`. */
-static void add(td_timing *timing, double error, size_t count) {
-    static const tides_event event = {.t = 5000000, .polarity = 1};
-    const td_tile tile = {0, 0, 1, 1};
-    const td_step step = {0, 10000000, 0, 1e7, H};
-    double S0 = 0, S1 = 1, rate = 1 / H;
-    const td_signals signals = {&S0, &rate, &S1, &rate};
-    const td_timed timed = {.step = &step, .tile = &tile, .signals = &signals, .events = &event, .count = 1, .adds = 1};
+/* One pixel that rises by 1 in a step of H, which may be the run's last, where single precision makes an error of `error`. */
+typedef struct rise {
+    td_tile tile;
+    td_step step;
+    double S0, S1, rate;
+    td_signals signals;
+    tides_event event;
+    td_timed timed;
+} rise;
+
+static rise *rising(td_timing *timing, rise *r, double error, int is_last) {
+    *r = (rise){{0, 0, 1, 1}, {0, 10000000, 0, 1e7, H}, .S1 = 1, .rate = 1 / H, .event = {.t = 5000000, .polarity = 1}};
+    r->signals = (td_signals){&r->S0, &r->rate, &r->S1, &r->rate};
+    r->timed = (td_timed){.step = &r->step,
+                          .tile = &r->tile,
+                          .signals = &r->signals,
+                          .events = &r->event,
+                          .count = 1,
+                          .adds = 1,
+                          .is_last = is_last};
     timing->epsilon = error / 4; /* 2 (1 + |S|) of them; a straight line: the model's own estimate is 0 */
-    for (size_t i = 0; i < count; i++) td_timing_add(timing, &timed);
+    return r;
+}
+
+/* Adds events of such a pixel. */
+static void add(td_timing *timing, double error, size_t count) {
+    rise r;
+    rising(timing, &r, error, 0);
+    for (size_t i = 0; i < count; i++) td_timing_add(timing, &r.timed);
 }
 
 /* A percentile is at or above the true one, by a quarter octave at most, and the nanosecond that times are floored to. */
@@ -116,10 +131,58 @@ static void test_ends(void **state) {
     expect_percentile(&timing, 1, H);
 }
 
+/* -- where the run ends ---------------------------------------------------------------------------------------------- */
+
+/* An event that comes so late that its error would have it after the run may be none: in the run's last step only. */
+static void test_late_events(void **state) {
+    (void)state;
+    static const struct late {
+        int64_t t; /* [ns]; the error is 1e5 of them */
+        int is_last;
+        uint64_t uncertain;
+    } cases[] = {{9950000, 1, 1}, {9950000, 0, 0}, {9850000, 1, 0}, {9999999, 1, 1}, {9999999, 0, 0}, {0, 1, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        td_timing timing;
+        rise r;
+        memset(&timing, 0, sizeof timing);
+        rising(&timing, &r, 0.01, cases[i].is_last)->event.t = cases[i].t;
+        td_timing_add(&timing, &r.timed);
+        if (timing.uncertain != cases[i].uncertain) fail_msg("case %zu: %d uncertain", i, (int)timing.uncertain);
+        expect_percentile(&timing, 0.5, 0.01 * H); /* its own error is what it is in any step */
+    }
+}
+
+/* A signal that ends below a level by less than its error may have reached it: where there is no next step to tell. */
+static void test_levels_at_the_end(void **state) {
+    (void)state;
+    const double error = 0.01;
+    static const struct level {
+        double on, off; /* errors from where the signal ends to each threshold */
+        int is_last;
+        uint64_t uncertain;
+    } cases[] = {{0.5, 50, 1, 1}, {0.5, 50, 0, 0}, {2, 50, 1, 0},   {50, 0.5, 1, 1},
+                 {50, 0.5, 0, 0}, {50, 2, 1, 0},   {-0.5, 50, 1, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        td_timing timing;
+        rise r;
+        const double reference = 0.7, residual = 1 - reference;
+        const double on = residual + cases[i].on * error, off = cases[i].off * error - residual;
+        memset(&timing, 0, sizeof timing);
+        rising(&timing, &r, error, cases[i].is_last)->timed.count = 0;
+        r.timed.levels = (td_levels){.reference = &reference, .threshold_on = &on, .threshold_off = &off, .stride = 1};
+        td_timing_add_turns(&timing, &r.timed);
+        if (timing.uncertain != cases[i].uncertain) fail_msg("case %zu: %d uncertain", i, (int)timing.uncertain);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_straight), cmocka_unit_test(test_parabolas),
-                                       cmocka_unit_test(test_touch), cmocka_unit_test(test_percentiles),
-                                       cmocka_unit_test(test_ends)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_straight),
+                                       cmocka_unit_test(test_parabolas),
+                                       cmocka_unit_test(test_touch),
+                                       cmocka_unit_test(test_percentiles),
+                                       cmocka_unit_test(test_ends),
+                                       cmocka_unit_test(test_late_events),
+                                       cmocka_unit_test(test_levels_at_the_end)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
