@@ -145,52 +145,33 @@ cat >forty.json <<-'JSON'
 	  "grid": { "sensor.threshold_on": [0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.1], "image.log_eps": [0.001, 0.002, 0.003, 0.004, 0.005] } }
 JSON
 expect 0 tides batch forty.json -o whole.d -q
-runs_of() { awk -v parent=$1 '$4 == parent { print $1 }' /proc/[0-9]*/stat 2>/dev/null; }
-# Stops one run of the batch $1 (a process) where `ready RUN` says so. Until it is killed or goes on the batch can't end, however
-# slow this shell is.
+# Of a process that may have ended meanwhile, as any may while the list is made.
+runs_of() { cat /proc/[0-9]*/stat 2>/dev/null | awk -v parent=$1 '$4 == parent { print $1 }'; }
+# The run that stands still (paused), of the batch $1: until it is killed or goes on the batch can't end, however slow this shell is.
 hold() {
-    for _ in $(seq 3000); do
+    while ! ended $1; do
         for held in $(runs_of $1); do
-            kill -STOP $held 2>/dev/null || continue
-            while [[ $(state_of $held) == [RSD] ]]; do :; done
-            [ "$(state_of $held)" = T ] && ready $held && return
-            kill -CONT $held 2>/dev/null
+            [ "$(state_of $held)" = T ] && return
         done
-        [[ $(state_of $1) == [RSD] ]] || fail "the batch ended before one of its runs was held"
         sleep 0.01
     done
-    fail "no run could be held"
+    fail "the batch ended before one of its runs was held"
 }
-# Waits until $2 runs of the folder $1 are finished.
-until_finished() {
-    for _ in $(seq 3000); do
-        [ "$(ls $1/*/result.json 2>/dev/null | wc -l)" -ge $2 ] && return
-        sleep 0.01
-    done
-    fail "fewer than $2 runs of $1 finished"
-}
-until_ended() {
-    for _ in $(seq 3000); do
-        [[ $(state_of $1) == [RSDT] ]] || return
-        sleep 0.01
-    done
-    fail "$1 outlived its parent"
-}
+# Whether $2 runs of the folder $1 are finished.
+finished() { [ "$(ls $1/*/result.json 2>/dev/null | wc -l)" -ge $2 ]; }
+make_pause
+export PAUSE_ONCE=$PWD/held
 
 set -m
-ready() { # it has left a checkpoint
-    local part
-    part=$(readlink /proc/$1/fd/* | grep '\.part$' | head -n 1)
-    [ -n "$part" ] && [ -e "${part%.part}.checkpoint" ]
-}
 for round in 1 2; do
-    tides batch forty.json -o forty.d -q --jobs 2 --checkpoint 0.01 >out 2>err &
+    rm -f held
+    paused tides batch forty.json -o forty.d -q --jobs 2 --checkpoint 0.0001 >out 2>err &
     hold $!
-    until_finished forty.d $((10 * round))
+    await finished forty.d $((10 * round))
     runs=$(runs_of $!)
     kill -KILL $! || fail "the batch ended before it was killed"
     wait $!
-    for run in $runs; do until_ended $run; done
+    for run in $runs; do await ended $run; done
     ls forty.d/*/*.checkpoint >/dev/null || fail "no checkpoint is left of the run that was killed"
 done
 expect 0 tides batch forty.json -o forty.d --checkpoint 0.01
@@ -208,20 +189,21 @@ for name in whole.d/*/; do
 done
 
 # With --parent it is killed when its parent is, and so are its runs.
-ready() { true; }
-sh -c 'tides batch forty.json -o end.d -q --jobs 2 --threads 1 --parent $$ 2>end.err & echo $! >end.pid; wait' &
-until [ -s end.pid ]; do sleep 0.01; done
+rm -f held
+paused sh -c 'tides batch forty.json -o end.d -q --jobs 2 --threads 1 --checkpoint 0.0001 --parent $$ 2>end.err & echo $! >end.pid; wait' &
+await [ -s end.pid ]
 hold $(cat end.pid)
-until_finished end.d 1
+await finished end.d 1
 runs=$(runs_of $(cat end.pid))
 kill -KILL $! || fail "the batch ended before its parent"
 wait $!
-for process in $(cat end.pid) $runs; do until_ended $process; done
+for process in $(cat end.pid) $runs; do await ended $process; done
 
 # Ctrl-C: runs save their state, and the same command goes on.
-tides batch forty.json -o int.d -q --jobs 2 >out 2>err &
+rm -f held
+paused tides batch forty.json -o int.d -q --jobs 2 --checkpoint 0.0001 >out 2>err &
 hold $!
-until_finished int.d 1
+await finished int.d 1
 kill -INT $!
 kill -CONT $held
 wait $!

@@ -216,11 +216,7 @@ fi
 
 set -m # so that the job doesn't start with SIGINT ignored
 tides bench accuracy --quick --scene fan -o stopped >out 2>err &
-for _ in $(seq 200); do
-    grep -q "Gaussians" err && break
-    sleep 0.05
-done
-sleep 0.5
+await grep -q "Gaussians" err
 kill -INT $!
 wait $!
 [ $? = 1 ] || fail "the exit code should be 1"

@@ -88,7 +88,7 @@ refuse 1 "before.csv: .* has no times before 0" tides simulate run.json -qo befo
 set -m
 long="$late $small --set time.stop=$epoch.984375 --set stepping.step_s=0.0005 --set stepping.mode=fixed"
 expect 0 tides simulate run.json -qo whole.h5 $long
-signal_at_checkpoint KILL tides simulate run.json -qo cut.h5 --checkpoint 0.02 $long
+signal_at_checkpoint KILL tides simulate run.json -qo cut.h5 --checkpoint 0.005 $long
 exists cut.h5.checkpoint
 missing cut.h5
 expect 0 tides simulate run.json -qo cut.h5 --resume $long

@@ -75,21 +75,42 @@ make_scene() {
 # Small work runs on the reference unless a case says otherwise: it needs no OpenCL.
 export TIDES_DEVICE=reference
 
+# await COMMAND...: until it succeeds, however slow the machine is.
+await() {
+    local end=$((SECONDS + 300))
+    until "$@"; do
+        [ $SECONDS -lt $end ] || fail "five minutes passed without: $*"
+        sleep 0.02
+    done
+}
+
 # R, S, D: the process goes on; T: it is stopped; Z or nothing: it has ended.
 state_of() { awk '{ print $3 }' /proc/$1/stat 2>/dev/null; }
+ended() { [[ $(state_of $1) != [RSDT] ]]; }
+reaped() { [ ! -e /proc/$1 ]; }
+
+# paused COMMAND...: becomes it, a process that stands still at its first checkpoint (pause_checkpoint.c, which make_pause has built).
+# PAUSE_ONCE: a file that the first to stand still makes; others go on.
+make_pause() {
+    [ -e pause.so ] || ${CC:-cc} -O1 -shared -fPIC -o pause.so "$here/pause_checkpoint.c" -ldl || skip "the shim needs glibc"
+}
+paused() {
+    LD_PRELOAD=$PWD/pause.so ASAN_OPTIONS=${ASAN_OPTIONS:-}:verify_asan_link_order=0 exec "$@"
+}
 
 # signal_at_checkpoint SIGNAL COMMAND...: starts it and sends the signal once it has left a (new) checkpoint, where it stands still
-# until then (pause_checkpoint.c). Leaves its exit code in `code`. For after `set -m`: jobs don't start with SIGINT ignored.
+# until then. Leaves its exit code in `code`. For after `set -m`: jobs don't start with SIGINT ignored.
 signal_at_checkpoint() {
     local signal=$1 run state
     shift
-    [ -e pause.so ] || ${CC:-cc} -O1 -shared -fPIC -o pause.so "$here/pause_checkpoint.c" -ldl || skip "the shim needs glibc"
-    LD_PRELOAD=$PWD/pause.so ASAN_OPTIONS=${ASAN_OPTIONS:-}:verify_asan_link_order=0 "$@" >out 2>err &
+    make_pause
+    paused "$@" >out 2>err &
     run=$!
     while state=$(state_of $run) && [[ $state == [RSD] ]]; do sleep 0.01; done
     [ "$state" = T ] || fail "it ended before it was interrupted"
     kill -"$signal" $run
     kill -CONT $run 2>/dev/null # what was killed is gone
+    await reaped $run           # until the shell knows that it goes on, `wait` takes its stop for an end
     wait $run
     code=$?
 }

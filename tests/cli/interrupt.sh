@@ -4,11 +4,7 @@ awk 'BEGIN { for (i = 0; i <= 4000; i++) printf "%g %g 0 0 0 0 0 1\n", i * 0.01,
 set -m # so that the job doesn't start with SIGINT ignored
 for signal in INT TERM; do
     tides simulate run.json -qo e.h5 --set time.stop=40 --set stepping.step_s=0.001 >out 2>err &
-    for _ in $(seq 100); do
-        [ -s e.h5.part ] && break
-        sleep 0.05
-    done
-    sleep 1
+    await [ -s e.h5.part ]
     kill -$signal $!
     wait $!
     [ $? = 1 ] || fail "the exit code should be 1"
@@ -20,15 +16,13 @@ for signal in INT TERM; do
 done
 
 # Within an image too: of pictures, exposures and datasets nothing half done is left. Unheard, they would be finished, and exit 0.
-# stopped STAGE COMMAND...: Ctrl-C once STAGE has been at work for a second.
+# stopped STAGE COMMAND...: Ctrl-C once STAGE has been at work for a second, or where it ended without.
+tells() { grep -q "$2: [0-9]* %" err || ended $1; }
 stopped() {
     local stage=$1
     shift
     "$@" >out 2>err &
-    for _ in $(seq 3000); do
-        grep -q "$stage: [0-9]* %" err && break
-        sleep 0.02
-    done
+    await tells $! "$stage"
     kill -INT $!
     wait $!
     [ $? = 1 ] || fail "$2: the exit code should be 1"

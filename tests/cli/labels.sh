@@ -30,7 +30,7 @@ set -m # so that jobs don't start with SIGINT ignored
 awk 'BEGIN { for (i = 0; i <= 400; i++) printf "%g %g 0 0 0 0 0 1\n", i * 0.01, 0.3 * sin(i * 0.3) }' >path.txt
 long="$filter $narrow --set sensor.labels=true --set sensor.threshold_on=0.03 --set time.stop=0.5 --set stepping.step_s=0.002"
 expect 0 tides simulate run.json -qo whole.h5 $long
-signal_at_checkpoint KILL tides simulate run.json -qo parts.h5 --checkpoint 0.02 $long
+signal_at_checkpoint KILL tides simulate run.json -qo parts.h5 --checkpoint 0.005 $long
 refuse 1 "sensor.labels|differ" tides simulate run.json -qo parts.h5 --resume $long --set sensor.labels=false
 expect 0 tides simulate run.json -qo parts.h5 --resume $long
 

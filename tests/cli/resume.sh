@@ -32,7 +32,7 @@ same() {
 interrupt() {
     local signal=$1
     shift
-    signal_at_checkpoint "$signal" tides simulate run.json -qo e.h5 --checkpoint 0.02 "$@"
+    signal_at_checkpoint "$signal" tides simulate run.json -qo e.h5 --checkpoint 0.005 "$@"
     exists e.h5.checkpoint
     exists e.h5.part
     [ -n "${finished:-}" ] || missing e.h5
@@ -145,11 +145,7 @@ rm e.h5 short.h5
 
 # No checkpoints where none are wanted.
 tides simulate run.json -qo none.h5 --checkpoint 0 $small $mode --set time.stop=4 >out 2>err &
-for _ in $(seq 100); do
-    [ -s none.h5.part ] && break
-    sleep 0.02
-done
-sleep 0.2
+await [ -s none.h5.part ]
 kill -INT $!
 wait $!
 error_line "events so far are in none.h5.part$"
