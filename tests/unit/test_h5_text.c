@@ -19,7 +19,7 @@
 
 #include <unistd.h>
 
-enum { MOST = 1 << 20 };
+enum { MOST = 1 << 20, TIME_LIMIT = 60 }; /* bytes; [s] after which a read that never ends is one */
 
 static char *repeat(char letter, size_t count) {
     char *text = calloc(count + 1, 1);
@@ -146,7 +146,7 @@ static void expect_refused(const char *path, const char *data, size_t size) {
     tides_error error = {TIDES_OK, ""};
     tides_scene *scene = scene_new();
     scene_file_write(path, data, size);
-    alarm(10);
+    alarm(TIME_LIMIT);
     tides_status status = tides_scene_add_file(scene, path, NULL, 1, &error);
     alarm(0);
     scene_expect_error(status, TIDES_BAD_FILE, &error, path);
@@ -208,7 +208,7 @@ static void test_header_circle(void **state) {
     assert_true(found);
     scene_file_write(path, data, size);
     free(data);
-    alarm(10);
+    alarm(TIME_LIMIT);
     file = td_h5_open_disk(path);
     if (file >= 0) {
         char *text = td_h5_free_text(file, "text7", MOST);

@@ -63,3 +63,7 @@ def simulation(scene, camera):
 @pytest.fixture
 def events(simulation):
     return simulation.run()
+
+
+def again(scene, camera, **more):
+    return tides.Simulation(scene, camera, stepping=tides.Stepping(step_s=0.01), **more)

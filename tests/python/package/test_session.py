@@ -113,7 +113,7 @@ def test_forks_are_told_and_spawn_works():
         ours, theirs = multiprocessing.Pipe()
         child = multiprocessing.get_context("fork").Process(target=_forked, args=(theirs, device))
         child.start()
-        assert ours.poll(60), "the child hangs"
+        assert ours.poll(300), "the child hangs"
         own, new, reference = ours.recv()
         child.join(60)
         assert child.exitcode == 0
