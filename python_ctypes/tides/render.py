@@ -188,30 +188,30 @@ class Renderer(Handle):
 
     def follow(self, time: float, points: Any, trajectory: Trajectory | None = None) -> np.ndarray:
         """Where points are at `time` [s] (TRACK)."""
-        given = array(points, MATERIAL_POINT, (None,), "points")
-        tracks = np.zeros(len(given), TRACK)
+        points = array(points, MATERIAL_POINT, (None,), "points")
+        tracks = np.zeros(len(points), TRACK)
         path = self._path(trajectory)
         made = pointer(tracks, _api.tides_track)
         with self._lock:
             call(
-                "tides_renderer_follow", self._pointer, path._pointer, time, pointer(given, _api.tides_material_point),
-                len(given), made,
+                "tides_renderer_follow", self._pointer, path._pointer, time, pointer(points, _api.tides_material_point),
+                len(points), made,
             )
         return tracks
 
     def event_truth(self, events: Any, fired: Any = None, trajectory: Trajectory | None = None) -> np.ndarray:
         """What each event's pixel saw when it fired (`fired` [ns]; None: at its t): an array with the fields flow_u, flow_v
         [px/s], depth [scene units], alpha, instance."""
-        given = as_events(events)
-        times = None if fired is None else array(fired, np.int64, (len(given),), "fired")
-        truth = np.zeros(len(given), EVENT_TRUTH)
+        events = as_events(events)
+        times = None if fired is None else array(fired, np.int64, (len(events),), "fired")
+        truth = np.zeros(len(events), EVENT_TRUTH)
         path = self._path(trajectory)
         clock = None if times is None else pointer(times, c_int64)
         made = pointer(truth, _api.tides_event_truth)
         with self._lock:
             call(
-                "tides_renderer_event_truth", self._pointer, path._pointer, pointer(given, _api.tides_event), clock,
-                len(given), made,
+                "tides_renderer_event_truth", self._pointer, path._pointer, pointer(events, _api.tides_event), clock,
+                len(events), made,
             )
         return truth
 
