@@ -17,10 +17,11 @@ done
 
 # Within an image too: of pictures, exposures and datasets nothing half done is left. Unheard, they would be finished, and exit 0.
 # stopped STAGE COMMAND...: Ctrl-C once STAGE has been at work for a second, or where it ended without.
-tells() { grep -q "$2: [0-9]* %" err || ended $1; }
+tells() { grep -qs "$2: [0-9]* %" err || ended $1; }
 stopped() {
     local stage=$1
     shift
+    rm -f err # what the one before told is no word of this one
     "$@" >out 2>err &
     await tells $! "$stage"
     kill -INT $!
