@@ -135,9 +135,9 @@ TD_INLINE td_mask td_is_rough(const td_shape s[3], TD_GLOBAL const td_view *view
     td_lanes b = td_surplus(s[0].b, s[1].b, s[2].b, duration) / td_sqrt(s[1].a.v * s[1].c.v);
     td_lanes shape = td_larger(a, td_larger(b, c));
     td_lanes opacity = td_surplus(s[0].opacity, s[1].opacity, s[2].opacity, duration);
-    td_mask rough = (place > TD_UNSEEN_PLACE * td_larger(td_narrowest(&s[1]), td_splat(1.0f))) |
-                    (shape > 2.0f * TD_UNSEEN_SHARE) |
-                    (opacity > td_fma(peak, TD_UNSEEN_SHARE, td_splat(0.25f * TD_UNSEEN_OPACITY)));
+    td_mask rough = place > TD_UNSEEN_PLACE * td_larger(td_narrowest(&s[1]), td_splat(1.0f));
+    rough |= shape > 2.0f * TD_UNSEEN_SHARE;
+    rough |= opacity > td_fma(peak, TD_UNSEEN_SHARE, td_splat(0.25f * TD_UNSEEN_OPACITY));
     if (source->sh_rated) rough |= td_colour_surplus(view, image, source, row, duration) > TD_UNSEEN_SHARE;
     return rough & in_front & (most > TD_UNSEEN_OPACITY);
 }

@@ -21,7 +21,7 @@ static void write_names(FILE *out, const char *stem, size_t count) {
 static void write_header(FILE *out, const td_gaussians *g, int wide) {
     const double *up = g->up;
     fprintf(out, "ply\nformat binary_little_endian 1.0\n");
-    if (up[0] || up[1] || up[2]) fprintf(out, "comment up %.17g %.17g %.17g\n", up[0], up[1], up[2]);
+    if (up[0] != 0 || up[1] != 0 || up[2] != 0) fprintf(out, "comment up %.17g %.17g %.17g\n", up[0], up[1], up[2]);
     fprintf(out, "element vertex %lld\n", (long long)g->count);
     static const char *const first[] = {"x", "y", "z", "nx", "ny", "nz"};
     for (size_t i = 0; i < sizeof first / sizeof first[0]; i++)

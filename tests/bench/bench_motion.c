@@ -84,7 +84,7 @@ typedef struct fma_limit {
 
 static fma_limit fma_make(tides_device *device) {
     tides_error error = {0};
-    fma_limit limit = {device, build(device, DEVICE_LANES, "", fma_source, "fma_limit"), {NULL, 0}, {0, 0}};
+    fma_limit limit = {.device = device, .kernel = build(device, DEVICE_LANES, "", fma_source, "fma_limit")};
     stop_on(td_buffer_reserve(device, &limit.out, FMA_ITEMS * 16 * sizeof(float), &error), &error);
     return limit;
 }
@@ -126,7 +126,7 @@ static float *turned_planes(const tides_motion *motion, const td_hexplane *shape
 }
 
 static plain plain_make(motion_device *on, const tides_gaussians *gaussians, int lanes) {
-    plain made = {on, NULL, lanes, {NULL, 0}, {NULL, 0}, {NULL, 0}, {0, 0}};
+    plain made = {.on = on, .lanes = lanes};
     tides_error error = {0};
     td_hexplane shape;
     int sizes[4 * TD_HEXPLANE_LEVELS_MAX];
