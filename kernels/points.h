@@ -73,6 +73,7 @@ TD_INLINE void td_point_chunk_values(const td_point_chunk *chunk, const td_point
     td_spread(planes[0], L);
     td_spread(planes[1], L_dot);
     for (int lane = 0; lane < chunk->count; lane++) {
+        /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): it doesn't know that a chunk has a lane for each point */
         values[2 * (chunk->first + lane)] = L[lane];
         values[2 * (chunk->first + lane) + 1] = L_dot[lane];
     }

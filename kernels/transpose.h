@@ -107,6 +107,7 @@ TD_INLINE void td_load_square(TD_GLOBAL const td_real *from, td_index index, td_
     td_transpose(entry);
 #endif
 }
+/* NOLINTNEXTLINE(readability-non-const-parameter): as above */
 TD_INLINE void td_store_square(TD_GLOBAL td_real *to, td_index index, td_lanes entry[TD_LANES]) {
 #if TD_LANES == 1
     to[index] = entry[0];

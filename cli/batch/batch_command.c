@@ -59,12 +59,8 @@ tides_status batch_clear(const batch_run *run, tides_error *error) {
     return status;
 }
 
-int batch_command(const batch *b, const batch_run *run) {
-    const cli_command *command = &kinds[kind_of(run->command)].command;
-    char *output = batch_text("%s/%s", run->directory, batch_output(run));
-    const char **arguments = calloc(8 + 2 * run->count + run->options, sizeof *arguments);
-    if (!output || !arguments) return cli_failed("out of memory");
-    size_t count = 0;
+static int give_arguments(const batch *b, const batch_run *run, const char *output, const char **arguments) {
+    int count = 0;
     arguments[count++] = "tides";
     arguments[count++] = run->file;
     arguments[count++] = "-q";
@@ -73,7 +69,20 @@ int batch_command(const batch *b, const batch_run *run) {
     if (b->common->device) arguments[count++] = "--device", arguments[count++] = b->common->device;
     for (size_t i = 0; i < run->count; i++) arguments[count++] = "--set", arguments[count++] = run->sets[i];
     for (size_t i = 0; i < run->options; i++) arguments[count++] = run->option[i];
-    const int code = command->run(command, (int)count, (char **)(uintptr_t)arguments); /* commands leave them as they are */
+    return count;
+}
+
+int batch_command(const batch *b, const batch_run *run) {
+    const cli_command *command = &kinds[kind_of(run->command)].command;
+    char *output = batch_text("%s/%s", run->directory, batch_output(run));
+    const char **arguments = calloc(8 + 2 * run->count + run->options, sizeof *arguments);
+    int code;
+    if (output && arguments) { /* commands leave them as they are */
+        const int count = give_arguments(b, run, output, arguments);
+        code = command->run(command, count, (char **)(uintptr_t)arguments);
+    } else {
+        code = cli_failed("out of memory");
+    }
     free(arguments);
     free(output);
     return code;

@@ -228,7 +228,7 @@ void compare_put_meanings(FILE *file) {
 
 static void put_cell(FILE *file, const cJSON *value) {
     char text[32];
-    fprintf(file, "<td>%s</td>", cJSON_IsNumber(value) ? compare_number(value->valuedouble, text) : "-");
+    fprintf(file, "<td>%s</td>", value && cJSON_IsNumber(value) ? compare_number(value->valuedouble, text) : "-");
 }
 
 static void put_table_row(FILE *file, const char *name, const cJSON *row, const cJSON *metrics, size_t reference) {

@@ -114,6 +114,12 @@ typedef struct bits {
     unsigned count;
 } bits;
 
+static bits bits_into(unsigned char *to, size_t room) {
+    bits b = {NULL, 0, room, 0, 0};
+    b.to = to;
+    return b;
+}
+
 /* At most 32 of them. */
 static inline void put_bits(bits *b, uint64_t value, unsigned count) {
     b->held |= value << b->count;
@@ -182,7 +188,7 @@ static size_t put_noise(const plane *p, int last, unsigned char *to, size_t room
 
 /* The byte is seldom, and its repetitions, at the only distance, are often. */
 static size_t put_same(const plane *p, int last, unsigned char *to, size_t room) {
-    bits b = {.to = to, .room = room};
+    bits b = bits_into(to, room);
     put_head(&b, last, LONGEST);
     put_unused(&b, p->often);
     put_bits(&b, LENGTH_TWO, 3);
@@ -225,7 +231,7 @@ static void put_either(bits *b, const plane *p) {
 /* Both bytes by codes, and no distance. */
 static size_t put_two(const plane *p, int last, unsigned char *to, size_t room) {
     const unsigned low = p->often < p->seldom ? p->often : p->seldom, high = p->often ^ p->seldom ^ low;
-    bits b = {.to = to, .room = room};
+    bits b = bits_into(to, room);
     put_head(&b, last, END);
     put_unused(&b, low);
     put_bits(&b, low == p->often ? LENGTH_ONE : LENGTH_TWO, 3);

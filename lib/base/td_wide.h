@@ -52,6 +52,7 @@ static inline size_t td_next_mark(const double *mark, size_t k, size_t count) {
         for (int i = 0; i < EACH; i++) any |= bits[i];
         if (any) break;
     }
+    /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): it doesn't follow td_whole_vectors */
     while (k < count && mark[k] == 0.0) k++;
     return k;
 }

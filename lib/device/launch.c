@@ -39,9 +39,10 @@ tides_status td_buffer_grow(tides_device *device, td_buffer *buffer, size_t byte
     if (bytes <= buffer->bytes) return TIDES_OK;
     td_buffer grown = {NULL, 0, NULL};
     tides_status status = td_buffer_reserve(device, &grown, bytes + bytes / 2, error);
-    if (status == TIDES_OK && buffer->near) status = move_near(device, grown.near, buffer->near, buffer->bytes, error);
+    if (status == TIDES_OK && grown.near && buffer->bytes)
+        status = move_near(device, grown.near, buffer->near, buffer->bytes, error);
     if (status != TIDES_OK) goto done;
-    if (buffer->bytes && !buffer->near)
+    if (buffer->bytes && !grown.near)
         TD_CL(clEnqueueCopyBuffer(device->queue, buffer->memory, grown.memory, 0, 0, buffer->bytes, 0, NULL, NULL));
     td_buffer_release(buffer); /* once the copy is done */
     *buffer = grown;

@@ -124,7 +124,7 @@ static tides_status add_node(tides_renderer *renderer, int slot, int node, int f
         int object = store->object[paths->wanted[i]], first = paths->entries;
         for (; i < end && store->object[paths->wanted[i]] == object; i++, paths->entries++) {
             int g = paths->wanted[i];
-            paths->gaussians[paths->entries] = store->mover[object] >= 0 ? row_of_moved[i - from] : g;
+            paths->gaussians[paths->entries] = row_of_moved && store->mover[object] >= 0 ? row_of_moved[i - from] : g;
             paths->rows[paths->entries] = paths->path_of[g] / TD_PATH_LEVELS + node;
         }
         end_object(paths, slot, first);
@@ -201,7 +201,7 @@ static void judge(tides_renderer *renderer, int gaussian, int level, float misfi
     if (misfit <= 1) return;
     paths->path_of[gaussian] = TD_PATH_DIRECT;
     if (misfit >= TD_PATH_WILD) return;
-    int more = (int)ceil(log2(misfit) / order_bits);
+    int more = (int)ceil(log2((double)misfit) / order_bits);
     int next = level + (more < 1 ? 1 : more);
     if (next <= (moves ? MOST_MOVED_LEVEL : MOST_LEVEL)) paths->level[gaussian] = (uint8_t)next;
 }

@@ -41,7 +41,8 @@ const char *td_json_text(const cJSON *object, const char *key) {
 }
 
 int td_json_is_below(const char *name) {
-    const char *part = name;
-    while (part && strncmp(part, "../", 3) != 0) part = (part = strchr(part, '/')) ? part + 1 : NULL;
-    return !part && *name != '/';
+    if (*name == '/') return 0;
+    for (const char *part = name; part; part = (part = strchr(part, '/')) ? part + 1 : NULL)
+        if (strncmp(part, "../", 3) == 0) return 0;
+    return 1;
 }

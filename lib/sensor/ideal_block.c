@@ -76,6 +76,7 @@ static void gather(run *r) {
     const int count = td_whole_vectors(b->count);
     for (int n = b->count; n < count; n++) b->k[n] = b->k[n - 1];
     for (int n = 0; n < count; n++) {
+        /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): it doesn't follow td_whole_vectors, here and below */
         const int k = b->k[n];
         b->j[n] = (double)first + k;
         b->S0[n] = S0[k];
@@ -186,6 +187,7 @@ TD_WIDE static void find_first(const levels *given, const td_ideal_block *block,
     const double per_width = 1.0 / tile.width;
     const int count = td_whole_vectors(b->count);
     for (int n = 0; n < count; n++) {
+        /* NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): as in `gather` */
         const double up = td_lesser(b->rises[n], 1), down = 1 - up, rise = up * l.on - down * l.off;
         const double from = b->control[0][n], per = 1 / (b->control[3][n] - from);
         for (int i = 0; i < EACH; i++) {

@@ -117,7 +117,7 @@ int main(int argc, char **argv) {
     double *planes = malloc(2 * pixels * sizeof *planes);
     td_point *points = malloc(count * sizeof *points);
     td_point_value *values = malloc(count * sizeof *values);
-    if (!planes || !points || !values) return 1;
+    if (!planes || !points || !values) exit(1);
     double frame = time_frames(renderer, facts.camera, start, planes, pixels);
     scatter(planes + pixels, pixels, facts.intrinsics.width, start, length, points, count);
     stop_on(td_renderer_exact_points(renderer, &error), &error);

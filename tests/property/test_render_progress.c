@@ -32,7 +32,9 @@ static int hear(void *user, double fraction, const char *stage) {
 typedef tides_status call(tides_renderer *renderer, const tides_trajectory *path, double *planes, tides_error *error);
 
 static tides_status frame(tides_renderer *renderer, const tides_trajectory *path, double *planes, tides_error *error) {
-    const tides_frame wanted = {{[TIDES_L] = planes, [TIDES_L_DOT] = planes + PIXELS}};
+    tides_frame wanted = {{NULL}};
+    wanted.plane[TIDES_L] = planes;
+    wanted.plane[TIDES_L_DOT] = planes + PIXELS;
     return tides_renderer_frame(renderer, path, 0.02, &wanted, error);
 }
 

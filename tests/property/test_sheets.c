@@ -27,7 +27,8 @@ static tides_scene *wall(double tilt, int textured) {
         double x = 0.06 * (i % SIDE - 0.5 * (SIDE - 1));
         float grey = textured ? (float)((double)(scene_next(&seed) >> 40) * 0x1p-24 * 2 - 1.5) : (float)(-0.1 / SH_CONSTANT);
         mean[3 * i] = (float)x;
-        mean[3 * i + 1] = (float)(0.05 * (i / SIDE - 0.5 * (SIDE - 1)));
+        const int row = i / SIDE;
+        mean[3 * i + 1] = (float)(0.05 * (row - 0.5 * (SIDE - 1)));
         mean[3 * i + 2] = (float)(2 + tilt * x);
         for (int k = 0; k < 3; k++) log_scale[3 * i + k] = (float)log(0.06), sh[3 * i + k] = grey;
         quaternion[4 * i] = 1;

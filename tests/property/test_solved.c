@@ -273,7 +273,7 @@ static void test_what_comes_back(void **state) {
     size_t wrong = 0, before = 0, events = 0;
     (void)state;
     for (int k = 0; k < SCENES; k++) {
-        judged j = grazing_world_make((uint64_t)(OCCLUDERS + grazing_world_kinds() * (k + 1)));
+        judged j = grazing_world_make(OCCLUDERS + (uint64_t)grazing_world_kinds() * (uint64_t)(k + 1));
         judged_stream exact = {0};
         j.sensor.threshold_off = j.sensor.threshold_on; /* or levels aren't come back to */
         j.stepping.tolerance = LOOSE;

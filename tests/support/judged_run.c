@@ -49,9 +49,11 @@ static int keep(void *user, const tides_event *events, size_t count) {
     judged_stream *s = user;
     if (count == 0) return 0;
     if (s->count + count > s->capacity) {
-        s->capacity = 2 * (s->count + count);
-        s->events = realloc(s->events, s->capacity * sizeof *s->events);
-        if (!s->events) return TIDES_NO_MEMORY;
+        const size_t capacity = 2 * (s->count + count);
+        tides_event *grown = realloc(s->events, capacity * sizeof *grown);
+        if (!grown) return TIDES_NO_MEMORY;
+        s->events = grown;
+        s->capacity = capacity;
     }
     memcpy(s->events + s->count, events, count * sizeof *events);
     s->count += count;
