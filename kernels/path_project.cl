@@ -1,7 +1,7 @@
 /* Tile jobs, by turns: each one's candidates, TD_LANES at a time, from their paths to splat records (path_record.h). */
 #include "path_record.h"
 #include "specialise.h"
-#include "turns.h"
+#include "job_turns.h"
 
 __kernel void td_fetch_jobs(__constant const td_image *image_buffer, __global const td_job *jobs,
                             __global const int *candidates, __global const int *object, __global const td_view *views,

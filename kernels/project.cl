@@ -2,7 +2,7 @@
  * luminance it has of `shared` times (luminance.cl), or -1. */
 #include "record.h"
 #include "specialise.h"
-#include "turns.h"
+#include "job_turns.h"
 
 __kernel void td_project_jobs(__constant const td_image *image_buffer, __global const td_job *jobs,
                               __global const int *candidates, __global const int *object, __global const td_view *views,

@@ -6,7 +6,7 @@
  * doesn't pay: under a moving camera no number of moves that it was allowed (1 to 64 per key; AVX-512) beat the network. */
 #include "bitonic.h"
 #include "block_words.h"
-#include "turns.h"
+#include "job_turns.h"
 
 enum { TD_GROUP_MOST = 64 }; /* work-items of a group */
 

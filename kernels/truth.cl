@@ -2,7 +2,7 @@
  * then planes, a work-item per TD_LANES pixels of a block as in composite.cl. */
 #include "truth.h"
 #include "specialise.h"
-#include "turns.h"
+#include "job_turns.h"
 
 __kernel void td_surface_jobs(__constant const td_image *image_buffer, __global const td_job *jobs,
                               __global const int *candidates, __global const int *object, __global const int *numbers,

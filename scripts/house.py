@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """What `make lint` checks of the house as a whole. Prints findings, one line each, and exits 1 where there are any.
 
-usage: house.py arrows|cites|openings [ROOT]     ROOT: a tree like this repository's (default: this repository)
+usage: house.py arrows|cites|openings|guards [ROOT]     ROOT: a tree like this repository's (default: this repository)
 
 arrows     every #include goes to a folder that scripts/arrows.txt allows
 cites      comments and pages cite files that are in the repository, and sections that docs/DESIGN.md has
 openings   every file of lib begins with a comment of a sentence or more
+guards     no two headers hide each other
 """
 import re
 import sys
@@ -179,7 +180,21 @@ def check_openings(root):
     return found
 
 
-CHECKS = {"arrows": check_arrows, "cites": check_cites, "openings": check_openings}
+# -- guards ------------------------------------------------------------------------------------------------------------
+
+
+def check_guards(root):
+    """A header that has another's guard is empty where both are included, in one order of the two."""
+    first, found = {}, []
+    for path in files(root, (*SOURCE_FOLDERS, "tests"), {".h"}):
+        guard = re.search(r"^#ifndef (\w+_H)$", path.read_text(), re.M)
+        other = guard and first.setdefault(guard[1], path)
+        if guard and other != path:
+            found.append(f"{path.relative_to(root)}: {guard[1]} is {other.relative_to(root)}'s guard, too")
+    return found
+
+
+CHECKS = {"arrows": check_arrows, "cites": check_cites, "openings": check_openings, "guards": check_guards}
 
 
 def main():

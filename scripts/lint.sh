@@ -1,11 +1,11 @@
 #!/bin/sh
 # Format, static analysis, kernels through clang's OpenCL front end, sizes, shell syntax, and the house as a whole: includes
-# that go down only, citations of what is in the repository, openings. Every stage runs; any finding fails.
+# that go down only, citations of what is in the repository, openings, guards. Every stage runs; any finding fails.
 # environment: TIDY_FLAGS compiler flags, WARNINGS, JOBS processes at a time. usage: lint.sh [STAGE...], default all
 set -u
 jobs=${JOBS:-2}
 failed=
-stages=${*:-format clang tidy cppcheck kernels sizes shell top arrows cites openings words}
+stages=${*:-format clang tidy cppcheck kernels sizes shell top arrows cites openings guards words}
 
 # One process for many files: one for each took minutes on a busy machine.
 stage_format() {
@@ -82,6 +82,7 @@ stage_top() {
 stage_arrows() { ${PYTHON:-python3} scripts/house.py arrows; }
 stage_cites() { ${PYTHON:-python3} scripts/house.py cites; }
 stage_openings() { ${PYTHON:-python3} scripts/house.py openings; }
+stage_guards() { ${PYTHON:-python3} scripts/house.py guards; }
 stage_words() { ${PYTHON:-python3} scripts/docs/header.py --check include/tides/*.h; }
 
 for stage in $stages; do

@@ -2,7 +2,7 @@
 #ifndef TD_OPENCL_H
 #define TD_OPENCL_H
 
-#include "kernels/turns.h"
+#include "kernels/job_turns.h"
 #include "td_backend.h"
 #include "td_launch.h"
 
@@ -63,7 +63,8 @@ typedef struct opencl_backend {
 /* Work-items that share a job's candidates, or neighbouring Gaussians: one on a CPU, a warp or two on a GPU. */
 static inline size_t td_opencl_group_size(const opencl_backend *b) { return b->device->info.lanes > 1 ? 1 : 64; }
 
-/* Work-items of the kernels that take a batch's jobs by turns (kernels/turns.h), and what says that nobody had a turn yet. */
+/* Work-items of the kernels that take a batch's jobs by turns (kernels/job_turns.h), and what says that nobody had a turn
+ * yet. */
 size_t td_opencl_takers(const opencl_backend *b, int jobs);
 tides_status td_opencl_begin_turns(opencl_backend *b, tides_error *error);
 

@@ -87,5 +87,12 @@ expect 1 '^lib/lower/vague.c:1: an opening of 1 words' openings "an opening that
 printf 'int x;\n' >"$work/lib/lower/vague.c"
 expect 1 '^lib/lower/vague.c:1: an opening of 0 words' openings "no opening"
 
+# -- guards ------------------------------------------------------------------------------------------------------------
+printf '#ifndef TD_A_H\n#define TD_A_H\n#endif\n' >"$work/kernels/a.h"
+printf '%s\n#ifndef TD_B_H\n#define TD_B_H\n#endif\n' "$opening" >"$work/lib/lower/td_b.h"
+expect 0 '^$' guards "headers with guards of their own"
+sed -i s/TD_B_H/TD_A_H/ "$work/lib/lower/td_b.h"
+expect 1 "^kernels/a.h: TD_A_H is lib/lower/td_b.h's guard, too" guards "two headers with one guard"
+
 echo "$passed passed, $failed failed, 0 skipped"
 [ $failed = 0 ]
