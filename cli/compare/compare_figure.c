@@ -128,7 +128,7 @@ static void draw_shares(figure *f) {
 
 static canvas_colour colour_of(const figure *f, double offset_ns) {
     int32_t k = 0;
-    while (fabs(offset_ns) >= class_ends_ns[k] && k < CLASSES - 1) k++;
+    while (k < CLASSES - 1 && fabs(offset_ns) >= class_ends_ns[k]) k++;
     return f->canvas.theme->series[class_series[k]];
 }
 
@@ -174,8 +174,8 @@ static tides_status draw_stream(figure *f, int32_t index, const cli_window *exac
 
 static tides_status draw_streams(figure *f, tides_error *error) {
     tides_event *kept = malloc((f->c->exact.count + 1) * sizeof *kept);
-    tides_status status = kept ? TIDES_OK : cli_error(error, TIDES_NO_MEMORY, "out of memory: the picture");
-    if (status != TIDES_OK) return status;
+    if (!kept) return cli_error(error, TIDES_NO_MEMORY, "out of memory: the picture");
+    tides_status status = TIDES_OK;
     const cli_window exact = compare_zoom_events(&f->zoom, f->c->exact.events, f->c->exact.count, kept);
     for (int32_t i = 0; status == TIDES_OK && i < f->count; i++) status = draw_stream(f, i, &exact, error);
     free(kept);

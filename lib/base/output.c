@@ -162,10 +162,14 @@ tides_status tides_file_write(const char *path, const void *bytes, size_t size, 
 static int try_part(const char *part, const char *path) {
     if (strcmp(part, path) == 0) return access(path, W_OK) == 0 ? 0 : errno;
     int made = open(part, O_WRONLY | O_CREAT | O_EXCL, 0666);
-    int descriptor = made < 0 && errno == EEXIST ? open(part, O_WRONLY) : made;
-    if (descriptor < 0) return errno;
-    close(descriptor);
-    if (made >= 0) unlink(part); /* one that was there is another run's, or waits to be gone on with */
+    if (made >= 0) {
+        close(made);
+        unlink(part);
+        return 0;
+    }
+    made = errno == EEXIST ? open(part, O_WRONLY) : -1; /* one that was there is another run's, or waits to be gone on with */
+    if (made < 0) return errno;
+    close(made);
     return 0;
 }
 

@@ -154,7 +154,7 @@ enum { KEYS = sizeof keys / sizeof *keys };
 static int has(const reading *r, int id) { return r->given >> id & 1; }
 
 static tides_status take_numbers(reading *r, const struct key *key, const char *value) {
-    double *values = (double *)((char *)r + key->offset);
+    double *values = (void *)((char *)r + key->offset);
     if (key->count == 16) {
         if (read_matrix(value, values) && is_rigid(values)) {
             straighten(values);

@@ -41,7 +41,7 @@ static int32_t constant_of(const td_param *row, const char *name) {
 static double number_of(const cJSON *value) { return cJSON_IsNumber(value) ? value->valuedouble : 0.0; }
 
 static void put_vector(const cJSON *value, int count, void *field) {
-    double vector[3];
+    double vector[3] = {0};
     for (int i = 0; i < count; i++) vector[i] = number_of(cJSON_GetArrayItem(value, i));
     memcpy(field, vector, (size_t)count * sizeof vector[0]);
 }

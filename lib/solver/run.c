@@ -203,22 +203,25 @@ static tides_status advance_to(tides_simulator *s, int64_t last, tides_event_sin
     return status;
 }
 
+static tides_status fail_untold(const tides_simulator *s, const char *path, double until, tides_error *error) {
+    return td_fail(error, TIDES_OUT_OF_RANGE, "%s is open, and hasn't been told up to %.15g s; append poses first", path,
+                   s->epoch + until);
+}
+
 /* Fails where a path that is told as it goes hasn't been told as far as grid point `last`. */
 static tides_status check_told(const tides_simulator *s, int64_t last, tides_error *error) {
     const double until = td_grid_time(s, last);
-    const char *late = td_trajectory_told(s->camera, s->epoch, until) ? NULL : "the camera's path";
-    char named[128];
-    for (int32_t i = 0; i < tides_scene_objects(s->scene) && !late; i++) {
+    if (!td_trajectory_told(s->camera, s->epoch, until)) return fail_untold(s, "the camera's path", until, error);
+    for (int32_t i = 0; i < tides_scene_objects(s->scene); i++) {
         tides_object object;
+        char named[128];
         tides_status status = tides_scene_object(s->scene, i, &object, error);
         if (status != TIDES_OK) return status;
         if (td_trajectory_told(object.trajectory, s->epoch, until)) continue;
         snprintf(named, sizeof named, "the path of object %d ('%.80s')", (int)i, object.name);
-        late = named;
+        return fail_untold(s, named, until, error);
     }
-    if (!late) return TIDES_OK;
-    return td_fail(error, TIDES_OUT_OF_RANGE, "%s is open, and hasn't been told up to %.15g s; append poses first", late,
-                   s->epoch + until);
+    return TIDES_OK;
 }
 
 /* The last grid point of a run that is asked for up to `until`. */
