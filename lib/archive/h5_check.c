@@ -1,6 +1,6 @@
-/* Looks at heaps and trees of HDF5 files before HDF5 takes their numbers at their word, for h5_driver.c (td_h5_check.h says
- * why). The format's specification: https://docs.hdfgroup.org/hdf5/v1_10/_f_m_t3.html, II.A superblock, III.A.1 trees, III.D
- * local heaps. */
+/* Looks at heaps, trees and object headers of HDF5 files before HDF5 takes their numbers at their word, for h5_driver.c
+ * (td_h5_check.h says why). The format's specification: https://docs.hdfgroup.org/hdf5/v1_10/_f_m_t3.html, II.A superblock,
+ * III.A.1 trees, III.D local heaps, IV.A.1 object headers, IV.A.2 their messages. */
 #include "td_h5_check.h"
 
 #include "td_endian.h"
@@ -76,4 +76,47 @@ int td_h5_check_tree(const td_h5_disk *disk, const unsigned char *bytes, size_t 
         if (child[4] != bytes[4] || child[5] != level - 1) return 0;
     }
     return 1;
+}
+
+/* ---- object headers: the types of numbers, the chunks of a dataset ---- */
+
+/* A whole number's bits lie within its bytes: HDF5 converts it bit by bit, wherever that is. */
+static int check_type(const unsigned char *message, size_t count) {
+    enum { LENGTH = 12, WHOLE = 0, BITFIELD = 4 };
+    if (count < LENGTH || ((message[0] & 15) != WHOLE && (message[0] & 15) != BITFIELD)) return 1;
+    const uint64_t bits = 8 * td_le_number(message + 4, 4), offset = td_le16(message + 8), precision = td_le16(message + 10);
+    return precision > 0 && offset + precision <= bits;
+}
+
+/* A chunk has some of every dimension, of which a value's bytes are the last: HDF5 divides by them. */
+static int check_layout(const unsigned char *message, size_t count) {
+    enum { VERSION = 3, CHUNKED = 2, HEAD = 11, EACH = 4, LEAST = 2 };
+    if (count < HEAD || message[0] != VERSION || message[1] != CHUNKED) return 1;
+    const size_t dimensions = message[2];
+    if (dimensions < LEAST || dimensions > (count - HEAD) / EACH) return 0;
+    for (size_t k = 0; k < dimensions; k++)
+        if (td_le_number(message + HEAD + k * EACH, EACH) == 0) return 0;
+    return 1;
+}
+
+static int check_messages(const unsigned char *bytes, size_t count, size_t at) {
+    enum { HEAD = 8, SHARED = 2, TYPE = 3, LAYOUT = 8 };
+    while (at <= count && count - at >= HEAD) {
+        const unsigned char *message = bytes + at;
+        const int kind = (int)td_le16(message), own = !(message[4] & SHARED);
+        const size_t length = (size_t)td_le16(message + 2);
+        if (length > count - at - HEAD) return 1; /* HDF5 reads all of it next, or says that it ends too soon */
+        if (own && kind == TYPE && !check_type(message + HEAD, length)) return 0;
+        if (own && kind == LAYOUT && !check_layout(message + HEAD, length)) return 0;
+        at += HEAD + length;
+    }
+    return 1;
+}
+
+/* Of version 1; version 2 has a checksum. What continues a header has messages only, and may look like a header's beginning:
+ * neither is taken for the other, since a header's first 16 bytes are no message of these. */
+int td_h5_check_header(const unsigned char *bytes, size_t count) {
+    enum { PREFIX = 16 };
+    if (count < PREFIX || memcmp(bytes, "OHDR", 4) == 0 || memcmp(bytes, "OCHK", 4) == 0) return 1;
+    return check_messages(bytes, count, 0) && (bytes[0] != 1 || bytes[1] != 0 || check_messages(bytes, count, PREFIX));
 }

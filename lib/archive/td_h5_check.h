@@ -1,6 +1,6 @@
 /* Internal: parts of HDF5 files looked at before HDF5 (1.10.8) sees them, because it takes their numbers at their word: the
- * driver (td_h5_driver.h) asks for what it reads as a local heap or a tree. Everything else HDF5 checks itself, or damage to it
- * was never seen to matter (tests/property/test_hdf5_mutations.c). */
+ * driver (td_h5_driver.h) asks for what it reads as a local heap, a tree or an object header. Everything else HDF5 checks
+ * itself, or damage to it was never seen to matter (tests/property/test_hdf5_mutations.c). */
 #ifndef TD_H5_CHECK_H
 #define TD_H5_CHECK_H
 
@@ -19,5 +19,7 @@ int td_h5_check_superblock(td_h5_disk *disk);
 /* `bytes` were read at `at` as a local heap or as a node of a B-tree. 0: damaged. */
 int td_h5_check_heap(const td_h5_disk *disk, const unsigned char *bytes, size_t count);
 int td_h5_check_tree(const td_h5_disk *disk, const unsigned char *bytes, size_t count);
+/* As an object header, or part of one. */
+int td_h5_check_header(const unsigned char *bytes, size_t count);
 
 #endif
