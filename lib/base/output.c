@@ -123,7 +123,7 @@ static int write_bytes(const char *part, const void *bytes, size_t size) {
     FILE *file = fopen(part, "wb");
     if (!file) return errno;
     errno = 0;
-    int failed = fwrite(bytes, 1, size, file) == size ? 0 : errno ? errno : EIO;
+    int failed = size == 0 || fwrite(bytes, 1, size, file) == size ? 0 : errno ? errno : EIO;
     if (fclose(file) != 0 && !failed) failed = errno; /* a full disk may show no earlier */
     return failed;
 }

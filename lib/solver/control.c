@@ -189,6 +189,7 @@ tides_status td_control_steps(tides_simulator *s, double start, double stop, tid
     if (status == TIDES_OK)
         status = td_reserve((void **)&r->open, &r->open_capacity, r->open_count + r->pending_count, sizeof *r->open, error);
     if (status != TIDES_OK) return status;
+    if (r->pending_count == 0) return TIDES_OK; /* nothing was ever reserved, perhaps */
     memcpy(r->open + r->open_count, r->pending, r->pending_count * sizeof *r->open);
     r->open_count += r->pending_count;
     s->stats.steps_rejected += r->pending_count;

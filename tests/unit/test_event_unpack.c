@@ -16,7 +16,7 @@ enum { BYTES = 300000, MOST = 1 << 20 };
 static unsigned char plain[BYTES], packed[2 * BYTES];
 
 static void fill(void) {
-    for (int i = 0; i < BYTES; i++) plain[i] = (unsigned char)(i * i >> 9 ^ i % 23);
+    for (int i = 0; i < BYTES; i++) plain[i] = (unsigned char)((int64_t)i * i >> 9 ^ i % 23);
 }
 
 static size_t pack(int size, const LZ4F_preferences_t *preferences) {
