@@ -67,12 +67,11 @@ typedef struct tides_stepping {
     int32_t interpolate_motion; /* 1: between the start, middle and end of a macro step expensive motion models (networks,
                                    callbacks) are interpolated, Gaussian by Gaussian where that is estimated to stay within
                                    both tolerances. FIXED: has no effect, each step is worked out */
-    double
-        memory_mb; /* [1e6 bytes] >= 1: what the samples of a macro step may take, and their launches: tiles are taken so many
-                         at a time; or, if that is more and tiles share steps or a budget, a few samples of each
-                         moving tile; looking up single pixels has a room of its own, 512 at
-                         most. Changes the order of the work, no event */
-    int32_t solve; /* TIDES_SOLVE_* */
+    double memory_mb; /* [1e6 bytes] >= 1: what the samples of a macro step and their launches may take: tiles are taken so
+                         many at a time. Where tiles share their steps or a budget, a few samples of each moving tile, if
+                         that is more; looking up single pixels has a room of its own, 512 at most. Changes the order of
+                         the work, no event */
+    int32_t solve;    /* TIDES_SOLVE_* */
     int32_t paths; /* 1: within a macro step splats follow record paths, cubics between the times at which they are projected,
                       Gaussian by Gaussian as many as stay within a hundredth of both tolerances. Images whose colours a
                       decoder makes have none. FIXED: has no effect, each step is projected */

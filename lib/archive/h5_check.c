@@ -113,10 +113,13 @@ static int check_messages(const unsigned char *bytes, size_t count, size_t at) {
     return 1;
 }
 
-/* Of version 1; version 2 has a checksum. What continues a header has messages only, and may look like a header's beginning:
- * neither is taken for the other, since a header's first 16 bytes are no message of these. */
+/* Of version 1; version 2 has a checksum. What continues a header has messages only; where it begins with a dataspace, that
+ * looks like a header but for the dataspace's version, 1 or 2, in place of a size in eights. HDF5 reads further than a header
+ * goes: what lies there is something else's. */
 int td_h5_check_header(const unsigned char *bytes, size_t count) {
-    enum { PREFIX = 16 };
+    enum { PREFIX = 16, SIZE = 8 };
     if (count < PREFIX || memcmp(bytes, "OHDR", 4) == 0 || memcmp(bytes, "OCHK", 4) == 0) return 1;
-    return check_messages(bytes, count, 0) && (bytes[0] != 1 || bytes[1] != 0 || check_messages(bytes, count, PREFIX));
+    const uint64_t size = td_le_number(bytes + SIZE, 4);
+    if (bytes[0] != 1 || bytes[1] != 0 || size % 8 != 0) return check_messages(bytes, count, 0);
+    return check_messages(bytes, size < count - PREFIX ? PREFIX + (size_t)size : count, PREFIX);
 }

@@ -1,0 +1,44 @@
+/* Object headers of HDF5 files: damaged messages are told, and nothing that isn't one is taken for one. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "lib/archive/td_h5_check.h"
+
+/* By the format's specification: a header's beginning (IV.A.1.a) with 32 bytes of messages; a whole number of 8 bytes that has no
+ * bits; a layout in chunks without a dimension; a dataspace of one dimension, whose length reads as a type's message. */
+#define HEADER "\x01\0\x01\0\x01\0\0\0\x20\0\0\0\0\0\0\0"
+#define BROKEN_TYPE "\x03\0\x10\0\x01\0\0\0\x10\0\0\0\x08\0\0\0\0\0\0\0\0\0\0\0"
+#define BROKEN_LAYOUT "\x08\0\x18\0\0\0\0\0\x03\x02\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0"
+#define DATASPACE "\x01\0\x10\0\0\0\0\0\x01\x01\0\0\0\0\0\0\x03\0\x0c\0\0\0\0\0"
+#define NOTHING "\0\0\x10\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0"
+#define EIGHT "\0\0\0\0\0\0\0\0"
+
+#define CHECK(text) td_h5_check_header((const unsigned char *)(text), sizeof(text) - 1)
+
+static void test_damaged(void **state) {
+    (void)state;
+    assert_false(CHECK(HEADER BROKEN_TYPE EIGHT));
+    assert_false(CHECK(HEADER BROKEN_LAYOUT));
+    assert_false(CHECK(NOTHING BROKEN_TYPE));     /* what continues a header */
+    assert_false(CHECK(DATASPACE BROKEN_LAYOUT)); /* and looks like one at first */
+}
+
+static void test_sound(void **state) {
+    (void)state;
+    assert_true(CHECK(HEADER NOTHING EIGHT));
+    assert_true(CHECK(HEADER NOTHING EIGHT BROKEN_TYPE BROKEN_LAYOUT)); /* HDF5 read ahead, of something else */
+    assert_true(CHECK(HEADER NOTHING));                                 /* or not all of it yet */
+    assert_true(CHECK(DATASPACE NOTHING EIGHT));
+    assert_true(CHECK("OHDR" BROKEN_TYPE)); /* has a checksum */
+    assert_true(CHECK(EIGHT));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_damaged), cmocka_unit_test(test_sound)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
