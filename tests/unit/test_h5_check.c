@@ -9,7 +9,7 @@
 
 #include "lib/archive/td_h5_check.h"
 
-/* By the format's specification: a header's beginning (IV.A.1.a) with 32 bytes of messages; a whole number of 8 bytes that has no
+/* By the specification: a header's beginning (IV.A.1.a) with 32 bytes of messages; a whole number of 8 bytes that has no
  * bits; a layout in chunks without a dimension; a dataspace of one dimension, whose length reads as a type's message. */
 #define HEADER "\x01\0\x01\0\x01\0\0\0\x20\0\0\0\0\0\0\0"
 #define BROKEN_TYPE "\x03\0\x10\0\x01\0\0\0\x10\0\0\0\x08\0\0\0\0\0\0\0\0\0\0\0"
