@@ -337,7 +337,10 @@ def test_keys(page):
     for key, condition in (
         ("ArrowRight", "page.from === 1e8"), ("[", "page.length < 7e7"), ("a", "page.length === page.recording.span"),
         ("c", "page.colouring.name === 'cause'"), ("2", "page.eye.tilt === 0"), ("r", "page.eye.tilt > 0"),
-        (".", "page.speed > 0"), (" ", "page.playing"), (" ", "!page.playing"),
+        (".", "page.speed > 0"), ("[", "page.length < page.recording.span"),
+        # It plays again and again; of the whole recording, whose end it is at, it would be over before that is looked at.
+        (" ", "page.playing"), (" ", "!page.playing"),
+        ("l", "!document.getElementById('loop').checked"), ("l", "document.getElementById('loop').checked"),
     ):  # fmt: skip
         page.key(key)
         page.wait(condition)
