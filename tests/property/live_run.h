@@ -6,6 +6,7 @@
 #include "run/td_session.h"
 #include "scene/td_scene.h"
 #include "solver/td_simulator.h"
+#include "tests/support/event_list.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/scene_folder.h"
 #include "tides.h"
@@ -39,19 +40,6 @@ static tides_pose_sample sample_of(const tides_trajectory *path, double time, in
     memcpy(sample.velocity, pose.position_dot, sizeof sample.velocity);
     for (int k = 0; k < 3; k++) sample.angular_velocity[k] = uniform() - 0.5; /* any: a path that bends at its samples */
     return sample;
-}
-
-typedef struct stream {
-    tides_event *events;
-    size_t count, capacity;
-} stream;
-
-static int keep(void *user, const tides_event *events, size_t count) {
-    stream *s = user;
-    assert_int_equal(td_reserve((void **)&s->events, &s->capacity, s->count + count + 1, sizeof *events, NULL), TIDES_OK);
-    if (count) memcpy(s->events + s->count, events, count * sizeof *events);
-    s->count += count;
-    return 0;
 }
 
 static tides_session *opened(void *folder, const random_scene *scene, const char *const *sets, size_t count) {

@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "event_list.h"
+#include "tests/support/event_list.h"
 #include "tests/property/renderer_of.h"
 
 #include "render/td_renderer.h"

@@ -56,7 +56,7 @@ static stream run_known(const tides_session *session, const told *all) {
                                            v->start, 1, NULL, NULL, &simulator, &error),
                     &error);
     scene_expect_ok(tides_simulator_readout(simulator, &v->readout, &error), &error);
-    scene_expect_ok(tides_simulator_run(simulator, v->stop + 1e-12, keep, &s, NULL, NULL, &error), &error);
+    scene_expect_ok(tides_simulator_run(simulator, v->stop + 1e-12, collect, &s, NULL, NULL, &error), &error);
     tides_simulator_destroy(simulator);
     tides_trajectory_destroy(camera);
     tides_scene_destroy(scene);
@@ -106,7 +106,7 @@ static stream run_told(tides_session *session, const told *all, int ahead) {
         scene_expect_ok(tides_live_run(live, until, &events, &count, &error), &error);
         assert_true(tides_live_reached(live) <= until + 1e-12 && tides_live_reached(live) > until - 0.005 - 1e-12);
         for (size_t i = 0; i < count; i++) assert_true(events[i].t <= (int64_t)(until * 1e9));
-        keep(&s, events, count);
+        collect(&s, events, count);
     }
     tides_live_close(live);
     return s;
@@ -158,6 +158,23 @@ static void told_runs_are_those_that_know(void **state) {
 
 /* -- at a robot's clock --------------------------------------------------------------------------------------------- */
 
+/* The events up to `until` of a run from `start` to `stop` that knew these poses. */
+static stream run_of_poses(const tides_session_facts *f, const tides_pose_sample *poses, size_t count, double start,
+                           double stop, double until) {
+    tides_error error = {0, ""};
+    stream events = {0};
+    tides_trajectory *path = NULL;
+    tides_simulator *simulator = NULL;
+    scene_expect_ok(tides_trajectory_create_open(poses, count, &path, &error), &error);
+    scene_expect_ok(tides_simulator_create(f->device, f->scene, path, &f->intrinsics, &f->values.image, &f->values.sensor,
+                                           &f->values.stepping, start, stop, NULL, NULL, &simulator, &error),
+                    &error);
+    scene_expect_ok(tides_simulator_run(simulator, until, collect, &events, NULL, NULL, &error), &error);
+    tides_simulator_destroy(simulator);
+    tides_trajectory_destroy(path);
+    return events;
+}
+
 /* Times as callers make them: sums of intervals; and at 1.6e9 s, where doubles are 0.2 us apart. Each step gives its events. */
 static void times_are_as_doubles_add_up(void **state) {
     static const double starts[] = {0, -3.7, 1.6e9};
@@ -168,7 +185,7 @@ static void times_are_as_doubles_add_up(void **state) {
         const tides_session_facts *f = &session->facts;
         tides_live *live = NULL;
         tides_pose_sample poses[61];
-        stream in_time = {0}, known = {0};
+        stream in_time = {0};
         double time = starts[k];
         scene_expect_ok(tides_live_open(session, NULL, NULL, NULL, &live, &error), &error);
         for (int i = 0; i <= 60; i++, time = starts[k] > 1e6 ? starts[k] + 1e-3 * i : time + 1e-3) {
@@ -179,21 +196,13 @@ static void times_are_as_doubles_add_up(void **state) {
             scene_expect_ok(tides_live_tell(live, TIDES_LIVE_CAMERA, poses + i, 1, &error), &error);
             scene_expect_ok(tides_live_run(live, time, &events, &count, &error), &error);
             assert_int_equal((int)tides_live_simulator(live)->step, i); /* none is late */
-            keep(&in_time, events, count);
+            collect(&in_time, events, count);
         }
-        tides_trajectory *path = NULL;
-        tides_simulator *simulator = NULL;
-        scene_expect_ok(tides_trajectory_create_open(poses, 61, &path, &error), &error);
-        scene_expect_ok(tides_simulator_create(f->device, f->scene, path, &f->intrinsics, &f->values.image, &f->values.sensor,
-                                               &f->values.stepping, starts[k], starts[k] + 1, NULL, NULL, &simulator, &error),
-                        &error);
-        scene_expect_ok(tides_simulator_run(simulator, poses[60].time + 1e-7, keep, &known, NULL, NULL, &error), &error);
+        const stream known = run_of_poses(f, poses, 61, starts[k], starts[k] + 1, poses[60].time + 1e-7);
         assert_true(known.count > 20);
         same(&known, &in_time, "a late clock");
         free(known.events);
         free(in_time.events);
-        tides_simulator_destroy(simulator);
-        tides_trajectory_destroy(path);
         tides_live_close(live);
         tides_session_close(session);
         random_scene_free(&scene);
@@ -220,7 +229,7 @@ static void long_runs_forget_and_leak_nothing(void **state) {
     tides_live *live = NULL;
     tides_session *session = plain(*state, &scene, 0, "stepping.tolerance=0.5");
     const tides_session_facts *f = &session->facts;
-    stream in_time = {0}, known = {0};
+    stream in_time = {0};
     size_t settled = 0;
     assert_int_equal(td_reserve((void **)&in_time.events, &in_time.capacity, EVENTS_MAX, sizeof *in_time.events, NULL),
                      TIDES_OK);
@@ -234,25 +243,17 @@ static void long_runs_forget_and_leak_nothing(void **state) {
         scene_expect_ok(tides_live_step(live, &camera, poses + i, 1, poses[i].time, &events, &count, &error), &error);
         assert_true(tides_trajectory_count(tides_live_path(live, TIDES_LIVE_CAMERA)) < 10);
         assert_true(in_time.count + count < EVENTS_MAX);
-        keep(&in_time, events, count);
+        collect(&in_time, events, count);
         if (i == SETTLED) settled = heap_in_use();
     }
     const size_t in_the_end = heap_in_use();
     print_message("heap after %d steps %zu bytes, after %d %zu\n", SETTLED, settled, STEPS, in_the_end);
     assert_true(in_the_end < settled + LEAST_LEAK);
-    tides_trajectory *path = NULL;
-    tides_simulator *simulator = NULL;
-    scene_expect_ok(tides_trajectory_create_open(poses, STEPS + 1, &path, &error), &error);
-    scene_expect_ok(tides_simulator_create(f->device, f->scene, path, &f->intrinsics, &f->values.image, &f->values.sensor,
-                                           &f->values.stepping, 0, 2, NULL, NULL, &simulator, &error),
-                    &error);
-    scene_expect_ok(tides_simulator_run(simulator, 1 + 1e-10, keep, &known, NULL, NULL, &error), &error);
+    const stream known = run_of_poses(f, poses, STEPS + 1, 0, 2, 1 + 1e-10);
     assert_true(known.count > 5000);
     same(&known, &in_time, "a second");
     free(known.events);
     free(in_time.events);
-    tides_simulator_destroy(simulator);
-    tides_trajectory_destroy(path);
     tides_live_close(live);
     tides_session_close(session);
     random_scene_free(&scene);

@@ -123,9 +123,9 @@ static void wrong_use_is_harmless(void **state) {
         scene_expect_ok(tides_live_tell(live, TIDES_LIVE_CAMERA, &pose, 1, &error), &error);
         scene_expect_ok(tides_live_tell(quiet, TIDES_LIVE_CAMERA, &pose, 1, &error), &error);
         scene_expect_ok(tides_live_run(live, pose.time, &events, &count, &error), &error);
-        keep(&one, events, count);
+        collect(&one, events, count);
         scene_expect_ok(tides_live_run(quiet, pose.time, &events, &count, &error), &error);
-        keep(&two, events, count);
+        collect(&two, events, count);
         scene_expect_error(tides_live_run(live, pose.time - 1e-4, NULL, NULL, &error), TIDES_BAD_ARGUMENT, &error, "go back");
         scene_expect_error(tides_live_run(live, 0.03, NULL, NULL, &error), TIDES_OUT_OF_RANGE, &error, "ends at 0.02");
         refused_to_tell(quiet, bad, "camera|");
@@ -155,10 +155,10 @@ static void gives_what_was_done(tides_live *live, tides_live *quiet, const tides
     scene_expect_error(tides_live_run(live, 0.013, NULL, NULL, &error), TIDES_BAD_ARGUMENT, &error, "half done");
     for (int i = 0; i < 2; i++) {
         scene_expect_ok(tides_live_run(live, tides_live_reached(live), &events, &count, &error), &error);
-        keep(&one, events, count);
+        collect(&one, events, count);
     }
     scene_expect_ok(tides_live_step(quiet, &camera, pose, 1, 0.011, &events, &count, &error), &error);
-    keep(&two, events, count);
+    collect(&two, events, count);
     assert_true(two.count > 0);
     same(&one, &two, "before a failure");
     free(one.events);
@@ -186,9 +186,9 @@ static void a_failure_half_way(void **state) {
             scene_expect_error(tides_live_step(live, camera, &bad, 1, pose.time, NULL, NULL, &error), TIDES_BAD_ARGUMENT,
                                &error, "aren't finite");
         scene_expect_ok(tides_live_step(live, camera, &pose, 1, pose.time, &events, &count, &error), &error);
-        keep(&one, events, count);
+        collect(&one, events, count);
         scene_expect_ok(tides_live_step(quiet, camera, &pose, 1, pose.time, &events, &count, &error), &error);
-        keep(&two, events, count);
+        collect(&two, events, count);
     }
     assert_true(one.count > 0);
     same(&one, &two, "after a failure");

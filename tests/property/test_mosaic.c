@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "tests/property/event_list.h"
+#include "tests/support/event_list.h"
 #include "tests/property/renderer_of.h"
 #include "tides/exposure.h"
 #include "tides/simulate.h"

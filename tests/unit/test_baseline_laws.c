@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "signal/td_event_sort.h"
+#include "tests/support/event_list.h"
 #include "tides/baselines.h"
 
 #include <math.h>
@@ -13,23 +14,6 @@
 #include <string.h>
 
 enum { WIDTH = 48, HEIGHT = 32, PIXELS = WIDTH * HEIGHT };
-
-typedef struct stream {
-    tides_event *events;
-    size_t count, capacity;
-} stream;
-
-static int keep(void *user, const tides_event *events, size_t count) {
-    stream *s = user;
-    if (s->count + count > s->capacity) {
-        s->capacity = 2 * (s->count + count);
-        s->events = realloc(s->events, s->capacity * sizeof *events);
-        assert_non_null(s->events);
-    }
-    if (count) memcpy(s->events + s->count, events, count * sizeof *events);
-    s->count += count;
-    return 0;
-}
 
 static tides_baseline_params params_of(int32_t method) {
     tides_baseline_params params;
@@ -53,17 +37,17 @@ static double waves(size_t k, size_t i) {
 }
 
 static stream simulate_from(const tides_baseline_params *params, movie make, size_t frames, double start, double interval) {
-    stream s = {NULL, 0, 0};
+    stream s = {0};
     double Y[PIXELS];
     tides_baseline *baseline = NULL;
     tides_error error = {TIDES_OK, ""};
     if (tides_baseline_create(params, WIDTH, HEIGHT, &baseline, &error) != TIDES_OK) fail_msg("%s", error.text);
     for (size_t k = 0; k < frames; k++) {
         for (size_t i = 0; i < PIXELS; i++) Y[i] = make(k, i);
-        if (tides_baseline_push(baseline, start + interval * (double)k, Y, keep, &s, &error) != TIDES_OK)
+        if (tides_baseline_push(baseline, start + interval * (double)k, Y, collect, &s, &error) != TIDES_OK)
             fail_msg("%s", error.text);
     }
-    assert_int_equal(tides_baseline_finish(baseline, keep, &s, &error), TIDES_OK);
+    assert_int_equal(tides_baseline_finish(baseline, collect, &s, &error), TIDES_OK);
     tides_baseline_destroy(baseline);
     for (size_t k = 1; k < s.count; k++) assert_true(td_event_compare(&s.events[k - 1], &s.events[k]) <= 0);
     return s;
@@ -209,9 +193,9 @@ static void ldati_counts(void **state) {
         double debt = ceil(sum - 1e-6) - sum, tenth = trunc(own[9 * PIXELS] - debt);
         whole += ceil(sum - 1e-6) + fmax(0, tenth);
     }
-    stream s = {NULL, 0, 0}, again = {NULL, 0, 0};
-    assert_int_equal(tides_ldati(voxels, WIDTH, HEIGHT, 0.1, 0.1 + 1.0 / 30, 5, 0, keep, &s, NULL), TIDES_OK);
-    assert_int_equal(tides_ldati(voxels, WIDTH, HEIGHT, 0.1, 0.1 + 1.0 / 30, 5, 1, keep, &again, NULL), TIDES_OK);
+    stream s = {0}, again = {0};
+    assert_int_equal(tides_ldati(voxels, WIDTH, HEIGHT, 0.1, 0.1 + 1.0 / 30, 5, 0, collect, &s, NULL), TIDES_OK);
+    assert_int_equal(tides_ldati(voxels, WIDTH, HEIGHT, 0.1, 0.1 + 1.0 / 30, 5, 1, collect, &again, NULL), TIDES_OK);
     print_message("LDATI: %zu events, expected %.0f\n", s.count, whole);
     assert_true(fabs((double)s.count - whole) < 0.5);
     assert_int_equal(again.count, s.count);
@@ -226,7 +210,7 @@ static void ldati_counts(void **state) {
     free(again.events);
     voxels[3] = NAN;
     tides_error error;
-    assert_int_equal(tides_ldati(voxels, WIDTH, HEIGHT, 0, 1, 5, 0, keep, &s, &error), TIDES_BAD_ARGUMENT);
+    assert_int_equal(tides_ldati(voxels, WIDTH, HEIGHT, 0, 1, 5, 0, collect, &s, &error), TIDES_BAD_ARGUMENT);
     assert_non_null(strstr(error.text, "pixel (3, 0)"));
 }
 
@@ -244,8 +228,8 @@ static void ldati_places(void **state) {
         voxels[(plane + 1) * PIXELS + i] = part;
         wanted_us[i] = 1e5 * ((double)bin + part) / 9;
     }
-    stream s = {NULL, 0, 0};
-    assert_int_equal(tides_ldati(voxels, WIDTH, HEIGHT, 0, 0.1, 5, 0, keep, &s, NULL), TIDES_OK);
+    stream s = {0};
+    assert_int_equal(tides_ldati(voxels, WIDTH, HEIGHT, 0, 0.1, 5, 0, collect, &s, NULL), TIDES_OK);
     assert_int_equal(s.count, PIXELS);
     for (size_t k = 0; k < s.count; k++) {
         const size_t i = (size_t)s.events[k].y * WIDTH + s.events[k].x;
@@ -265,14 +249,14 @@ static void ldati_is_a_method(void **state) {
     tides_baseline_params params = params_of(TIDES_METHOD_LDATI);
     params.seed = 5;
     tides_baseline *baseline = NULL;
-    stream all = {NULL, 0, 0}, parts = {NULL, 0, 0};
+    stream all = {0}, parts = {0};
     assert_int_equal(tides_baseline_create(&params, WIDTH, HEIGHT, &baseline, NULL), TIDES_OK);
     for (int k = 0; k < 2; k++) {
         const double start = k / params.ldati.fps, stop = start + 1 / params.ldati.fps;
-        assert_int_equal(tides_baseline_push(baseline, start, voxels[k], keep, &all, NULL), TIDES_OK);
-        assert_int_equal(tides_ldati(voxels[k], WIDTH, HEIGHT, start, stop, 5, (uint64_t)k, keep, &parts, NULL), TIDES_OK);
+        assert_int_equal(tides_baseline_push(baseline, start, voxels[k], collect, &all, NULL), TIDES_OK);
+        assert_int_equal(tides_ldati(voxels[k], WIDTH, HEIGHT, start, stop, 5, (uint64_t)k, collect, &parts, NULL), TIDES_OK);
     }
-    assert_int_equal(tides_baseline_finish(baseline, keep, &all, NULL), TIDES_OK);
+    assert_int_equal(tides_baseline_finish(baseline, collect, &all, NULL), TIDES_OK);
     assert_int_equal(all.count, parts.count);
     for (size_t k = 0; k < all.count; k++) {
         if (k) assert_true(td_event_compare(&all.events[k - 1], &all.events[k]) <= 0);

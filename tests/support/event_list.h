@@ -1,6 +1,6 @@
 /* Test support: what a run gives, as one list of events. */
-#ifndef TESTS_PROPERTY_EVENT_LIST_H
-#define TESTS_PROPERTY_EVENT_LIST_H
+#ifndef TESTS_SUPPORT_EVENT_LIST_H
+#define TESTS_SUPPORT_EVENT_LIST_H
 
 #include "td_base.h"
 #include "tests/support/scene_folder.h"
