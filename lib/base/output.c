@@ -61,6 +61,16 @@ void td_remove_part(const char *part, const char *path) {
     if (part && strcmp(part, path) != 0) unlink(part);
 }
 
+tides_status td_remove_file(const char *path, tides_error *error) {
+    char *part = NULL;
+    const tides_status status = td_part_name(path, 0, &part, error);
+    if (status != TIDES_OK) return status;
+    td_remove_part(part, path);
+    free(part);
+    if (remove(path) == 0 || errno == ENOENT) return TIDES_OK;
+    return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be removed: %s", path, strerror(errno));
+}
+
 /* ---- the disk ---- */
 
 int td_sync(int descriptor) {

@@ -57,6 +57,9 @@ tides_status td_commit_or_keep(const char *part, const char *path, tides_error *
 /* Removes what was begun; never a device. */
 void td_remove_part(const char *part, const char *path);
 
+/* Removes a file, where there is one, and the .part that a process left which was killed as it wrote it. */
+tides_status td_remove_file(const char *path, tides_error *error);
+
 /* Copies the bytes of `from`; what fails half way is the caller's to remove. */
 tides_status td_copy_file(const char *from, const char *to, tides_error *error);
 

@@ -109,8 +109,8 @@ static tides_status create_hdf5(td_event_sink *sink, tides_error *error) {
     place(sink);
     char *checkpoint = td_format(error, "%s.checkpoint", sink->path);
     status = checkpoint ? td_event_store_create(&w->store, sink->part, &facts, w->offset, error) : TIDES_NO_MEMORY;
-    if (status == TIDES_OK) unlink(w->tail);    /* of an earlier run, whose .part is gone now */
-    if (status == TIDES_OK) unlink(checkpoint); /* of that, or of the finished file that this one takes the place of */
+    if (status == TIDES_OK) unlink(w->tail);                  /* of an earlier run, whose .part is gone now */
+    if (status == TIDES_OK) td_remove_file(checkpoint, NULL); /* of that, or of the finished file that this one replaces */
     free(checkpoint);
     return status;
 }

@@ -8,7 +8,6 @@
 #include "td_base.h"
 #include "td_struct.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -54,16 +53,8 @@ tides_status td_record_begin(td_record *r, const char *path, const tides_event_f
     return check_how(r, path, error);
 }
 
-/* And what a save leaves that was killed. */
 static tides_status remove_checkpoint(const td_record *r, tides_error *error) {
-    char *part = NULL;
-    if (!r->checkpoint) return TIDES_OK;
-    const tides_status status = td_part_name(r->checkpoint, 0, &part, error);
-    if (status != TIDES_OK) return status;
-    td_remove_part(part, r->checkpoint);
-    free(part);
-    if (remove(r->checkpoint) == 0 || errno == ENOENT) return TIDES_OK;
-    return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be removed: %s", r->checkpoint, strerror(errno));
+    return r->checkpoint ? td_remove_file(r->checkpoint, error) : TIDES_OK;
 }
 
 tides_status td_record_anew(td_record *r, tides_error *error) {

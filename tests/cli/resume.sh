@@ -123,8 +123,10 @@ for left in e.h5.part e.h5.part.tail e.h5.checkpoint; do missing $left; done
 
 # Another recording in its place, whoever writes it, takes the checkpoint with it: --resume would go on after events of that one.
 expect 0 tides simulate run.json -qo e.h5 --keep-checkpoint $small $mode --set time.stop=0.2333
+echo half >e.h5.checkpoint.part
 expect 0 tides convert whole.h5 e.h5 -q
 missing e.h5.checkpoint
+missing e.h5.checkpoint.part
 # And a copy that no writer of ours knows of is refused by its events, as is a .part; both stay as they are.
 expect 0 tides simulate run.json -qo e.h5 --keep-checkpoint $small $mode --set time.stop=0.2333
 cp e.h5 own.h5
