@@ -67,18 +67,15 @@ void td_fixed_adapt(tides_simulator *s, const tides_render_stats *before) {
         s->batch = 2 * s->batch < s->batch_limit ? 2 * s->batch : s->batch_limit;
 }
 
-/* Every unit at the run's start, a launch's worth at a time: a large image's planes need no room of their own. */
+static void store_first(tides_simulator *s, const td_ask *ask, const double *planes) {
+    store_tile(s, ask->unit, planes, &s->now);
+}
+
 static tides_status render_first(tides_simulator *s, tides_error *error) {
-    td_launch *launch = &s->launch;
     tides_status status = TIDES_OK;
-    td_launch_clear(launch);
-    for (int t = 0; t < s->tiles && status == TIDES_OK; t++) status = td_launch_add(launch, t, 0, 0, error);
-    for (size_t first = 0; first < launch->count && status == TIDES_OK; first += launch->done) {
-        status = td_launch_render(s, first, s->refine.batch, TD_SIDE_BEGINS, td_fixed_outputs(s), error);
-        for (size_t i = first; i < first + launch->done && status == TIDES_OK; i++)
-            store_tile(s, launch->ask[i].unit, td_launch_planes(launch, i), &s->now);
-    }
-    return status;
+    td_launch_clear(&s->launch);
+    for (int t = 0; t < s->tiles && status == TIDES_OK; t++) status = td_launch_add(&s->launch, t, 0, 0, error);
+    return status == TIDES_OK ? td_launch_take_all(s, TD_SIDE_BEGINS, td_fixed_outputs(s), store_first, error) : status;
 }
 
 tides_status td_begin(tides_simulator *s, tides_error *error) {

@@ -47,25 +47,20 @@ static double shortest_step(const tides_simulator *s, double start, double stop)
 
 /* -- samples --------------------------------------------------------------------------------------------------------------- */
 
-/* Copies one rendered unit to a sample's rows, and notes its risk. */
-static void store_sample(const tides_simulator *s, const td_refine *r, int t, const double *planes, int32_t index) {
-    double *sample = td_sample_at(&r->samples, index);
-    const size_t apart = (size_t)r->samples.pixels;
-    td_unpack_tile(&s->tile[t], planes, sample, sample + apart);
-    if (r->samples.planes == TD_PLANES_ALL) td_unpack_diagnostics(&s->tile[t], planes, apart, sample);
-    *td_sample_risk(&r->samples, index) = s->outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, &s->tile[t], planes);
+/* Copies one rendered unit to its sample's rows, and notes its risk. */
+static void store_sample(tides_simulator *s, const td_ask *ask, const double *planes) {
+    td_samples *samples = &s->refine.samples;
+    const td_tile *unit = &s->tile[ask->unit];
+    double *sample = td_sample_at(samples, ask->sample);
+    const size_t apart = (size_t)samples->pixels;
+    td_unpack_tile(unit, planes, sample, sample + apart);
+    if (samples->planes == TD_PLANES_ALL) td_unpack_diagnostics(unit, planes, apart, sample);
+    *td_sample_risk(samples, ask->sample) = s->outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, unit, planes);
 }
 
-/* All of the level's jobs, in as many launches as their planes have room for. */
-static tides_status render_level(tides_simulator *s, td_refine *r, tides_error *error) {
-    td_launch *level = &s->launch;
-    tides_status status = TIDES_OK;
-    for (size_t first = 0; first < level->count && status == TIDES_OK; first += level->done) {
-        status = td_launch_render(s, first, r->batch, TD_SIDE_ENDS, s->outputs, error);
-        for (size_t i = first; i < first + level->done && status == TIDES_OK; i++)
-            store_sample(s, r, level->ask[i].unit, td_launch_planes(level, i), level->ask[i].sample);
-    }
-    return status;
+/* All of the level's jobs. */
+static tides_status render_level(tides_simulator *s, tides_error *error) {
+    return td_launch_take_all(s, TD_SIDE_ENDS, s->outputs, store_sample, error);
 }
 
 /* Adds a job to the level, for a new sample. */
@@ -183,7 +178,7 @@ tides_status td_refine_level(tides_simulator *s, double start, double stop, tide
     td_refine *r = &s->refine;
     td_launch_clear(&s->launch);
     tides_status status = add_cuts(s, r, start, stop, error);
-    if (status == TIDES_OK) status = render_level(s, r, error);
+    if (status == TIDES_OK) status = render_level(s, error);
     return status == TIDES_OK ? cut_pending(s, r, start, stop, 0, error) : status;
 }
 
@@ -198,7 +193,7 @@ static tides_status first_level(tides_simulator *s, td_refine *r, double start, 
     for (size_t i = 0; i < count; i++) r->step[r->fresh[i]].end = s->launch.ask[i].sample;
     r->pending_count = looks ? count : 0;
     status = add_cuts(s, r, start, stop, error);
-    if (status == TIDES_OK) status = render_level(s, r, error);
+    if (status == TIDES_OK) status = render_level(s, error);
     if (!looks || status != TIDES_OK) return status;
     s->stats.steps_rejected += count;
     return cut_pending(s, r, start, stop, count, error);

@@ -15,6 +15,12 @@ static void list_moving(tides_simulator *s) {
     }
 }
 
+/* S is the same on both sides of a knot. */
+static void store_rate(tides_simulator *s, const td_ask *ask, const double *planes) {
+    double S[TD_TILE_PIXELS];
+    td_unpack_tile(&s->tile[ask->unit], planes, S, s->now.plane[TD_PLANE_S_DOT] + s->first_pixel[ask->unit]);
+}
+
 /* At a knot of some motion, where a step begins, the S_dot of the tiles that move becomes that of what begins there. */
 static tides_status turn_knot(tides_simulator *s, tides_error *error) {
     const double time = td_grid_time(s, s->step);
@@ -23,15 +29,7 @@ static tides_status turn_knot(tides_simulator *s, tides_error *error) {
     tides_status status = TIDES_OK;
     for (int i = 0; i < s->moving_count && status == TIDES_OK; i++)
         status = td_launch_add(&s->launch, s->moving[i], time, 0, error);
-    for (size_t first = 0; first < s->launch.count && status == TIDES_OK; first += s->launch.done) {
-        status = td_launch_render(s, first, s->refine.batch, TD_SIDE_BEGINS, TD_OUT_SIGNAL, error);
-        for (size_t i = first; i < first + s->launch.done && status == TIDES_OK; i++) {
-            const int t = s->moving[i];
-            double S[TD_TILE_PIXELS]; /* is the same on both sides */
-            td_unpack_tile(&s->tile[t], td_launch_planes(&s->launch, i), S, s->now.plane[TD_PLANE_S_DOT] + s->first_pixel[t]);
-        }
-    }
-    return status;
+    return status == TIDES_OK ? td_launch_take_all(s, TD_SIDE_BEGINS, TD_OUT_SIGNAL, store_rate, error) : status;
 }
 
 tides_status td_sweep(tides_simulator *s, double start, double stop, tides_error *error) {
