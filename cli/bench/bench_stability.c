@@ -157,7 +157,7 @@ static void print_summary(const bench *b, const stability_row *rows, size_t coun
 
 tides_status bench_stability(bench *b, const cli_list *names, tides_error *error) {
     const size_t most = names->count ? names->count : case_count();
-    stability_row *rows = calloc(most, sizeof *rows);
+    stability_row *rows = calloc(most + 1, sizeof *rows);
     if (!rows) return cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
     const size_t count = choose(b, names, rows);
     tides_status status = bench_ask_device(b, error);

@@ -29,10 +29,10 @@ typedef struct sheet {
 static void add_sheet(stability_pile *pile, const sheet *of, uint64_t *state) {
     const double pitch = of->edge / of->side, middle = 0.5 * (of->side - 1);
     double decades = 0, power = 1;
-    for (; power > 1.2 * pitch * (of->wide > 0 ? of->wide : 1); power *= 0.7943282347242815)
-        decades -= 0.1; /* tenths of a decade */
+    while (power > 1.2 * pitch * (of->wide > 0 ? of->wide : 1)) power *= 0.7943282347242815, decades -= 0.1; /* tenths of one */
     for (int32_t i = 0; i < of->side * of->side; i++) {
-        const double u = pitch * (i % of->side - middle), v = pitch * (i / of->side - middle);
+        const int32_t column = i % of->side, row = i / of->side;
+        const double u = pitch * (column - middle), v = pitch * (row - middle);
         stability_splat s = {.decades = {decades, decades, decades - 1}, .quaternion = {1, 0, 0, 0}, .logit = of->logit};
         for (size_t k = 0; k < 3; k++) s.mean[k] = of->centre[k] + of->along[k] * u + (k == 1 ? v : 0);
         s.sh = stability_between(state, -1.5, 1.5);

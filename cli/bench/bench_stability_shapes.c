@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ALTERED = 40, BACKDROP = 60, SEED = 27182 };
+enum { ALTERED = 40, MIDDLE = ALTERED / 2, BACKDROP = 60, SEED = 27182 };
 
 /* Image rules smooth: half opacity at 1.125 near planes of 0.2, none below one (lib/render/rules.c). */
 #define NEAR 0.2
@@ -19,9 +19,9 @@ static void set_scales(stability_splat *s, double a, double b, double c) {
 /* In front of the camera, so near the border that x/z passes where the Jacobian is clamped: 1.3 tan(fov / 2), and so large that
  * they reach into the view. */
 static void at_clamp(stability_splat *s, int32_t i, const tides_intrinsics *camera, double spread) {
-    const double limit = 1.3 * 0.5 * camera->width / camera->fx;
+    const double limit = 1.3 * 0.5 * camera->width / camera->fx, place = i - MIDDLE;
     s->mean[2] = 2;
-    s->mean[0] = (i % 2 ? 1 : -1) * s->mean[2] * limit * (1 + spread * (i - ALTERED / 2) / ALTERED);
+    s->mean[0] = (i % 2 ? 1 : -1) * s->mean[2] * limit * (1 + spread * place / ALTERED);
     set_scales(s, -0.1, -0.1, -0.3);
 }
 
@@ -45,7 +45,7 @@ static void alter(int32_t kind, double size, int32_t i, const stability_world *w
             set_scales(s, -1.5, -1.7, -1.3);
             break;
         case SHAPE_CROSSING:
-            s->mean[2] = NEAR + 0.01 * (i - ALTERED / 2);
+            s->mean[2] = NEAR + 0.01 * (i - MIDDLE);
             s->mean[0] *= 0.02;
             s->mean[1] *= 0.02;
             set_scales(s, -2, -1.8, -1.6);

@@ -112,8 +112,9 @@ void stability_wall(stability_pile *p, const stability_world *w, int32_t across,
     double decades = -6, power = 1e-6; /* of the largest tenth of a decade that is no more than `scale`, without log10 */
     for (; power * 1.2589254117941673 <= scale; power *= 1.2589254117941673) decades += 0.1;
     for (int32_t i = 0; i < across * down; i++) {
-        const stability_splat s = {.mean = {pitch[0] * (i % across + 0.5) - 0.5 * view[0],
-                                            pitch[1] * (i / across + 0.5) - 0.5 * view[1], z},
+        const int32_t column = i % across, row = i / across;
+        const stability_splat s = {.mean = {pitch[0] * (column + 0.5) - 0.5 * view[0], pitch[1] * (row + 0.5) - 0.5 * view[1],
+                                            z},
                                    .decades = {decades, decades, decades},
                                    .quaternion = {1, 0, 0, 0},
                                    .logit = 2,

@@ -54,9 +54,9 @@ static void draw_bar(cli_canvas *canvas, const plot_panel *panel, const bench_st
         if (strcmp(s->rows[i].stage, "frame") == 0) whole = 1e3 * s->rows[i].time_s;
     char text[64];
     const char *maker = s->rows[from].maker;
-    canvas_text(canvas, panel->left - 10, top + PITCH / 2, 1, maker);
+    canvas_text(canvas, panel->left - 10, top + 0.5 * PITCH, 1, maker);
     snprintf(text, sizeof text, "%.3g ms", whole);
-    canvas_text(canvas, panel->right + 10, top + PITCH / 2, 0, text);
+    canvas_text(canvas, panel->right + 10, top + 0.5 * PITCH, 0, text);
 }
 
 static void draw_panel(cli_canvas *canvas, int32_t index, int32_t height, const bench_stages *s, size_t first) {

@@ -76,7 +76,8 @@ static int check_folder(const cli_command *command, const char *path) {
 
 /* Stores a value, or sets a switch where `value` is NULL. */
 static int store(const parser *p, const cli_option *option, const char *value) {
-    const int named = option->argument && strcmp(option->argument, "DIR") == 0 ? check_folder(p->command, value) : CLI_GO;
+    const int folder = value && option->argument && strcmp(option->argument, "DIR") == 0;
+    const int named = folder ? check_folder(p->command, value) : CLI_GO;
     if (named != CLI_GO) return named;
     if (option->flag)
         *option->flag = 1;

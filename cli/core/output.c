@@ -53,7 +53,7 @@ void cli_tell_lines(const cli_common *common, const char *lines) {
     }
 }
 
-tides_status cli_error(tides_error *error, tides_status status, const char *format, ...) {
+tides_status(cli_error)(tides_error *error, tides_status status, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     error->status = status;

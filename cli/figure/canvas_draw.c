@@ -68,7 +68,8 @@ static cairo_surface_t *make_stamp(double radius, int32_t phase, int32_t *side) 
     *side = (int32_t)(2 * reach + 1);
     cairo_surface_t *stamp = cairo_image_surface_create(CAIRO_FORMAT_A8, *side, *side);
     cairo_t *cairo = cairo_create(stamp);
-    cairo_arc(cairo, reach + (double)(phase % PHASES) / PHASES, reach + (double)(phase / PHASES) / PHASES, radius, 0, TURN);
+    const int32_t right = phase % PHASES, down = phase / PHASES;
+    cairo_arc(cairo, reach + (double)right / PHASES, reach + (double)down / PHASES, radius, 0, TURN);
     cairo_fill(cairo);
     cairo_destroy(cairo);
     return stamp;
@@ -78,11 +79,12 @@ static void dots_as_stamps(cairo_t *cairo, const double *xy, size_t count, doubl
     cairo_surface_t *stamps[PHASES * PHASES];
     int32_t side = 0;
     for (int32_t i = 0; i < PHASES * PHASES; i++) stamps[i] = make_stamp(radius, i, &side);
+    const int32_t middle = side / 2;
     for (size_t i = 0; i < count; i++) {
         const double x = floor(PHASES * xy[2 * i] + 0.5), y = floor(PHASES * xy[2 * i + 1] + 0.5);
         const double left = floor(x / PHASES), top = floor(y / PHASES);
         const int32_t phase = (int32_t)(x - PHASES * left) + PHASES * (int32_t)(y - PHASES * top);
-        cairo_mask_surface(cairo, stamps[phase], left - side / 2, top - side / 2);
+        cairo_mask_surface(cairo, stamps[phase], left - middle, top - middle);
     }
     for (int32_t i = 0; i < PHASES * PHASES; i++) cairo_surface_destroy(stamps[i]);
 }

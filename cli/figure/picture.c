@@ -18,6 +18,6 @@ void cli_canvas_panel(cli_canvas *canvas, int32_t index, int32_t width, int32_t 
     const int32_t times = enlargement(width), columns = (canvas->width - MARGIN) / (width * times + MARGIN);
     const int32_t left = MARGIN + index % columns * (width * times + MARGIN),
                   top = index / columns * (LABEL_SPACE + height * times);
-    canvas_text_within(canvas, left, top + LABEL_SPACE / 2, width * times, label);
+    canvas_text_within(canvas, left, top + 0.5 * LABEL_SPACE, width * times, label);
     canvas_image(canvas, left, top + LABEL_SPACE, times, width, height, rgb);
 }

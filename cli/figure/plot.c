@@ -102,9 +102,10 @@ static void tick_x(cli_canvas *canvas, const plot_panel *p, double value, const 
     if (label[0]) *end = x + half + GAP;
     if (label[0]) canvas_line(canvas, x, p->top, x, p->bottom, 1, canvas->theme->grid);
     canvas_line(canvas, x, p->bottom, x, p->bottom + tick, 1, canvas->theme->frame);
-    canvas_text(canvas, x, p->bottom + TICK + GAP + CANVAS_TEXT / 2, 0.5, label);
+    canvas_text(canvas, x, p->bottom + TICK + GAP + 0.5 * CANVAS_TEXT, 0.5, label);
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): one type with tick_x */
 static void tick_y(cli_canvas *canvas, const plot_panel *p, double value, const char *label, double *end) {
     (void)end; /* panels are higher than their labels */
     const double y = floor(plot_y(p, value)) + 0.5;

@@ -270,7 +270,8 @@ static void draw_layers(cli_canvas *canvas, const layers *l) {
     const size_t count = l->first[2 * LAYERS_MAX];
     const double radius = fmin(4.0, (canvas->style.shapes ? 9.0 : 6.0) * pow((double)count + 1, -0.16));
     for (size_t k = 0; k < 2 * LAYERS_MAX; k++) {
-        const double depth = (LAYERS_MAX - 0.5 - (double)(k / 2)) / PER_DEPTH;
+        const size_t layer = k / 2;
+        const double depth = (LAYERS_MAX - 0.5 - (double)layer) / PER_DEPTH;
         const double haze = fmin(fmax(0.45 * (depth - EYE_DISTANCE + 1) / 2, 0), 0.6);
         const canvas_colour pure = k % 2 ? canvas->theme->on : canvas->theme->off;
         canvas_dots(canvas, l->xy + 2 * l->first[k], l->first[k + 1] - l->first[k], radius * EYE_DISTANCE / depth,

@@ -65,7 +65,7 @@ static double legend_entry(cli_canvas *canvas, double x, double y, canvas_colour
     char number[32], text[64];
     view_number(events, number);
     snprintf(text, sizeof text, "%s %s", name, number);
-    canvas_fill(canvas, x, y - SWATCH / 2, x + SWATCH, y + SWATCH / 2, colour);
+    canvas_fill(canvas, x, y - 0.5 * SWATCH, x + SWATCH, y + 0.5 * SWATCH, colour);
     canvas_text(canvas, x + SWATCH + BESIDE, y, 0, text);
     return x + SWATCH + BESIDE + canvas_text_width(text) + APART;
 }

@@ -38,7 +38,7 @@ static void one_line(char *text) {
         if ((unsigned char)*text < 0x20 || *text == 0x7f) *text = '?';
 }
 
-tides_status td_fail(tides_error *error, tides_status status, const char *format, ...) {
+tides_status(td_fail)(tides_error *error, tides_status status, const char *format, ...) {
     if (error) {
         va_list arguments;
         va_start(arguments, format);

@@ -16,6 +16,9 @@
 /* Fills a nullable error and returns `status`, so that a failure is `return td_fail(error, TIDES_BAD_FILE, "...", ...)`.
  * One line: what, where, how to fix. */
 tides_status td_fail(tides_error *error, tides_status status, const char *format, ...) TD_PRINTF(3, 4);
+#ifdef __clang_analyzer__ /* it doesn't look into functions of any number of arguments: it is the status that comes back */
+#define td_fail(error, status, ...) ((void)td_fail(error, status, __VA_ARGS__), (status))
+#endif
 
 /* Puts "prefix: " before the text that `error` already holds (to add where); returns its status. */
 tides_status td_fail_within(tides_error *error, tides_status status, const char *format, ...) TD_PRINTF(3, 4);

@@ -69,6 +69,7 @@ void td_open_at(const td_open *open, double time, double slack, double value[WID
         memcpy(rate, at->rate, sizeof at->rate);
         return;
     }
+    /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): an open path has a knot */
     const double span = to->time - from->time, u = (time - from->time) / span;
     for (int k = 0; k < WIDTH; k++) {
         const double rise = to->value[k] - from->value[k], start = span * from->rate[k], stop = span * to->rate[k];

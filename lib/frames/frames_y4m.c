@@ -112,7 +112,7 @@ static const char *read_field(const char *field, video *v) {
 }
 
 static tides_status read_header(const tides_frames *frames, video *v, tides_error *error) {
-    char line[LINE_MAX_BYTES], *rest = NULL;
+    char line[LINE_MAX_BYTES] = "", *rest = NULL;
     const int got = read_text(v->file, line);
     if (got != 1 || strncmp(line, magic, sizeof magic - 1) != 0 || (line[sizeof magic - 1] != ' ' && line[sizeof magic - 1]))
         return td_fail(error, TIDES_BAD_FILE, "%s: %s, where a YUV4MPEG2 video is expected: ffmpeg -i VIDEO -f yuv4mpegpipe -",
@@ -141,7 +141,7 @@ static tides_status fail_short(const tides_frames *frames, const video *v, tides
 static tides_status find_frames(tides_frames *frames, video *v, off_t size, tides_error *error) {
     const size_t luma = (size_t)v->width * (size_t)v->height,
                  chroma = v->is_mono ? 0 : chroma_side(v->width, v->across) * chroma_side(v->height, v->down);
-    char line[LINE_MAX_BYTES];
+    char line[LINE_MAX_BYTES] = "";
     v->bytes = (luma + 2 * chroma) * (v->depth > 8 ? 2 : 1);
     for (int got = read_text(v->file, line); got != 0; got = read_text(v->file, line)) {
         if (got == 2 && feof(v->file)) return fail_short(frames, v, error);

@@ -42,7 +42,7 @@ static void take(td_page *page, const tides_event *event, const tides_event_trut
     page->disorder |= page->report.events > 0 && event->t < page->arrived_ns;
     page->arrived_ns = event->t;
     page->events[page->count] = *event;
-    if (page->truth) page->truth[page->count] = *truth;
+    if (page->truth && truth) page->truth[page->count] = *truth;
     page->count++;
     page->report.events++;
     if (event->x >= page->report.width) page->report.width = event->x + 1;
