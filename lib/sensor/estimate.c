@@ -6,6 +6,8 @@
 
 #include <float.h>
 #include <math.h>
+#include <stddef.h>
+#include <string.h>
 
 /* What single precision leaves of S on its way through the renderer: an error below it is rounding, which no cut removes, and
  * divided by the slope of a pixel that hardly moves it would look like any time. */
@@ -61,93 +63,125 @@ static void count_pixel(const td_estimated *step, const pixel_step *p, double sc
     if (moved > 0) worst->seconds = td_greater(worst->seconds, timed * step->h / moved);
 }
 
-/* -- a tile -------------------------------------------------------------------------------------------------------------- */
+/* -- a tile of ideal pixels ---------------------------------------------------------------------------------------------- */
 
-enum { BLOCK = 64 }; /* pixels marked together */
-enum { APART = 32 }; /* pixels asked first, so that the first block's marks have something to be held against */
+enum { LANES = 16 };  /* pixels side by side: of each of these and of those that many further on the worst is kept */
+enum { BLOCK = 256 }; /* pixels looked at together */
 
-/* Of a block's pixels. */
-typedef struct marks {
-    double mark[BLOCK]; /* 0 where the pixel can't add to the estimate: no worse than what is there, or no level within reach;
-                           otherwise 1, and it is asked exactly */
-    double way[BLOCK];  /* the longest of these pixels and of those as far behind the blocks before */
-} marks;
+/* td_estimate of each lane, `way` in place of crossings; and of which pixels of a block it isn't known yet whether they
+ * count. */
+typedef struct lanes {
+    double error[LANES], seconds[LANES], deviation[LANES], rounded[LANES], way[LANES];
+    double doubts[LANES]; /* so many of the lane */
+    double doubt[BLOCK];  /* 1 or 0, of each pixel */
+} lanes;
 
-/* Marks the pixels from `first` on. With `probed` and `levelled` constant the loop is straight-line code that vectorises, by
- * the same means as comparator.c's: marks are doubles, and rounding to a whole number is adding 1.5 x 2^52. `slack` is for
- * rounding here, so that none is passed over that reaches_level would find; it is as large as a level where that sum is of no
- * use. */
-static inline void mark_some(int probed, int levelled, const td_estimated *step, const td_estimate *worst, double threshold,
-                             int32_t first, int32_t count, double *restrict mark, double *restrict way) {
+/* Pixels `at` and on of the block that begins at pixel `block`, as count_pixel counts them. With `probed` and `levelled`
+ * constant the loop is straight-line code that vectorises, by the same means as comparator.c's: flags are doubles, and rounding
+ * to a whole number is adding 1.5 x 2^52. `slack` is for rounding here: what reaches_level says is what is found here, or the
+ * pixel is in doubt. It is as large as a level where that sum is of no use. NaN is passed over: no comparison is true of it. */
+static inline void look_at(int probed, int levelled, const td_estimated *step, double threshold, int32_t block, int32_t at,
+                           int32_t count, lanes *restrict to) {
+    const int32_t first = block + at;
     const double *S0 = step->signals->S0 + first, *S0_dot = step->signals->S0_dot + first;
     const double *S1 = step->signals->S1 + first, *S1_dot = step->signals->S1_dot + first;
     const double *deviation = probed ? step->deviation + first : NULL, *reference = levelled ? step->reference + first : NULL;
-    const double h = step->h, per_level = 1 / threshold, whole = 0x1.8p52;
-    const td_estimate most = *worst;
+    const double h = step->h, per_level = 1 / threshold, whole = 0x1.8p52, rounding = step->rounding;
+    double *restrict doubt = to->doubt + at;
     for (int32_t k = 0; k < count; k++) {
         const pixel_step p = {S0[k], S1[k], h * S0_dot[k], h * S1_dot[k], 0, 0};
         double embedded = td_embedded(p.S1 - p.S0, p.rate0, p.rate1), bump = probed ? deviation[k] : embedded;
         double error = probed ? td_probe_error(embedded, bump) : embedded;
         double timed = td_greater(error - noise, 0), moved = td_greater(fabs(p.S1 - p.S0), error);
-        double flag = error > most.error ? 1.0 : 0.0;
-        flag = timed * h > most.seconds * moved ? 1.0 : flag;
-        if (probed) flag = bump > most.deviation ? 1.0 : flag;
+        double counts = 1.0, open = 0.0;
         if (levelled) {
             double a = p.S0 + p.rate0 * (1.0 / 3.0), b = p.S1 - p.rate1 * (1.0 / 3.0);
             double low = td_lesser(td_lesser(p.S0, p.S1), td_lesser(a, b)) - bump;
             double high = td_greater(td_greater(p.S0, p.S1), td_greater(a, b)) + bump;
-            double slack = 64 * DBL_EPSILON * (fabs(low) + fabs(high) + fabs(reference[k]));
-            double middle = (0.5 * (low + high) - reference[k]) * per_level, half = (0.5 * (high - low) + slack) * per_level;
-            flag = fabs(middle - ((middle + whole) - whole)) > half ? 0.0 : flag;
+            double slack = 64 * DBL_EPSILON * (fabs(low) + fabs(high) + fabs(reference[k])) * per_level;
+            double middle = (0.5 * (low + high) - reference[k]) * per_level, half = 0.5 * (high - low) * per_level;
+            double away = fabs(middle - ((middle + whole) - whole));
+            counts = away < half - slack ? 1.0 : 0.0;
+            open = away > half + slack ? 0.0 : 1.0 - counts;
         }
-        mark[k] = flag;
-        way[k] = td_greater(way_of(&p), way[k]);
+        double told = probed && !(bump > rounding) ? 0.0 : counts, seconds = timed * h / moved;
+        to->rounded[k] = td_greater(counts > 0.0 ? error : 0.0, to->rounded[k]);
+        to->error[k] = td_greater(told > 0.0 ? error : 0.0, to->error[k]);
+        if (probed) to->deviation[k] = td_greater(told > 0.0 ? bump : 0.0, to->deviation[k]);
+        to->seconds[k] = td_greater(told > 0.0 ? seconds : 0.0, to->seconds[k]);
+        to->way[k] = td_greater(way_of(&p), to->way[k]);
+        if (!levelled) continue;
+        double worse = error > to->error[k] ? open : 0.0; /* what hardly moves is on a level, and no worse than others */
+        worse = seconds > to->seconds[k] ? open : worse;
+        if (probed) worse = bump > to->deviation[k] ? open : worse;
+        doubt[k] = worse;
+        to->doubts[k] += worse;
     }
 }
 
-TD_WIDE static void mark_block(const td_estimated *step, const td_estimate *worst, int levelled, double threshold,
-                               int32_t first, int32_t count, marks *to) {
-    if (step->deviation && levelled)
-        mark_some(1, 1, step, worst, threshold, first, count, to->mark, to->way);
-    else if (step->deviation)
-        mark_some(1, 0, step, worst, threshold, first, count, to->mark, to->way);
-    else if (levelled)
-        mark_some(0, 1, step, worst, threshold, first, count, to->mark, to->way);
-    else
-        mark_some(0, 0, step, worst, threshold, first, count, to->mark, to->way);
+static inline void look_at_all(int probed, int levelled, const td_estimated *step, double threshold, int32_t block,
+                               int32_t count, lanes *to) {
+    for (int32_t at = 0; at < count; at += LANES)
+        look_at(probed, levelled, step, threshold, block, at, count - at < LANES ? count - at : LANES, to);
 }
 
-/* Pixel i, if it is worse than what was seen and may fire. NaN: the comparator passes it over. */
-static void ask_ideal(const td_estimated *step, int levelled, double threshold, int32_t i, td_estimate *worst) {
+TD_WIDE static void look(const td_estimated *step, int levelled, double threshold, int32_t block, int32_t count, lanes *to) {
+    if (step->deviation && levelled)
+        look_at_all(1, 1, step, threshold, block, count, to);
+    else if (step->deviation)
+        look_at_all(1, 0, step, threshold, block, count, to);
+    else if (levelled)
+        look_at_all(0, 1, step, threshold, block, count, to);
+    else
+        look_at_all(0, 0, step, threshold, block, count, to);
+}
+
+/* Pixel i, of which `look` was in doubt. */
+static void ask_ideal(const td_estimated *step, double threshold, int32_t i, td_estimate *worst) {
     const pixel_step p = pixel_of(step, i);
     /* Where the signal hardly rises, the time of a crossing is only as good as the range that it moves in. */
-    double moved = td_greater(fabs(p.S1 - p.S0), p.error);
-    double timed = td_greater(p.error - noise, 0);
-    int is_new = p.error > worst->error || timed * step->h > worst->seconds * moved;
-    if (!is_new && !(step->deviation && p.bump > worst->deviation)) return;
-    double low, high;
+    double moved = td_greater(fabs(p.S1 - p.S0), p.error), low, high;
     range_of(&p, &low, &high);
-    if (levelled && !reaches_level(low, high, step->reference[i], threshold)) return;
-    count_pixel(step, &p, 1, moved, worst);
+    if (reaches_level(low, high, step->reference[i], threshold)) count_pixel(step, &p, 1, moved, worst);
+}
+
+/* The worst of the lanes. */
+static void take_lanes(const lanes *of, double threshold, td_estimate *worst) {
+    double way = 0;
+    for (int k = 0; k < LANES; k++) {
+        worst->error = td_greater(of->error[k], worst->error);
+        worst->seconds = td_greater(of->seconds[k], worst->seconds);
+        worst->deviation = td_greater(of->deviation[k], worst->deviation);
+        worst->rounded = td_greater(of->rounded[k], worst->rounded);
+        way = td_greater(of->way[k], way);
+    }
+    worst->crossings = way / threshold;
+}
+
+static double doubts_of(const lanes *of) {
+    double doubts = 0;
+    for (int k = 0; k < LANES; k++) doubts += of->doubts[k];
+    return doubts;
 }
 
 static td_estimate estimate_ideal(const td_sensor *sensor, const td_estimated *step) {
     td_estimate worst = {0, 0, 0, 0, 0};
     const double threshold = sensor->sensor.threshold_on;
     const int levelled = step->reference && threshold == sensor->sensor.threshold_off;
-    marks block = {.way = {0}};
-    double way = 0;
-    for (int32_t i = 0; i < step->count; i += APART) ask_ideal(step, levelled, threshold, i, &worst);
-    for (int32_t first = 0; first < step->count; first += BLOCK) {
-        const int32_t count = step->count - first < BLOCK ? step->count - first : BLOCK;
-        mark_block(step, &worst, levelled, threshold, first, count, &block);
-        for (size_t k = 0; (k = td_next_mark(block.mark, k, (size_t)count)) < (size_t)count; k++)
-            ask_ideal(step, levelled, threshold, first + (int32_t)k, &worst);
+    lanes of; /* large: a doubt is set where its pixel is looked at */
+    memset(&of, 0, offsetof(lanes, doubt));
+    for (int32_t block = 0; block < step->count; block += BLOCK) {
+        const int32_t count = step->count - block < BLOCK ? step->count - block : BLOCK;
+        look(step, levelled, threshold, block, count, &of);
+        if (!levelled || !(doubts_of(&of) > 0)) continue;
+        for (size_t k = 0; (k = td_next_mark(of.doubt, k, (size_t)count)) < (size_t)count; k++)
+            ask_ideal(step, threshold, block + (int32_t)k, &worst);
     }
-    for (int k = 0; k < BLOCK; k++) way = td_greater(block.way[k], way);
-    worst.crossings = way / td_sensor_least_threshold(&sensor->sensor);
+    take_lanes(&of, td_sensor_least_threshold(&sensor->sensor), &worst);
     return worst;
 }
+
+/* -- a tile with blocks -------------------------------------------------------------------------------------------------- */
 
 void td_sensor_begin_estimates(td_sensor *sensor, size_t first, int32_t count) {
     for (size_t i = first; sensor->on && i < first + (size_t)count; i++) sensor->reach[i] = sensor->held_until[i] > -INFINITY;

@@ -2,11 +2,13 @@
  * for what counts as uncertain. For settle.c. What is wrong with S it is told: by probes, and by
  * the embedded estimate (signal/td_model_error.h); it changes no step and no event. */
 #include "td_timing.h"
+#include "render/td_render.h"
 #include "signal/td_model_error.h"
 #include "td_extremes.h"
 #include "td_probe.h"
 #include "td_wide.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -243,22 +245,70 @@ static double most_error(const td_timing *timing, const td_timed *timed, int32_t
     return td_timing_together(share * deviation_of(timed, i) * share_at(&law, s), rounding_of(timing, timed, i));
 }
 
-enum { BLOCK = 64 }; /* pixels marked together */
-
-/* mark[k] = 1 where the control values of pixel first + k both rise and fall, otherwise 0. As doubles, by one comparison at a
- * time, so that the loop vectorises (lib/sensor/comparator.c). */
-TD_WIDE static void mark_turns(const td_timed *timed, int32_t first, int32_t count, double *restrict mark) {
-    const double *S0 = timed->signals->S0 + first, *S0_dot = timed->signals->S0_dot + first;
-    const double *S1 = timed->signals->S1 + first, *S1_dot = timed->signals->S1_dot + first;
-    const double h = timed->step->length_s;
-    for (int32_t k = 0; k < count; k++) {
-        const td_model model = td_model_fit(TIDES_MODEL_HERMITE, h, S0[k], S0_dot[k], S1[k], S1_dot[k]);
-        const double *b = model.control;
-        double rise = b[1] - b[0], on = b[2] - b[1], last = b[3] - b[2];
-        double most = td_greater(td_greater(rise, on), last), least = td_lesser(td_lesser(rise, on), last);
-        double flag = most > 0.0 ? 1.0 : 0.0;
-        mark[k] = least < 0.0 ? flag : 0.0;
+/* What rounding_of is for no pixel of the tile above, nor TD_DOUBLE_ROUNDING: by the largest difference between any two. */
+TD_WIDE static double most_rounding(const td_timing *timing, const double *S, int32_t pixels) {
+    enum { LANES = 16 };
+    double low[LANES], high[LANES];
+    for (int k = 0; k < LANES; k++) low[k] = high[k] = S[0];
+    for (int32_t first = 0; first < pixels; first += LANES) {
+        const int count = pixels - first < LANES ? pixels - first : LANES;
+        for (int k = 0; k < count; k++) {
+            low[k] = td_lesser(S[first + k], low[k]);
+            high[k] = td_greater(S[first + k], high[k]);
+        }
     }
+    for (int k = 1; k < LANES; k++) {
+        low[0] = td_lesser(low[k], low[0]);
+        high[0] = td_greater(high[k], high[0]);
+    }
+    const double size = 1 + td_greater(fabs(low[0]), fabs(high[0])), epsilon = timing->epsilon;
+    return epsilon * (2 * size + 1.5 * timing->size * (high[0] - low[0])) +
+           2 * TD_DOUBLE_ROUNDING * size; /* 1.5: over root 2 */
+}
+
+/* Pixels that are looked at one by one: 1, the others 0. */
+typedef struct marks {
+    double fired[TD_TILE_PIXELS]; /* their references have changed within the step */
+    double turns[TD_TILE_PIXELS], ends[TD_TILE_PIXELS];
+} marks;
+
+/* Marks the pixels whose control values both rise and fall and come so near a level that an error may decide whether they reach
+ * it, and those that end so near one. What is off by `rounding` at most, twice what else it may be, and what is lost here. As
+ * doubles, by one comparison at a time, so that the loop vectorises (lib/sensor/comparator.c). */
+static inline void mark(int own, const td_timed *timed, double rounding, const double *leak, marks *restrict to) {
+    const td_signals at = *timed->signals;
+    const td_levels levels = timed->levels;
+    const double h = timed->step->length_s, length = timed->step->length_ns, adds = timed->adds;
+    const double same_on = levels.threshold_on[0], same_off = levels.threshold_off[0];
+    const double *deviation = timed->deviation;
+    for (int32_t k = 0; k < timed->tile->count; k++) {
+        const td_model model = td_model_fit(TIDES_MODEL_HERMITE, h, at.S0[k], at.S0_dot[k], at.S1[k], at.S1_dot[k]);
+        const double *b = model.control, ramp = own ? leak[k] * levels.time : 0, rise = own ? leak[k] * length : 0;
+        const double on = own ? levels.threshold_on[k] : same_on, off = own ? levels.threshold_off[k] : same_off;
+        const double first = b[1] - b[0], second = b[2] - b[1], last = b[3] - b[2], reference = levels.reference[k] - ramp;
+        const double most = td_greater(td_greater(first, second), last), least = td_lesser(td_lesser(first, second), last);
+        const double low = td_lesser(td_lesser(b[0], b[1]), td_lesser(b[2], b[3])) + td_lesser(rise, 0);
+        const double high = td_greater(td_greater(b[0], b[1]), td_greater(b[2], b[3])) + td_greater(rise, 0);
+        const double bump = deviation ? TD_PROBE_LEFT_MOST * deviation[k]
+                                      : td_embedded(at.S1[k] - at.S0[k], h * at.S0_dot[k], h * at.S1_dot[k]);
+        const double lost = 64 * DBL_EPSILON * (fabs(low) + fabs(high) + fabs(reference)) + rounding;
+        const double error = adds * bump + lost, residual = at.S1[k] + rise - reference;
+        double near = on - (high - reference) > error ? to->fired[k] : 1.0;
+        near = low - reference + off > error ? near : 1.0;
+        near = most > 0.0 ? near : 0.0;
+        to->turns[k] = least < 0.0 ? near : 0.0;
+        const double end = on - residual > lost ? 0.0 : 1.0;
+        to->ends[k] = residual + off > lost ? end : 1.0;
+    }
+}
+
+TD_WIDE static void mark_all(const td_timed *timed, double rounding, marks *to) {
+    static const double none[TD_TILE_PIXELS] = {0};
+    const double *leak = timed->levels.leak ? timed->levels.leak : none;
+    if (timed->levels.stride)
+        mark(1, timed, rounding, leak, to);
+    else
+        mark(0, timed, rounding, leak, to);
 }
 
 /* The turns of pixel i. */
@@ -287,15 +337,14 @@ static void add_end(td_timing *timing, const td_timed *timed, int32_t i) {
 
 void td_timing_add_turns(td_timing *timing, const td_timed *timed) {
     if (timed->frontend && timed->frontend->on) return; /* the model is of L, not of S */
-    const int32_t pixels = timed->tile->count;
-    for (int32_t i = 0; i < pixels && timed->is_last; i++) add_end(timing, timed, i);
-    for (int32_t first = 0; first < pixels; first += BLOCK) {
-        const int32_t count = pixels - first < BLOCK ? pixels - first : BLOCK;
-        double mark[BLOCK];
-        mark_turns(timed, first, count, mark);
-        for (size_t k = 0; (k = td_next_mark(mark, k, (size_t)count)) < (size_t)count; k++)
-            add_turns(timing, timed, first + (int32_t)k);
-    }
+    const size_t pixels = (size_t)timed->tile->count;
+    marks marked; /* large: only what is set is read */
+    memset(marked.fired, 0, pixels * sizeof *marked.fired);
+    for (size_t k = 0; k < timed->count; k++) marked.fired[pixel_of(timed->tile, &timed->events[k])] = 1;
+    mark_all(timed, most_rounding(timing, timed->signals->S1, timed->tile->count), &marked);
+    for (size_t k = 0; (k = td_next_mark(marked.turns, k, pixels)) < pixels; k++) add_turns(timing, timed, (int32_t)k);
+    if (!timed->is_last) return;
+    for (size_t k = 0; (k = td_next_mark(marked.ends, k, pixels)) < pixels; k++) add_end(timing, timed, (int32_t)k);
 }
 
 /* Of a share's standard error, as many as make honest percentiles of few events: 0.5 leave p99 too small in 1 of 200 scenes. */

@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "render/td_render.h"
 #include "solver/td_probe.h"
 #include "solver/td_timing.h"
 #include "tests/support/scene_make.h"
@@ -131,6 +132,62 @@ static void test_ends(void **state) {
     expect_percentile(&timing, 1, H);
 }
 
+/* -- events that might have been --------------------------------------------------------------------------------------- */
+
+/* Parabolas that turn in the middle of the step, upwards or downwards, half of which have fired since: those count whose turn
+ * is short of a level, of the reference that was there, by less than half of what a probe saw. Few of many are so near. */
+static void test_turns(void **state) {
+    (void)state;
+    enum { PIXELS = TD_TILE_PIXELS };
+    static const td_tile tile = {16, 32, 16, PIXELS};
+    static const td_step step = {0, 10000000, 0, 1e7, 0.01};
+    double S0[PIXELS], S0_dot[PIXELS], S1_dot[PIXELS], deviation[PIXELS], reference[PIXELS], on[PIXELS], off[PIXELS];
+    uint8_t fall[PIXELS];
+    tides_event events[PIXELS];
+    const td_signals signals = {S0, S0_dot, S0, S1_dot};
+    uint64_t seed = SEED + 7, found = 0;
+    for (int trial = 0; trial < 40; trial++) {
+        const int own = trial % 2;
+        uint64_t want = 0;
+        td_timing timing;
+        td_timed timed = {.step = &step,
+                          .tile = &tile,
+                          .signals = &signals,
+                          .deviation = deviation,
+                          .fall = fall,
+                          .adds = trial % 3 ? 1 : 4,
+                          .levels = {on, off, reference, own, NULL, 0},
+                          .events = events};
+        memset(&timing, 0, sizeof timing);
+        for (int i = 0; i < PIXELS; i++) {
+            const double bow = scene_between(&seed, -0.3, 0.3), turn = scene_between(&seed, -2, 2);
+            on[i] = own || i == 0 ? scene_between(&seed, 0.1, 0.3) : on[0];
+            off[i] = own || i == 0 ? scene_between(&seed, 0.1, 0.3) : off[0];
+            S0[i] = turn - bow;
+            S0_dot[i] = 4 * bow / H;
+            S1_dot[i] = -4 * bow / H;
+            deviation[i] = scene_between(&seed, 0, 0.05);
+            fall[i] = TD_PROBE_SMOOTH_LEAST;
+            const double error = TD_PROBE_LEFT_MOST * deviation[i] * timed.adds,
+                         residual = scene_between(&seed, -off[i], on[i]);
+            const double left = bow > 0 ? on[i] - residual : residual + off[i];
+            want += left < error;
+            reference[i] = turn - residual;
+            if (i % 2) continue;
+            const int rises = i % 4 > 0;
+            reference[i] += rises ? on[i] : -off[i];
+            events[timed.count++] = (tides_event){.t = 9000000,
+                                                  .x = (uint16_t)(16 + i % 16),
+                                                  .y = (uint16_t)(32 + i / 16),
+                                                  .polarity = rises ? 1 : -1};
+        }
+        td_timing_add_turns(&timing, &timed);
+        if (timing.uncertain != want) fail_msg("trial %d: %d uncertain, not %d", trial, (int)timing.uncertain, (int)want);
+        found += want;
+    }
+    assert_true(found > 100);
+}
+
 /* -- where the run ends ---------------------------------------------------------------------------------------------- */
 
 /* An event that comes so late that its error would have it after the run may be none: in the run's last step only. */
@@ -176,13 +233,10 @@ static void test_levels_at_the_end(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_straight),
-                                       cmocka_unit_test(test_parabolas),
-                                       cmocka_unit_test(test_touch),
-                                       cmocka_unit_test(test_percentiles),
-                                       cmocka_unit_test(test_ends),
-                                       cmocka_unit_test(test_late_events),
-                                       cmocka_unit_test(test_levels_at_the_end)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_straight),    cmocka_unit_test(test_parabolas),
+                                       cmocka_unit_test(test_touch),       cmocka_unit_test(test_percentiles),
+                                       cmocka_unit_test(test_ends),        cmocka_unit_test(test_turns),
+                                       cmocka_unit_test(test_late_events), cmocka_unit_test(test_levels_at_the_end)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
