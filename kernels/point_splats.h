@@ -111,8 +111,10 @@ TD_INLINE td_dual td_point_distance(const td_point_form *f, td_lanes inverse, co
 }
 
 /* A splat as points look at it, before the exponential; and what it is to the light, of which it takes tau in hard order, the
- * optical depth in soft order. Growth: depth_dot / depth. Both are kept at one place, a vector for each number. */
+ * optical depth in soft order. Growth: depth_dot / depth. Both are kept at one place, a vector for each number, and what is
+ * worked out of the first three takes their places. */
 enum { TD_V_POWER = 0, TD_V_OPACITY, TD_V_SLOPE, TD_V_LUMINANCE, TD_V_LUMINANCE_DOT, TD_V_DEPTH, TD_V_GROWTH };
+enum { TD_V_ALPHA = TD_V_POWER, TD_V_ALPHA_DOT = TD_V_SLOPE, TD_V_TAKES = TD_V_OPACITY, TD_V_TAKES_DOT = TD_V_SLOPE };
 enum {
     TD_E_TAKES = 0,
     TD_E_TAKES_DOT,
@@ -154,19 +156,36 @@ TD_INLINE td_point_view td_point_see(const td_image *image, const td_point_eight
     return view;
 }
 
-/* What it is to the light, and who sees it. To whoever doesn't it is nothing, whatever it is to others. */
-TD_INLINE td_point_entry td_point_enter(const td_image *image, const td_point_view *view, td_lanes end, td_mask *sees) {
-    td_point_entry entry;
-    td_lanes none = td_splat(0.0f), fall = td_exp2(view->power), alpha = view->opacity * fall;
-    td_real cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
+/* What is above the cut of a splat: alpha and its rate, in the place of what they come of. May any lane see it? */
+TD_INLINE int td_point_rise(const td_image *image, TD_GLOBAL td_real *view) {
+    td_lanes fall = td_exp2(td_load_lanes(view + TD_V_POWER * TD_LANES));
+    td_lanes alpha = td_load_lanes(view + TD_V_OPACITY * TD_LANES) * fall;
+    td_store_lanes(view + TD_V_ALPHA * TD_LANES, alpha);
+    td_store_lanes(view + TD_V_ALPHA_DOT * TD_LANES, td_load_lanes(view + TD_V_SLOPE * TD_LANES) * fall);
+    return td_any(alpha >= td_point_cut(image));
+}
+
+/* What it takes of the light. */
+TD_INLINE void td_point_take(const td_image *image, TD_GLOBAL td_real *view) {
+    td_lanes takes, takes_dot;
     td_mask above;
-    td_cap_alpha(image, alpha, view->slope * fall, &entry.takes, &entry.takes_dot, &above);
-    if (image->soft_order) td_optical_depth(entry.takes, entry.takes_dot, &entry.takes, &entry.takes_dot);
-    *sees = (alpha >= cut) & (view->depth < end);
-    entry.takes = td_select(none, entry.takes, *sees), entry.takes_dot = td_select(none, entry.takes_dot, *sees);
-    entry.luminance = td_select(none, view->luminance, *sees);
-    entry.luminance_dot = td_select(none, view->luminance_dot, *sees);
-    entry.depth = view->depth, entry.growth = view->growth;
+    td_cap_alpha(image, td_load_lanes(view + TD_V_ALPHA * TD_LANES), td_load_lanes(view + TD_V_ALPHA_DOT * TD_LANES), &takes,
+                 &takes_dot, &above);
+    if (image->soft_order) td_optical_depth(takes, takes_dot, &takes, &takes_dot);
+    td_store_lanes(view + TD_V_TAKES * TD_LANES, takes);
+    td_store_lanes(view + TD_V_TAKES_DOT * TD_LANES, takes_dot);
+}
+
+/* What it is to the light, and who sees it. To whoever doesn't it is nothing, whatever it is to others. */
+TD_INLINE td_point_entry td_point_enter(const td_image *image, TD_GLOBAL const td_real *view, td_lanes end, td_mask *sees) {
+    td_point_entry entry;
+    td_lanes none = td_splat(0.0f);
+    entry.depth = td_load_lanes(view + TD_V_DEPTH * TD_LANES), entry.growth = td_load_lanes(view + TD_V_GROWTH * TD_LANES);
+    *sees = (td_load_lanes(view + TD_V_ALPHA * TD_LANES) >= td_point_cut(image)) & (entry.depth < end);
+    entry.takes = td_select(none, td_load_lanes(view + TD_V_TAKES * TD_LANES), *sees);
+    entry.takes_dot = td_select(none, td_load_lanes(view + TD_V_TAKES_DOT * TD_LANES), *sees);
+    entry.luminance = td_select(none, td_load_lanes(view + TD_V_LUMINANCE * TD_LANES), *sees);
+    entry.luminance_dot = td_select(none, td_load_lanes(view + TD_V_LUMINANCE_DOT * TD_LANES), *sees);
     return entry;
 }
 
@@ -180,17 +199,6 @@ TD_INLINE void td_point_store_view(const td_point_view *view, TD_GLOBAL td_real 
     td_store_lanes(to + TD_V_LUMINANCE_DOT * TD_LANES, view->luminance_dot);
     td_store_lanes(to + TD_V_DEPTH * TD_LANES, view->depth);
     td_store_lanes(to + TD_V_GROWTH * TD_LANES, view->growth);
-}
-TD_INLINE td_point_view td_point_load_view(TD_GLOBAL const td_real *from) {
-    td_point_view view;
-    view.power = td_load_lanes(from + TD_V_POWER * TD_LANES);
-    view.opacity = td_load_lanes(from + TD_V_OPACITY * TD_LANES);
-    view.slope = td_load_lanes(from + TD_V_SLOPE * TD_LANES);
-    view.luminance = td_load_lanes(from + TD_V_LUMINANCE * TD_LANES);
-    view.luminance_dot = td_load_lanes(from + TD_V_LUMINANCE_DOT * TD_LANES);
-    view.depth = td_load_lanes(from + TD_V_DEPTH * TD_LANES);
-    view.growth = td_load_lanes(from + TD_V_GROWTH * TD_LANES);
-    return view;
 }
 
 TD_INLINE void td_point_store_entry(const td_point_entry *entry, TD_GLOBAL td_real *to) {
@@ -274,6 +282,7 @@ TD_INLINE void td_point_look(TD_GLOBAL const td_real *curves, const td_image *im
                              const td_real *way, const td_real *rate, const int *curve, const int *together,
                              TD_GLOBAL td_real *entries, td_point_eye *eye) {
     TD_GLOBAL td_real *views = entries + eye->count * TD_POINT_ENTRY;
+    int above[TD_POINT_BATCH], seen = 0;
     for (int i = 0; i < count; i++) {
         int level = found[i] & (TD_PATH_LEVELS - 1), lanes = level * TD_LANES;
         TD_GLOBAL const td_real *own = curves + found[i] / TD_PATH_LEVELS * TD_CURVE_REALS;
@@ -286,11 +295,15 @@ TD_INLINE void td_point_look(TD_GLOBAL const td_real *curves, const td_image *im
         td_point_store_view(&view, views + i * TD_POINT_ENTRY);
     }
     for (int i = 0; i < count; i++) {
+        above[seen] = i;
+        seen += td_point_rise(image, views + i * TD_POINT_ENTRY);
+    }
+    for (int k = 0; k < seen; k++) td_point_take(image, views + above[k] * TD_POINT_ENTRY);
+    for (int k = 0; k < seen; k++) {
         td_mask sees;
-        td_point_view view = td_point_load_view(views + i * TD_POINT_ENTRY);
-        td_point_entry entry = td_point_enter(image, &view, eye->end, &sees);
+        td_point_entry entry = td_point_enter(image, views + above[k] * TD_POINT_ENTRY, eye->end, &sees);
         if (!td_any(sees)) continue;
-        entry.path = td_splat((td_real)found[i]);
+        entry.path = td_splat((td_real)found[above[k]]);
         td_point_note(image, &entry, sees, eye);
         td_point_insert(entries, eye->count++, &entry);
     }

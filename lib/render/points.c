@@ -7,6 +7,7 @@
  * common: when both had one engine, in turns, preparing the instant again for each interval cost as much as the points that
  * were spared by asking for it late. */
 #include "td_point_nodes.h"
+#include "td_point_order.h"
 #include "td_renderer.h"
 
 #include <math.h>
@@ -14,9 +15,7 @@
 
 enum {
     TILES_AT_ONCE = 256,
-    POINTS_AT_ONCE = 1 << 16, /* in a launch: 5 MB with what goes with them */
-    SLICES = 16,              /* of an interval, and */
-    QUADS = 64                /* of 2x2 pixels of a tile, by which points are ordered */
+    POINTS_AT_ONCE = 1 << 16 /* in a launch: 5 MB with what goes with them */
 };
 
 /* -- whole tiles ----------------------------------------------------------------------------------------------------------- */
@@ -78,8 +77,8 @@ struct td_points {
     td_points_tile *tiles;     /* (tiles) */
     uint8_t *listed;           /* (tiles) 1: its list is made */
     int *wanted;               /* (tiles) lists to make */
-    int *first;                /* of order_points */
-    size_t first_capacity;
+    td_point_place *place;     /* of order_points */
+    size_t place_capacity;
     double *column[TD_POINT_COLUMNS]; /* (points of a launch + TD_PAD) */
     int *piece;
     td_points_chunk *chunks;
@@ -97,7 +96,7 @@ void td_points_destroy(td_points *points) {
     free(points->tiles);
     free(points->listed);
     free(points->wanted);
-    free(points->first);
+    free(points->place);
     free(points->piece);
     free(points->chunks);
     free(points->values);
@@ -246,12 +245,6 @@ static int tile_of(const tides_renderer *renderer, const td_point *point) {
     return point->y / TD_TILE * renderer->candidates.tiles_x + point->x / TD_TILE;
 }
 
-/* 2x2 pixels of a tile, in an order that has neighbours together: bits of both coordinates in turns. */
-static int quad_of(const td_point *point) {
-    const int x = point->x % TD_TILE / 2, y = point->y % TD_TILE / 2;
-    return (x & 1) | (y & 1) << 1 | (x & 2) << 1 | (y & 2) << 2 | (x & 4) << 2 | (y & 4) << 3;
-}
-
 /* The piece that a time is in. */
 static int piece_of(const td_point_nodes *nodes, double time) {
     int low = 0, high = nodes->pieces - 1;
@@ -265,45 +258,35 @@ static int piece_of(const td_point_nodes *nodes, double time) {
     return low;
 }
 
-/* Where a point stands in its tile: points that are worked out together should see the same splats, and be on the same curves.
- * That is mostly a matter of place: entered are 75 splats for 55 that a point of the demo sees, 390 for 230 of a trained
- * object's; by 4x4 blocks 80 and 500, by eighths of the interval and then by place 96 and 640. */
-static int rank_of(const td_points *p, const td_point *point) {
+/* Where a point is in its tile. */
+static td_point_place place_of(const td_points *p, const td_point *point, int which) {
     const points_part *part = &p->part[p->begun];
     const double length = part->stop - part->start;
-    int slice = length > 0 ? (int)((point->time - part->start) / length * SLICES) : 0;
-    if (slice >= SLICES) slice = SLICES - 1;
-    return quad_of(point) * SLICES + slice;
+    int step = length > 0 ? (int)((point->time - part->start) / length * TD_PLACE_STEPS) : 0;
+    if (step >= TD_PLACE_STEPS) step = TD_PLACE_STEPS - 1;
+    return (td_point_place){{(uint8_t)(point->x % TD_TILE), (uint8_t)(point->y % TD_TILE), (uint8_t)step}, which};
 }
 
-/* Turns counts of keys into where each key's begin. */
-static void begin_keys(int *first, int keys) {
-    for (int i = 0, sum = 0; i < keys; i++) {
-        const int own = first[i];
-        first[i] = sum;
-        sum += own;
-    }
-}
-
-/* The points numbered which[0 .. count) by tile and rank: order (count); in two passes, so that no table has tiles times
- * ranks. */
+/* The points numbered which[0 .. count) tile by tile, neighbours together: order (count). */
 static tides_status order_points(const tides_renderer *renderer, td_points *p, const td_point *points, const int *which,
                                  int count, int *order, tides_error *error) {
-    const int tiles = renderer->stats.tiles, ranks = QUADS * SLICES;
-    const size_t room = (size_t)ranks + (size_t)tiles + 2 * (size_t)count;
-    tides_status status = td_reserve((void **)&p->first, &p->first_capacity, room, sizeof *p->first, error);
+    const int tiles = renderer->stats.tiles;
+    tides_status status = td_reserve((void **)&p->place, &p->place_capacity, 2 * (size_t)count, sizeof *p->place, error);
     if (status != TIDES_OK) return status;
-    int *by_rank = p->first, *by_tile = by_rank + ranks, *rank = by_tile + tiles, *ranked = rank + count;
-    memset(p->first, 0, (size_t)(ranks + tiles) * sizeof *p->first);
-    for (int i = 0; i < count; i++) {
-        rank[i] = rank_of(p, &points[which[i]]);
-        by_rank[rank[i]]++;
-        by_tile[tile_of(renderer, &points[which[i]])]++;
+    td_point_place *places = p->place, *room = places + count;
+    int *end = p->wanted; /* of tiles: nobody has asked for lists yet */
+    memset(end, 0, (size_t)tiles * sizeof *end);
+    for (int i = 0; i < count; i++) end[tile_of(renderer, &points[which[i]])]++;
+    for (int i = 0, sum = 0; i < tiles; i++) {
+        const int own = end[i];
+        end[i] = sum;
+        sum += own;
     }
-    begin_keys(by_rank, ranks);
-    begin_keys(by_tile, tiles);
-    for (int i = 0; i < count; i++) ranked[by_rank[rank[i]]++] = which[i];
-    for (int i = 0; i < count; i++) order[by_tile[tile_of(renderer, &points[ranked[i]])]++] = ranked[i];
+    for (int i = 0; i < count; i++)
+        places[end[tile_of(renderer, &points[which[i]])]++] = place_of(p, &points[which[i]], which[i]);
+    for (int i = 0, first = 0; i < tiles; first = end[i++])
+        td_point_gather(places + first, room, end[i] - first, p->engine->lanes);
+    for (int i = 0; i < count; i++) order[i] = places[i].which;
     return TIDES_OK;
 }
 

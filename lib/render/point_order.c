@@ -1,0 +1,43 @@
+/* Points of a tile that see the same splats together. */
+#include "td_point_order.h"
+
+#include <string.h>
+
+/* How much a step along each axis counts: all of the interval as much as two pixels. */
+static const int weight[TD_PLACE_AXES] = {8, 8, 1};
+
+/* The axis along which places are farthest apart; -1: they aren't. */
+static int longest(const td_point_place *places, int count) {
+    int axis = -1, most = 0;
+    for (int k = 0; k < TD_PLACE_AXES; k++) {
+        int low = TD_PLACE_STEPS, high = 0;
+        for (int i = 0; i < count; i++) {
+            low = places[i].at[k] < low ? places[i].at[k] : low;
+            high = places[i].at[k] > high ? places[i].at[k] : high;
+        }
+        if (weight[k] * (high - low) <= most) continue;
+        most = weight[k] * (high - low);
+        axis = k;
+    }
+    return axis;
+}
+
+/* By one axis; what is equal there stays in its order. */
+static void sort_along(int axis, td_point_place *places, td_point_place *room, int count) {
+    int first[TD_PLACE_STEPS + 1] = {0};
+    for (int i = 0; i < count; i++) first[places[i].at[axis] + 1]++;
+    for (int k = 0; k < TD_PLACE_STEPS; k++) first[k + 1] += first[k];
+    memcpy(room, places, (size_t)count * sizeof *room);
+    for (int i = 0; i < count; i++) places[first[room[i].at[axis]]++] = room[i];
+}
+
+void td_point_gather(td_point_place *places, td_point_place *room, int count, int lanes) {
+    int axis;
+    while (count > lanes && (axis = longest(places, count)) >= 0) {
+        const int half = (count / lanes + 1) / 2 * lanes; /* only the last ones of all are fewer than `lanes` */
+        sort_along(axis, places, room, count);
+        td_point_gather(places, room, half, lanes);
+        places += half;
+        count -= half;
+    }
+}
