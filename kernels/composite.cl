@@ -3,6 +3,14 @@
 #include "block.h"
 #include "specialise.h"
 
+TD_APART int td_composite_apart(__constant const td_image *image_buffer, __global const td_job *at, const td_list *lists,
+                                __global const td_backdrop *backdrops, int block, int first, __global float *planes) {
+    const td_image image = td_specialised(image_buffer);
+    const td_job job = *at;
+    const td_list list = *lists;
+    return td_composite_block(&job, &list, &image, backdrops, block, first, planes);
+}
+
 __kernel void td_composite_jobs(__constant const td_image *image_buffer, __global const td_job *jobs,
                                 __global const td_backdrop *backdrops, __global const float *records,
                                 __global const float *colours, __global const int *order, __global const int *sorted_masks,
@@ -22,6 +30,6 @@ __kernel void td_composite_jobs(__constant const td_image *image_buffer, __globa
     list.weights = weights;
     td_list_lay(&list, &job, job_index, order, sorted_masks, words, counts);
     list.brightest = brightest[job_index];
-    blended[item] = td_composite_block(&job, &list, &image, backdrops + job.slot, asked[place] & 15, first,
+    blended[item] = td_composite_apart(image_buffer, jobs + job_index, &list, backdrops + job.slot, asked[place] & 15, first,
                                        planes + (size_t)place * image.outputs * TD_BLOCK_PIXELS + first);
 }

@@ -23,6 +23,13 @@
 
 #define TD_GLOBAL __global
 #define TD_INLINE static inline __attribute__((always_inline))
+/* What a kernel does, beside it. PoCL makes three functions of a kernel, each with all of it inside unless that is kept apart:
+ * three times as much to optimise and to make machine code of, for one that runs. */
+#if TD_LANES > 1
+#define TD_APART static __attribute__((noinline))
+#else
+#define TD_APART static
+#endif
 
 #define TD_JOIN_(a, b) a##b
 #define TD_JOIN(a, b) TD_JOIN_(a, b)

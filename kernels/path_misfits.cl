@@ -2,12 +2,17 @@
 #include "path_node.h"
 #include "specialise.h"
 
-__kernel void td_measure_paths(__constant const td_image *image_buffer, __global const float *rows, __global const int *first,
-                               int count, int level, int pieces, __global const float *lengths,
+TD_APART void td_measure_apart(__constant const td_image *image_buffer, __global const float *rows, __global const int *first,
+                               int level, int pieces, __global const float *lengths,
                                __constant const td_path_terms *terms_buffer, __global float *misfits) {
     const td_image image = td_specialised(image_buffer);
     const td_path_terms terms = *terms_buffer;
+    td_store_lanes(misfits, td_path_worst(rows, td_load_ints(first), level, pieces, lengths, &terms, &image));
+}
+
+__kernel void td_measure_paths(__constant const td_image *image_buffer, __global const float *rows, __global const int *first,
+                               int count, int level, int pieces, __global const float *lengths,
+                               __constant const td_path_terms *terms_buffer, __global float *misfits) {
     int i = (int)get_global_id(0) * TD_LANES;
-    if (i >= count) return;
-    td_store_lanes(misfits + i, td_path_worst(rows, td_load_ints(first + i), level, pieces, lengths, &terms, &image));
+    if (i < count) td_measure_apart(image_buffer, rows, first + i, level, pieces, lengths, terms_buffer, misfits + i);
 }

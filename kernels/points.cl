@@ -23,43 +23,70 @@ static td_point_paths td_paths_make(__global const int *path, __global const td_
     return paths;
 }
 
-/* What points need of the `count` Gaussians in `seen`: their curves, c from row[2 c] to
- * row[2 c + 1], lengths[c] seconds apart, depths (Gaussians) to be sorted by, and `records` of tests. */
-__kernel void td_point_make_splats(__constant const td_image *image_buffer, __global const td_real *rows,
-                                   __global const int *row, __global const td_real *lengths, __global const int *seen,
-                                   int count, __global const int *path, int pieces, int slices, int split, int group,
-                                   __global td_real *curves, __global int *depths, __global float *records) {
+/* What points need of the `count` Gaussians in `seen`: their curves, c from row[2 c] to row[2 c + 1], lengths[c] seconds apart,
+ * depths (Gaussians) to be sorted by, and `records` of tests. */
+typedef struct td_splats_to_make {
+    __global const td_real *rows, *lengths;
+    __global const int *row, *seen;
+    __global td_real *curves;
+    __global int *depths;
+    __global float *records;
+    int count, item, items;
+} td_splats_to_make;
+
+TD_APART void td_splats_apart(__constant const td_image *image_buffer, const td_point_paths *all,
+                              const td_splats_to_make *what) {
     const td_image image = td_specialised(image_buffer);
-    const td_point_paths paths = td_paths_make(path, curves, pieces, slices, split, group);
-    const int items = (int)get_global_size(0) * TD_LANES;
-    for (int i = (int)get_global_id(0) * TD_LANES; i < count; i += items) {
+    const td_point_paths paths = *all;
+    const td_splats_to_make of = *what;
+    const int pieces = paths.slices.pieces, slices = paths.slices.count;
+    for (int i = of.item * TD_LANES; i < of.count; i += of.items * TD_LANES) {
         int mine[TD_LANES];
         size_t at[TD_LANES];
         for (int lane = 0; lane < TD_LANES; lane++) {
-            int gaussian = seen[i + lane < count ? i + lane : i];
-            mine[lane] = path[gaussian];
+            int gaussian = of.seen[i + lane < of.count ? i + lane : i];
+            mine[lane] = paths.path[gaussian];
             int first = mine[lane] / TD_PATH_LEVELS, end = first + (pieces << (mine[lane] & (TD_PATH_LEVELS - 1)));
             for (int c = first; c < end; c++)
-                td_point_curve(rows + (long)row[2 * c] * TD_PATH_STRIDE, rows + (long)row[2 * c + 1] * TD_PATH_STRIDE,
-                               lengths[c], curves + (long)c * TD_CURVE_REALS);
-            depths[gaussian] = td_point_depth_key(&paths, mine[lane]);
+                td_point_curve(of.rows + (long)of.row[2 * c] * TD_PATH_STRIDE,
+                               of.rows + (long)of.row[2 * c + 1] * TD_PATH_STRIDE, of.lengths[c],
+                               of.curves + (long)c * TD_CURVE_REALS);
+            of.depths[gaussian] = td_point_depth_key(&paths, mine[lane]);
             at[lane] = (size_t)gaussian * (size_t)slices * TD_TEST_REALS;
         }
         for (int slice = 0; slice < slices; slice++) {
-            td_point_make_tests(&paths, &image, slice, mine, records, at);
+            td_point_make_tests(&paths, &image, slice, mine, of.records, at);
             for (int lane = 0; lane < TD_LANES; lane++) at[lane] += TD_TEST_REALS;
         }
     }
 }
 
+__kernel void td_point_make_splats(__constant const td_image *image_buffer, __global const td_real *rows,
+                                   __global const int *row, __global const td_real *lengths, __global const int *seen,
+                                   int count, __global const int *path, int pieces, int slices, int split, int group,
+                                   __global td_real *curves, __global int *depths, __global float *records) {
+    const td_point_paths paths = td_paths_make(path, curves, pieces, slices, split, group);
+    td_splats_to_make what;
+    what.rows = rows;
+    what.row = row;
+    what.lengths = lengths;
+    what.seen = seen;
+    what.curves = curves;
+    what.depths = depths;
+    what.records = records;
+    what.count = count;
+    what.item = (int)get_global_id(0);
+    what.items = (int)get_global_size(0);
+    td_splats_apart(image_buffer, &paths, &what);
+}
+
 /* Misfits of TD_LANES paths of a level per turn (td_path_try), in targets: the worst, then, each `stride` on, bent and calm. */
-__kernel void td_point_find_misfits(__constant const td_image *image_buffer, __global const td_real *rows,
-                                    __global const int *first, int count, int level, __global const td_real *lengths,
-                                    int pieces, td_real target, td_real rounding, __global td_real *misfits, int stride) {
+TD_APART void td_misfits_apart(__constant const td_image *image_buffer, __global const td_real *rows, __global const int *first,
+                               int from, int count, int step, int level, __global const td_real *lengths, int pieces,
+                               td_real target, td_real rounding, __global td_real *misfits, int stride) {
     const td_image image = td_specialised(image_buffer);
-    const int items = (int)get_global_size(0) * TD_LANES;
     const td_path_terms terms = {target, 0, rounding, 0};
-    for (int i = (int)get_global_id(0) * TD_LANES; i < count; i += items) {
+    for (int i = from; i < count; i += step) {
         const td_path_misfits of = td_path_try(rows, td_load_ints(first + i), level, pieces, lengths, &terms, &image);
         td_store_lanes(misfits + i, of.worst);
         td_store_lanes(misfits + stride + i, of.bent);
@@ -67,43 +94,103 @@ __kernel void td_point_find_misfits(__constant const td_image *image_buffer, __g
     }
 }
 
-/* One work-group per tile in `wanted`: those of its candidates that have paths, by depth, `listed` (at the candidates), and
- * their tests of the splats' records; keys have twice the room. counts: (all tiles). */
-__kernel void td_point_make_lists(__global const td_point_tile *tiles, __global const int *wanted,
-                                  __global const int *candidates, __global const int *path, __global const int *depths,
-                                  __global const float *records, int slices, __global long *keys, __global int *listed,
-                                  __global float *tests, __global int *counts) {
-    const int number = wanted[get_group_id(0)], me = (int)get_local_id(0), items = (int)get_local_size(0);
-    const td_point_tile tile = tiles[number];
-    const int capacity = td_capacity(tile.count);
-    __global long *own = keys + 2 * (long)tile.first;
+__kernel void td_point_find_misfits(__constant const td_image *image_buffer, __global const td_real *rows,
+                                    __global const int *first, int count, int level, __global const td_real *lengths,
+                                    int pieces, td_real target, td_real rounding, __global td_real *misfits, int stride) {
+    td_misfits_apart(image_buffer, rows, first, (int)get_global_id(0) * TD_LANES, count, (int)get_global_size(0) * TD_LANES,
+                     level, lengths, pieces, target, rounding, misfits, stride);
+}
+
+/* Of a tile, those of its candidates that have paths, by depth, `listed` (at the candidates), and their tests of the splats'
+ * records; keys have twice the room. */
+typedef struct td_list_to_make {
+    __global const int *candidates, *path, *depths;
+    __global const float *records;
+    __global long *keys;
+    __global int *listed;
+    __global float *tests;
+    int slices, item, items;
+} td_list_to_make;
+
+TD_APART void td_list_apart(__global const td_point_tile *at, const td_list_to_make *what, __global int *listed_count) {
+    const td_point_tile tile = *at;
+    const td_list_to_make of = *what;
+    const int capacity = td_capacity(tile.count), me = of.item, items = of.items, slices = of.slices;
+    __global const int *candidates = of.candidates + tile.first;
+    __global long *own = of.keys + 2 * (long)tile.first;
     for (int i = me; i < tile.count; i += items) {
-        const int gaussian = candidates[tile.first + i], there = gaussian >= 0 && path[gaussian] >= 0;
-        own[i] = there ? ((long)depths[gaussian] << 32) | (long)i : TD_LAST_KEY;
+        const int gaussian = candidates[i], there = gaussian >= 0 && of.path[gaussian] >= 0;
+        own[i] = there ? ((long)of.depths[gaussian] << 32) | (long)i : TD_LAST_KEY;
     }
     for (int i = tile.count + me; i < capacity; i += items) own[i] = TD_LAST_KEY;
     td_wait();
     td_bitonic_sort(own, capacity);
-    if (me == 0) counts[number] = 0;
+    if (me == 0) *listed_count = 0;
     td_wait();
     for (int i = me; i < tile.count; i += items) {
         const int there = own[i] != TD_LAST_KEY;
-        const int gaussian = there ? candidates[tile.first + (int)(own[i] & 0xffffffffL)] : -1;
-        __global float *place = tests + td_point_tests_at(&tile, slices, 0) + td_point_test_of(i);
-        listed[tile.first + i] = there ? path[gaussian] : -1;
-        if (there && (i + 1 == tile.count || own[i + 1] == TD_LAST_KEY)) counts[number] = i + 1;
+        const int gaussian = there ? candidates[(int)(own[i] & 0xffffffffL)] : -1;
+        __global float *place = of.tests + td_point_tests_at(&tile, slices, 0) + td_point_test_of(i);
+        of.listed[tile.first + i] = there ? of.path[gaussian] : -1;
+        if (there && (i + 1 == tile.count || own[i + 1] == TD_LAST_KEY)) *listed_count = i + 1;
         for (int slice = 0; slice < slices; slice++, place += tile.count * TD_TEST_REALS) {
             if (there)
-                td_point_place_test(records + ((size_t)gaussian * (size_t)slices + (size_t)slice) * TD_TEST_REALS, &tile,
+                td_point_place_test(of.records + ((size_t)gaussian * (size_t)slices + (size_t)slice) * TD_TEST_REALS, &tile,
                                     place);
             else
                 td_point_place_nobody(place);
         }
     }
     td_wait();
-    const int taken = (counts[number] + TD_PAD - 1) / TD_PAD * TD_PAD;
+    const int taken = (*listed_count + TD_PAD - 1) / TD_PAD * TD_PAD;
     for (int slice = me; slice < slices; slice += items)
-        td_point_find_fronts(tests + td_point_tests_at(&tile, slices, slice), taken / TD_PAD);
+        td_point_find_fronts(of.tests + td_point_tests_at(&tile, slices, slice), taken / TD_PAD);
+}
+
+/* One work-group per tile in `wanted`. counts: (all tiles). */
+__kernel void td_point_make_lists(__global const td_point_tile *tiles, __global const int *wanted,
+                                  __global const int *candidates, __global const int *path, __global const int *depths,
+                                  __global const float *records, int slices, __global long *keys, __global int *listed,
+                                  __global float *tests, __global int *counts) {
+    const int number = wanted[get_group_id(0)];
+    td_list_to_make what;
+    what.candidates = candidates;
+    what.path = path;
+    what.depths = depths;
+    what.records = records;
+    what.keys = keys;
+    what.listed = listed;
+    what.tests = tests;
+    what.slices = slices;
+    what.item = (int)get_local_id(0);
+    what.items = (int)get_local_size(0);
+    td_list_apart(tiles + number, &what, counts + number);
+}
+
+/* What points are asked of: chunks [first, end), every `step`th, with an item's own room for `entries`. */
+typedef struct td_values_to_find {
+    __global const td_point_tile *tiles;
+    __global const int *counts;
+    __global const td_point_chunk *chunks;
+    __global td_real *entries, *values;
+    int first, end, step;
+    td_real backdrop, backdrop_dot;
+} td_values_to_find;
+
+TD_APART void td_values_apart(__constant const td_image *image_buffer, const td_point_paths *all_paths,
+                              const td_point_lists *all_lists, const td_point_arrays *all_points,
+                              const td_values_to_find *what) {
+    const td_image image = td_specialised(image_buffer);
+    const td_point_paths paths = *all_paths;
+    const td_point_lists lists = *all_lists;
+    const td_point_arrays points = *all_points;
+    const td_values_to_find of = *what;
+    for (int i = of.first; i < of.end; i += of.step) {
+        const td_point_chunk chunk = of.chunks[i];
+        const td_point_tile tile = of.tiles[chunk.tile];
+        td_point_chunk_values(&chunk, &tile, of.counts[chunk.tile], &paths, &lists, &points, &image, of.entries, of.backdrop,
+                              of.backdrop_dot, of.values);
+    }
 }
 
 /* Each work-item works out its share of the chunks, in its own room for so many entries. */
@@ -113,7 +200,6 @@ __kernel void td_point_values(__constant const td_image *image_buffer, __global 
                               __global const td_real *columns, int stride, __global const int *piece,
                               __global const td_point_chunk *chunks, int chunk_count, __global td_real *entries, int rows,
                               td_real backdrop, td_real backdrop_dot, __global td_real *values) {
-    const td_image image = td_specialised(image_buffer);
     const td_point_paths paths = td_paths_make(listed, curves, pieces, slices, split, group);
     const int me = (int)get_global_id(0), items = (int)get_global_size(0);
     td_point_lists lists;
@@ -125,16 +211,22 @@ __kernel void td_point_values(__constant const td_image *image_buffer, __global 
     points.s = columns + 2 * stride;
     points.h = columns + 3 * stride;
     points.piece = piece;
-    __global td_real *own = entries + (long)me * rows * TD_POINT_ENTRY;
+    td_values_to_find what;
+    what.tiles = tiles;
+    what.counts = counts;
+    what.chunks = chunks;
+    what.entries = entries + (long)me * rows * TD_POINT_ENTRY;
+    what.values = values;
 #if TD_LANES == 1
-    const int first = me, end = chunk_count, step = items;
+    what.first = me;
+    what.end = chunk_count;
+    what.step = items;
 #else /* neighbours, which are mostly of one tile, find its tests in the cache */
-    const int first = (int)((long)chunk_count * me / items), end = (int)((long)chunk_count * (me + 1) / items), step = 1;
+    what.first = (int)((long)chunk_count * me / items);
+    what.end = (int)((long)chunk_count * (me + 1) / items);
+    what.step = 1;
 #endif
-    for (int i = first; i < end; i += step) {
-        const td_point_chunk chunk = chunks[i];
-        const td_point_tile tile = tiles[chunk.tile];
-        td_point_chunk_values(&chunk, &tile, counts[chunk.tile], &paths, &lists, &points, &image, own, backdrop, backdrop_dot,
-                              values);
-    }
+    what.backdrop = backdrop;
+    what.backdrop_dot = backdrop_dot;
+    td_values_apart(image_buffer, &paths, &lists, &points, &what);
 }

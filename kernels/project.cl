@@ -4,6 +4,16 @@
 #include "specialise.h"
 #include "job_turns.h"
 
+TD_APART void td_project_job(__constant const td_image *image_buffer, __global const td_job *at, __global const int *candidates,
+                             __global const int *object, __global const td_view *views, const td_source *sources,
+                             const td_sink *sinks, int first, int step) {
+    const td_image image = td_specialised(image_buffer);
+    const td_job job = *at;
+    const td_source source = *sources;
+    const td_sink sink = *sinks;
+    for (; first < job.count; first += step) td_project_group(&job, first, candidates, object, views, &image, &source, &sink);
+}
+
 __kernel void td_project_jobs(__constant const td_image *image_buffer, __global const td_job *jobs,
                               __global const int *candidates, __global const int *object, __global const td_view *views,
                               __global const float *geometry, __global const float *rates, __global const float *sh,
@@ -11,7 +21,6 @@ __kernel void td_project_jobs(__constant const td_image *image_buffer, __global 
                               __global float *records, __global float *colours, __global float *depths, __global float *lights,
                               __global int *masks, __global const int *shared_as, __global const float *luminance, int shared,
                               __global int *turns, int job_count) {
-    const td_image image = td_specialised(image_buffer);
     volatile __global int *turn = turns + TD_TURN_RECORDS;
     td_sink sink;
     sink.records = records;
@@ -19,15 +28,14 @@ __kernel void td_project_jobs(__constant const td_image *image_buffer, __global 
     sink.depths = depths;
     sink.lights = lights;
     sink.masks = masks;
-    int step = (int)get_local_size(0) * TD_LANES;
+    const int me = (int)get_local_id(0) * TD_LANES, step = (int)get_local_size(0) * TD_LANES;
     for (int at = td_first_turn(turn); at < job_count; at = td_next_turn(turn)) {
-        const td_job job = jobs[at];
+        const int slot = jobs[at].slot;
         td_source source = td_source_make(geometry, rates, sh, sh_rates, owners, first_rate, first_moved);
-        if (shared_as[job.slot] >= 0) {
-            source.luminance = luminance + (size_t)shared_as[job.slot] * first_moved;
+        if (shared_as[slot] >= 0) {
+            source.luminance = luminance + (size_t)shared_as[slot] * first_moved;
             source.luminance_dot = source.luminance + (size_t)shared * first_moved;
         }
-        for (int first = (int)get_local_id(0) * TD_LANES; first < job.count; first += step)
-            td_project_group(&job, first, candidates, object, views, &image, &source, &sink);
+        td_project_job(image_buffer, jobs + at, candidates, object, views, &source, &sink, me, step);
     }
 }

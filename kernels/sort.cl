@@ -106,6 +106,28 @@ static float td_brightest_of(int count, float backdrop, __global const float *li
     return most;
 }
 
+/* A job's arrays, from its first record on. */
+typedef struct td_sorting {
+    __global const float *depths, *lights;
+    __global const int *masks, *hint;
+    __global long *keys;
+    __global int *order, *sorted_masks, *words, *new_hint;
+} td_sorting;
+
+/* By item `me` of `items`. */
+TD_APART td_sorted td_sort_apart(__global const td_job *job, const td_sorting *arrays, float backdrop, int me, int items,
+                                 __local int *shared, __global float *brightest) {
+    const td_sorting of = *arrays;
+    td_sorted done = td_sort_job(job, of.hint, of.depths, of.masks, of.keys, shared);
+    const int keys = done.count;
+    done.count = td_place_splats(of.keys, keys, of.masks, job->blocks, of.order, of.sorted_masks, shared);
+    td_lay_words(of.sorted_masks, done.count, me, items, of.words);
+    if (job->new_hint)
+        for (int i = me; i < keys; i += items) of.new_hint[i] = td_candidate_of(of.keys[i]);
+    if (me == 0) *brightest = td_brightest_of(job->count, backdrop, of.lights);
+    return done;
+}
+
 /* order, sorted_masks and words: what td_list wants; counts[job], and counts[jobs + job] 1 where the list was in order;
  * brightest[job]. Keys have twice the room of the records. */
 __kernel void td_sort_jobs(__global const td_job *jobs, __global const td_backdrop *backdrops, __global const float *depths,
@@ -118,18 +140,19 @@ __kernel void td_sort_jobs(__global const td_job *jobs, __global const td_backdr
     for (int at = td_first_turn(turn); at < job_count; at = td_next_turn(turn)) {
         __global const td_job *job = jobs + at;
         const int from = job->records;
-        __global const float *job_depths = depths + from;
-        __global const int *job_masks = masks + from;
-        __global long *job_keys = keys + 2 * from;
-        __global const int *hint = job->hint ? hints + job->hint : 0;
-        td_sorted done = td_sort_job(job, hint, job_depths, job_masks, job_keys, shared);
-        int count = td_place_splats(job_keys, done.count, job_masks, job->blocks, order + from, sorted_masks + from, shared);
-        td_lay_words(sorted_masks + from, count, me, items, words + td_first_word(from, at));
-        if (job->new_hint)
-            for (int i = me; i < done.count; i += items) hints[job->new_hint + i] = td_candidate_of(job_keys[i]);
+        td_sorting of;
+        of.depths = depths + from;
+        of.lights = lights + from / TD_LANES;
+        of.masks = masks + from;
+        of.hint = job->hint ? hints + job->hint : 0;
+        of.keys = keys + 2 * from;
+        of.order = order + from;
+        of.sorted_masks = sorted_masks + from;
+        of.words = words + td_first_word(from, at);
+        of.new_hint = hints + job->new_hint;
+        td_sorted done = td_sort_apart(job, &of, backdrops[job->slot].luminance, me, items, shared, brightest + at);
         if (me != 0) continue;
-        counts[at] = count;
+        counts[at] = done.count;
         counts[job_count + at] = done.kept;
-        brightest[at] = td_brightest_of(job->count, backdrops[job->slot].luminance, lights + from / TD_LANES);
     }
 }
