@@ -16,7 +16,7 @@ python3 tests/fuzz/make_seeds.py "$seeds" || exit 1
 [ ! -d "$seeds/$name" ] || cp "$seeds/$name"/* "$corpus"
 echo "$name for $seconds s (corpus: $corpus)"
 log=$corpus.log
-if "$program" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -max_len=65536 -artifact_prefix="$corpus." \
+if "$program" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=256 -max_len=65536 -artifact_prefix="$corpus." \
     -print_final_stats=1 "$corpus" >"$log" 2>&1; then
     grep -E 'number_of_executed_units|new_units_added' "$log" | sed 's/^/    /'
 else

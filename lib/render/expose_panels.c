@@ -277,7 +277,7 @@ static tides_status begin_tile(expose_job *job, int tile, tides_error *error) {
     const int number = job->band->first * job->tiles_x + tile;
     const td_row_window w = window_of(job, tile);
     const double *swept = job->renderer->swept;
-    int panels = 1, from, to;
+    int panels = 1, from = 0, to = 0;
     tides_status status = add_node(job, tile, 0, &from, error);
     if (status != TIDES_OK || !(w.stop > w.start) || !td_renderer_tile_moves(job->renderer, number)) return status;
     const double travel = td_renderer_tile_travel(job->renderer, number) * (w.stop - w.start) / (swept[1] - swept[0]);

@@ -64,6 +64,7 @@ static tides_status moment_take(tides_renderer *r, const tides_trajectory *camer
 static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /* A Gaussian's centre and factor before the camera, a record each of places and rates. */
+/* NOLINTNEXTLINE(readability-non-const-parameter): td_surfaces writes through them */
 static void surface_at(const moment *m, const td_view *view, const double *row, double place[16], double rate[16]) {
     td_source source;
     memset(&source, 0, sizeof source);
@@ -293,8 +294,9 @@ tides_status tides_renderer_displacement(tides_renderer *r, const tides_trajecto
     tides_track *tracks = td_alloc(pixels, sizeof *tracks, error);
     tides_status status = xy && points && tracks ? TIDES_OK : TIDES_NO_MEMORY;
     for (size_t i = 0; i < pixels && status == TIDES_OK; i++) {
-        xy[2 * i] = (double)(i % (size_t)r->image.width) + 0.5;
-        xy[2 * i + 1] = (double)(i / (size_t)r->image.width) + 0.5;
+        const size_t column = i % (size_t)r->image.width, row = i / (size_t)r->image.width;
+        xy[2 * i] = (double)column + 0.5;
+        xy[2 * i + 1] = (double)row + 0.5;
     }
     if (status == TIDES_OK) status = pick(r, camera, from, xy, pixels, points, xy, error);
     if (status == TIDES_OK) status = tides_renderer_follow(r, camera, to, points, pixels, tracks, error);

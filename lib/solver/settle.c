@@ -43,7 +43,7 @@ void td_settle_timing(tides_simulator *s, const td_refine_step *refined, const t
                       .levels = td_sensor_levels(&s->sensor, step, s->first_pixel[refined->tile]),
                       .frontend = &s->sensor.frontend,
                       .log_eps = s->sensor.log_eps,
-                      .events = s->events.events + first,
+                      .events = s->events.count > first ? s->events.events + first : NULL,
                       .count = s->events.count - first};
     td_timing_add(&s->timing, &timed);
     td_timing_add_turns(&s->timing, &timed);

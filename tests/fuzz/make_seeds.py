@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes small valid files for the fuzz targets of binary formats into a folder (scripts/fuzz.sh runs this)."""
-import base64, gzip, io, json, os, pickle, struct, sys, types, zipfile, zlib
+import base64, gzip, io, json, os, pickle, random, struct, sys, types, zipfile, zlib
 from collections import OrderedDict
 
 folder = sys.argv[1]
@@ -452,3 +452,15 @@ write("fuzz_path", "euroc", b"#q_RS_w\n" + b"".join(b"%d,1,2,3,1,0,0,0,0,0,0,0,0
 write("fuzz_path", "kitti", b"1 0 0 0 0 1 0 0 0 0 1 0\n0 0 1 1 -1 0 0 2 0 -1 0 3\n")
 write("fuzz_path", "nerfies", b'{"orientation": [[1,0,0],[0,1,0],[0,0,1]], "position": [0,0,0], "focal_length": 5, '
       b'"principal_point": [3,2], "image_size": [6,4]}')
+
+# Worlds by chance, for targets that make some of their input: formats in turn, and what is long enough to fill them.
+chance = random.Random(16)
+for k in range(18):
+    gaps = [0, 4, 10, 20, 31] if k % 2 else [0]
+    events = b"".join(chance.randbytes(2) + bytes([chance.choice(gaps)]) + chance.randbytes(5) for _ in range(120))
+    write("fuzz_back_events", str(k), bytes([k, chance.randrange(196)]) + events)
+for k in range(10):
+    sizes = bytes([k % 5, k % 5, 3 + k, 20 + k, 0, 20 * k, 0, 80])
+    write("fuzz_back_scenes", str(k), sizes + chance.randbytes(1500))
+for k in range(12):
+    write("fuzz_runs", str(k), bytes([11 * k]) + chance.randbytes(400))
