@@ -11,6 +11,25 @@
 #define td_wait()
 #endif
 
+/* A work-item's of what all share out: [first, end) by `step`. */
+typedef struct td_share {
+    int first, end, step;
+} td_share;
+
+static td_share td_share_of(int count) {
+    const int me = (int)get_global_id(0), items = (int)get_global_size(0);
+    td_share share;
+#if TD_LANES == 1
+    share.first = me, share.end = count, share.step = items;
+#else /* neighbours: what they read lies together, as the tests of one tile */
+    share.first = (int)((long)count * me / items), share.end = (int)((long)count * (me + 1) / items), share.step = 1;
+#endif
+    return share;
+}
+
+/* Groups of TD_LANES of them. */
+static td_share td_share_of_groups(int count) { return td_share_of((count + TD_LANES - 1) / TD_LANES); }
+
 static td_point_paths td_paths_make(__global const int *path, __global const td_real *curves, int pieces, int slices, int split,
                                     int group) {
     td_point_paths paths;
@@ -31,8 +50,20 @@ typedef struct td_splats_to_make {
     __global td_real *curves;
     __global int *depths;
     __global float *records;
-    int count, item, items;
+    int count;
+    td_share groups;
 } td_splats_to_make;
+
+/* First curves' rows of the Gaussians from `first` on, which come soon: to wait for them was a quarter of the time. */
+enum { TD_SOON_GROUPS = 2 };
+static void td_rows_soon(const td_splats_to_make *of, __global const int *path, int first) {
+    const int end = first + TD_LANES < of->count ? first + TD_LANES : of->count;
+    for (int i = first; i < end; i++) {
+        __global const int *row = of->row + 2 * (path[of->seen[i]] / TD_PATH_LEVELS);
+        __global const td_real *from = of->rows + (long)row[0] * TD_PATH_STRIDE, *to = of->rows + (long)row[1] * TD_PATH_STRIDE;
+        td_soon(from), td_soon(from + 8), td_soon(to), td_soon(to + 8);
+    }
+}
 
 TD_APART void td_splats_apart(__constant const td_image *image_buffer, const td_point_paths *all,
                               const td_splats_to_make *what) {
@@ -40,9 +71,11 @@ TD_APART void td_splats_apart(__constant const td_image *image_buffer, const td_
     const td_point_paths paths = *all;
     const td_splats_to_make of = *what;
     const int pieces = paths.slices.pieces, slices = paths.slices.count;
-    for (int i = of.item * TD_LANES; i < of.count; i += of.items * TD_LANES) {
+    for (int k = of.groups.first; k < of.groups.end; k += of.groups.step) {
+        const int i = k * TD_LANES;
         int mine[TD_LANES];
         size_t at[TD_LANES];
+        if (TD_LANES > 1) td_rows_soon(&of, paths.path, i + TD_SOON_GROUPS * TD_LANES);
         for (int lane = 0; lane < TD_LANES; lane++) {
             int gaussian = of.seen[i + lane < of.count ? i + lane : i];
             mine[lane] = paths.path[gaussian];
@@ -75,18 +108,18 @@ __kernel void td_point_make_splats(__constant const td_image *image_buffer, __gl
     what.depths = depths;
     what.records = records;
     what.count = count;
-    what.item = (int)get_global_id(0);
-    what.items = (int)get_global_size(0);
+    what.groups = td_share_of_groups(count);
     td_splats_apart(image_buffer, &paths, &what);
 }
 
 /* Misfits of TD_LANES paths of a level per turn (td_path_try), in targets: the worst, then, each `stride` on, bent and calm. */
 TD_APART void td_misfits_apart(__constant const td_image *image_buffer, __global const td_real *rows, __global const int *first,
-                               int from, int count, int step, int level, __global const td_real *lengths, int pieces,
-                               td_real target, td_real rounding, __global td_real *misfits, int stride) {
+                               td_share groups, int level, __global const td_real *lengths, int pieces, td_real target,
+                               td_real rounding, __global td_real *misfits, int stride) {
     const td_image image = td_specialised(image_buffer);
     const td_path_terms terms = {target, 0, rounding, 0};
-    for (int i = from; i < count; i += step) {
+    for (int k = groups.first; k < groups.end; k += groups.step) {
+        const int i = k * TD_LANES;
         const td_path_misfits of = td_path_try(rows, td_load_ints(first + i), level, pieces, lengths, &terms, &image);
         td_store_lanes(misfits + i, of.worst);
         td_store_lanes(misfits + stride + i, of.bent);
@@ -97,8 +130,8 @@ TD_APART void td_misfits_apart(__constant const td_image *image_buffer, __global
 __kernel void td_point_find_misfits(__constant const td_image *image_buffer, __global const td_real *rows,
                                     __global const int *first, int count, int level, __global const td_real *lengths,
                                     int pieces, td_real target, td_real rounding, __global td_real *misfits, int stride) {
-    td_misfits_apart(image_buffer, rows, first, (int)get_global_id(0) * TD_LANES, count, (int)get_global_size(0) * TD_LANES,
-                     level, lengths, pieces, target, rounding, misfits, stride);
+    td_misfits_apart(image_buffer, rows, first, td_share_of_groups(count), level, lengths, pieces, target, rounding, misfits,
+                     stride);
 }
 
 /* Of a tile, those of its candidates that have paths, by depth, `listed` (at the candidates), and their tests of the splats'
@@ -167,13 +200,13 @@ __kernel void td_point_make_lists(__global const td_point_tile *tiles, __global 
     td_list_apart(tiles + number, &what, counts + number);
 }
 
-/* What points are asked of: chunks [first, end), every `step`th, with an item's own room for `entries`. */
+/* What points are asked of: an item's share of the chunks, and its own room for `entries`. */
 typedef struct td_values_to_find {
     __global const td_point_tile *tiles;
     __global const int *counts;
     __global const td_point_chunk *chunks;
     __global td_real *entries, *values;
-    int first, end, step;
+    td_share share;
     td_real backdrop, backdrop_dot;
 } td_values_to_find;
 
@@ -185,7 +218,7 @@ TD_APART void td_values_apart(__constant const td_image *image_buffer, const td_
     const td_point_lists lists = *all_lists;
     const td_point_arrays points = *all_points;
     const td_values_to_find of = *what;
-    for (int i = of.first; i < of.end; i += of.step) {
+    for (int i = of.share.first; i < of.share.end; i += of.share.step) {
         const td_point_chunk chunk = of.chunks[i];
         const td_point_tile tile = of.tiles[chunk.tile];
         td_point_chunk_values(&chunk, &tile, of.counts[chunk.tile], &paths, &lists, &points, &image, of.entries, of.backdrop,
@@ -201,7 +234,6 @@ __kernel void td_point_values(__constant const td_image *image_buffer, __global 
                               __global const td_point_chunk *chunks, int chunk_count, __global td_real *entries, int rows,
                               td_real backdrop, td_real backdrop_dot, __global td_real *values) {
     const td_point_paths paths = td_paths_make(listed, curves, pieces, slices, split, group);
-    const int me = (int)get_global_id(0), items = (int)get_global_size(0);
     td_point_lists lists;
     lists.path = listed;
     lists.tests = tests;
@@ -215,17 +247,9 @@ __kernel void td_point_values(__constant const td_image *image_buffer, __global 
     what.tiles = tiles;
     what.counts = counts;
     what.chunks = chunks;
-    what.entries = entries + (long)me * rows * TD_POINT_ENTRY;
+    what.entries = entries + (long)get_global_id(0) * rows * TD_POINT_ENTRY;
     what.values = values;
-#if TD_LANES == 1
-    what.first = me;
-    what.end = chunk_count;
-    what.step = items;
-#else /* neighbours, which are mostly of one tile, find its tests in the cache */
-    what.first = (int)((long)chunk_count * me / items);
-    what.end = (int)((long)chunk_count * (me + 1) / items);
-    what.step = 1;
-#endif
+    what.share = td_share_of(chunk_count);
     what.backdrop = backdrop;
     what.backdrop_dot = backdrop_dot;
     td_values_apart(image_buffer, &paths, &lists, &points, &what);

@@ -127,6 +127,9 @@ static tides_status cut(const tides_renderer *renderer, const tides_trajectory *
 
 static tides_status reserve_entries(td_point_nodes *nodes, size_t more, tides_error *error) {
     const size_t wanted = (size_t)nodes->entries + more;
+    if (wanted <= nodes->entry_capacity[0] && wanted <= nodes->entry_capacity[1] &&
+        (size_t)nodes->job_count < nodes->job_capacity)
+        return TIDES_OK;
     tides_status status = td_reserve((void **)&nodes->entry, &nodes->entry_capacity[0], wanted, sizeof *nodes->entry, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&nodes->at, &nodes->entry_capacity[1], wanted, sizeof *nodes->at, error);
@@ -170,6 +173,41 @@ static tides_status add_node(const tides_renderer *renderer, td_point_nodes *nod
         nodes->jobs[nodes->job_count - 1].count++;
     }
     if (open && status == TIDES_OK) end_job(nodes);
+    return status;
+}
+
+/* Jobs for the next node of what the jobs from `job` on, and entries from `entry` on, are for. */
+static tides_status repeat_node(td_point_nodes *nodes, int job, int entry, tides_error *error) {
+    const int jobs = nodes->job_count - job, entries = nodes->entries - entry;
+    tides_status status = TIDES_OK;
+    for (int i = 0; i < jobs && status == TIDES_OK; i++) {
+        status = reserve_entries(nodes, (size_t)entries, error);
+        if (status != TIDES_OK) return status;
+        const td_node_job *of = &nodes->jobs[job + i];
+        nodes->jobs[nodes->job_count++] = (td_node_job){of->slot + 1, of->first + entries, of->count, 0};
+    }
+    for (int i = entry; i < entry + entries && status == TIDES_OK; i++) {
+        nodes->entry[i + entries] = nodes->entry[i];
+        nodes->at[i + entries] = nodes->at[i] + (nodes->entry[i] != TD_NO_GAUSSIAN);
+    }
+    nodes->entries += entries;
+    return status;
+}
+
+/* Jobs for all nodes of a level, one after the other for so many Gaussians as a job takes: what they are made of, and their
+ * rows, are in the cache then. */
+static tides_status add_nodes(const tides_renderer *renderer, td_point_nodes *nodes, int level, int slots, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (int from = 0, end = 0; from < nodes->count && status == TIDES_OK; from = end) {
+        int job = nodes->job_count, entry = nodes->entries;
+        for (int taken = 0; end < nodes->count && taken < JOB_GAUSSIANS; end++) taken += nodes->level[end] == level;
+        status = add_node(renderer, nodes, level, 0, 0, from, end, NULL, error);
+        for (int k = 1; k < slots && status == TIDES_OK; k++) {
+            const int next_job = nodes->job_count, next_entry = nodes->entries;
+            status = repeat_node(nodes, job, entry, error);
+            job = next_job, entry = next_entry;
+        }
+    }
     return status;
 }
 
@@ -237,8 +275,7 @@ static tides_status project(tides_renderer *renderer, const tides_trajectory *ca
     for (int k = 0; k < slots && status == TIDES_OK; k++) nodes->time[k] = node_time(nodes, level, k);
     if (renderer->dynamic.gaussians && status == TIDES_OK)
         return project_all_moved(renderer, camera, nodes, level, slots, error);
-    for (int k = 0; k < slots && status == TIDES_OK; k++)
-        status = add_node(renderer, nodes, level, k, k, 0, nodes->count, NULL, error);
+    if (status == TIDES_OK) status = add_nodes(renderer, nodes, level, slots, error);
     return status == TIDES_OK ? send(renderer, camera, nodes, nodes->time, slots, error) : status;
 }
 
