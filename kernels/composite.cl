@@ -16,7 +16,8 @@ __kernel void td_composite_jobs(__constant const td_image *image_buffer, __globa
                                 __global const float *colours, __global const int *order, __global const int *sorted_masks,
                                 __global const int *counts, __global const float *brightest, __global float *planes,
                                 __global int *blended, __global const td_view *views, __global const float *weights,
-                                __global const int *asked, __global const int *words, int asked_count) {
+                                __global const int *asked, __global const int *words, __global const float *shared_records,
+                                __global const float *shared_colours, int asked_count) {
     const td_image image = td_specialised(image_buffer);
     int item = (int)get_global_id(0), place = item / (TD_BLOCK_PIXELS / TD_LANES);
     int first = item % (TD_BLOCK_PIXELS / TD_LANES) * TD_LANES;
@@ -24,8 +25,10 @@ __kernel void td_composite_jobs(__constant const td_image *image_buffer, __globa
     int job_index = asked[place] >> 4;
     const td_job job = jobs[job_index];
     td_list list;
-    list.records = records + job.records * TD_RECORD_STRIDE;
-    list.colours = colours + (td_has_colours(&image) ? job.records * td_colour_stride(&image) : 0);
+    list.records = job.shared ? shared_records : records + job.records * TD_RECORD_STRIDE;
+    list.colours = job.shared               ? shared_colours
+                   : td_has_colours(&image) ? colours + job.records * td_colour_stride(&image)
+                                            : colours;
     list.view = views + job.slot * image.objects;
     list.weights = weights;
     td_list_lay(&list, &job, job_index, order, sorted_masks, words, counts);

@@ -24,9 +24,17 @@ TD_INLINE void td_half_widths(const td_shape *shape, td_lanes *rx, td_lanes *ry)
     *ry = td_fma(td_sqrt(power * shape->c.v), TD_REAL(1.0001), TD_REAL(0.01));
 }
 
+/* What is the same for all tiles that a splat may be in. */
+typedef struct td_extent {
+    td_lanes u, v, rx, ry;     /* its middle and the box around it */
+    td_lanes slope, bend, end; /* of the ellipse's sides (td_block_row) */
+    td_lanes wide, high;       /* half-widths of the rule's rectangle, where there is one */
+    td_mask visible;
+} td_extent;
+
 /* INRIA: ceil(3 sqrt(lambda_max)); a splat is seen only by the 16x16 tiles that the square of that radius touches. gsplat: per
- * axis ceil(min(3.33, sqrt(2 ln(255 opacity))) sqrt(cov_ii)). The mask of the Gaussians whose rectangle holds the tile. */
-TD_INLINE td_mask td_rectangle_holds(const td_shape *shape, const td_image *image, int tile_x, int tile_y) {
+ * axis ceil(min(3.33, sqrt(2 ln(255 opacity))) sqrt(cov_ii)). */
+TD_INLINE void td_rectangle_of(const td_shape *shape, const td_image *image, td_extent *extent) {
     td_lanes rx, ry;
     if (image->extent_rule == TD_EXTENT_INRIA) {
         td_lanes mid = 0.5f * (shape->a.v + shape->c.v);
@@ -39,32 +47,47 @@ TD_INLINE td_mask td_rectangle_holds(const td_shape *shape, const td_image *imag
         rx = sigmas * td_sqrt(shape->a.v);
         ry = sigmas * td_sqrt(shape->c.v);
     }
-    rx = td_ceil(td_smaller(rx, td_splat(TD_REAL(1e6))));
-    ry = td_ceil(td_smaller(ry, td_splat(TD_REAL(1e6))));
+    extent->wide = td_ceil(td_smaller(rx, td_splat(TD_REAL(1e6))));
+    extent->high = td_ceil(td_smaller(ry, td_splat(TD_REAL(1e6))));
+}
+
+/* The ellipse's boundary is x(dy) = (b/c) dy +- k sqrt(ry^2 - dy^2), `slope` and `bend` of it; its right end lies at
+ * dy = (b/a) rx, `end`, the left at minus that. */
+TD_INLINE td_extent td_extent_of(const td_shape *shape, const td_image *image) {
+    td_extent extent;
+    extent.u = shape->u.v, extent.v = shape->v.v;
+    td_half_widths(shape, &extent.rx, &extent.ry);
+    extent.slope = shape->b.v / shape->c.v;
+    extent.bend = td_sqrt(1.0f / (shape->c.v * shape->conic[0].v));
+    extent.end = shape->b.v / shape->a.v * extent.rx;
+    extent.wide = extent.high = td_splat(0.0f);
+    if (image->extent_rule != TD_EXTENT_ELLIPSE) td_rectangle_of(shape, image, &extent);
+    extent.visible = shape->visible;
+    return extent;
+}
+
+/* The mask of the Gaussians whose rectangle holds the tile. */
+TD_INLINE td_mask td_rectangle_holds(const td_extent *extent, const td_image *image, int tile_x, int tile_y) {
     /* Tile borders against [u - r, u + r), as the two renderers round it; INRIA's pixel centres are whole numbers. */
     td_lanes shift = td_splat(image->extent_rule == TD_EXTENT_INRIA ? TD_REAL(0.5) : TD_REAL(0.0));
-    td_lanes u = shape->u.v - shift, v = shape->v.v - shift;
+    td_lanes u = extent->u - shift, v = extent->v - shift;
     td_real reach = image->extent_rule == TD_EXTENT_INRIA ? TD_REAL(15.0) : TD_REAL(16.0);
-    return (u - rx < (td_real)(tile_x + TD_TILE)) & (u + rx + reach >= (td_real)(tile_x + TD_TILE)) &
-           (v - ry < (td_real)(tile_y + TD_TILE)) & (v + ry + reach >= (td_real)(tile_y + TD_TILE));
+    return (u - extent->wide < (td_real)(tile_x + TD_TILE)) & (u + extent->wide + reach >= (td_real)(tile_x + TD_TILE)) &
+           (v - extent->high < (td_real)(tile_y + TD_TILE)) & (v + extent->high + reach >= (td_real)(tile_y + TD_TILE));
 }
 
 /* The x range of the ellipse within the strip of pixel centres of row j of a tile's blocks, as bits of these blocks. */
-TD_INLINE td_mask td_block_row(const td_shape *shape, td_lanes rx, td_lanes ry, int tile_x, int tile_y, int j) {
+TD_INLINE td_mask td_block_row(const td_extent *e, int tile_x, int tile_y, int j) {
     int y = tile_y + 4 * j;
-    td_lanes from = (td_real)y + 0.5f - shape->v.v, to = (td_real)y + 3.5f - shape->v.v;
-    td_mask touched = (from <= ry) & (to >= -ry);
-    /* The boundary is x(dy) = (b/c) dy +- k sqrt(ry^2 - dy^2); its right end lies at dy = (b/a) rx, the left at minus that.
-     * Each side is convex, so within the strip it is extreme at the nearest dy. */
-    td_lanes slope = shape->b.v / shape->c.v;
-    td_lanes k = td_sqrt(1.0f / (shape->c.v * shape->conic[0].v));
-    td_lanes end = shape->b.v / shape->a.v * rx;
-    td_lanes dy_right = td_smaller(td_larger(end, from), to), dy_left = td_smaller(td_larger(-end, from), to);
-    td_lanes half_right = td_sqrt(td_larger(td_fma(ry, ry, -(dy_right * dy_right)), td_splat(0.0f)));
-    td_lanes half_left = td_sqrt(td_larger(td_fma(ry, ry, -(dy_left * dy_left)), td_splat(0.0f)));
-    td_lanes margin = td_fma(rx, TD_REAL(1e-4), TD_REAL(0.01));
-    td_lanes right = td_fma(slope, dy_right, td_fma(k, half_right, shape->u.v + margin));
-    td_lanes left = td_fma(slope, dy_left, shape->u.v - margin - k * half_left);
+    td_lanes from = (td_real)y + 0.5f - e->v, to = (td_real)y + 3.5f - e->v;
+    td_mask touched = (from <= e->ry) & (to >= -e->ry);
+    /* Each side is convex, so within the strip it is extreme at the nearest dy. */
+    td_lanes dy_right = td_smaller(td_larger(e->end, from), to), dy_left = td_smaller(td_larger(-e->end, from), to);
+    td_lanes half_right = td_sqrt(td_larger(td_fma(e->ry, e->ry, -(dy_right * dy_right)), td_splat(0.0f)));
+    td_lanes half_left = td_sqrt(td_larger(td_fma(e->ry, e->ry, -(dy_left * dy_left)), td_splat(0.0f)));
+    td_lanes margin = td_fma(e->rx, TD_REAL(1e-4), TD_REAL(0.01));
+    td_lanes right = td_fma(e->slope, dy_right, td_fma(e->bend, half_right, e->u + margin));
+    td_lanes left = td_fma(e->slope, dy_left, e->u - margin - e->bend * half_left);
 #define TD_BLOCK_BIT(i)                                                                                                \
     td_mask_bit(touched &(left <= (td_real)(tile_x + 4 * (i)) + 3.5f) & (right >= (td_real)(tile_x + 4 * (i)) + 0.5f), \
                 1 << (4 * j + (i)))
@@ -72,15 +95,13 @@ TD_INLINE td_mask td_block_row(const td_shape *shape, td_lanes rx, td_lanes ry, 
 }
 
 /* 16 bits: bit 4 j + i says that the splat reaches block (i, j) of the tile. 0: not visible in this tile. */
-TD_INLINE td_mask td_block_mask(const td_shape *shape, const td_image *image, int tile_x, int tile_y) {
-    td_lanes rx, ry;
-    td_half_widths(shape, &rx, &ry);
-    td_mask visible = shape->visible;
-    if (image->extent_rule != TD_EXTENT_ELLIPSE) visible = visible & td_rectangle_holds(shape, image, tile_x, tile_y);
-    td_mask bits = td_block_row(shape, rx, ry, tile_x, tile_y, 0); /* no loop: LLVM kept it, and the one within */
-    bits |= td_block_row(shape, rx, ry, tile_x, tile_y, 1);
-    bits |= td_block_row(shape, rx, ry, tile_x, tile_y, 2);
-    bits |= td_block_row(shape, rx, ry, tile_x, tile_y, 3);
+TD_INLINE td_mask td_block_mask(const td_extent *extent, const td_image *image, int tile_x, int tile_y) {
+    td_mask visible = extent->visible;
+    if (image->extent_rule != TD_EXTENT_ELLIPSE) visible = visible & td_rectangle_holds(extent, image, tile_x, tile_y);
+    td_mask bits = td_block_row(extent, tile_x, tile_y, 0); /* no loop: LLVM kept it, and the one within */
+    bits |= td_block_row(extent, tile_x, tile_y, 1);
+    bits |= td_block_row(extent, tile_x, tile_y, 2);
+    bits |= td_block_row(extent, tile_x, tile_y, 3);
     return td_mask_bit(visible, bits);
 }
 

@@ -11,8 +11,9 @@ enum {
     TD_BLOCK = 4, /* pixels on a side of a block */
     TD_BLOCK_PIXELS = 16,
     TD_TILE_BLOCKS = 16,
-    TD_ALL_BLOCKS = 0xffff,  /* a set of a tile's blocks: bit k is block k, counted row by row */
-    TD_PAD = 16,             /* objects and candidate lists are padded to this, so that a vector never mixes objects */
+    TD_ALL_BLOCKS = 0xffff, /* a set of a tile's blocks: bit k is block k, counted row by row */
+    TD_PAD = 16,            /* objects and candidate lists are padded to this, so that a vector never mixes objects */
+    TD_PAD_BITS = 4,
     TD_GEOMETRY_STRIDE = 16, /* reals per Gaussian */
     TD_RECORD_STRIDE = 16,   /* reals per splat record */
     TD_COLOUR_STRIDE = 8,    /* reals per splat colour record */
@@ -36,6 +37,14 @@ enum {
 enum {
     TD_R_U = 0, TD_R_V, TD_R_QXX, TD_R_QXY, TD_R_QYY, TD_R_LOG2_OPACITY, TD_R_LUMINANCE, TD_R_LUMINANCE_DOT,
     TD_R_K0, TD_R_KX, TD_R_KY, TD_R_KXX, TD_R_KXY, TD_R_KYY, TD_R_DEPTH, TD_R_DEPTH_DOT
+};
+
+/* What every tile asks of a splat, and is the same for all (extent.h), where tiles share it. STATE: 0 for what isn't visible
+ * anywhere, 1, or 2 for what is seen everywhere (td_shape.broken). */
+enum {
+    TD_X_U = 0, TD_X_V, TD_X_RX, TD_X_RY, TD_X_SLOPE, TD_X_BEND, TD_X_END, TD_X_WIDE, TD_X_HIGH, TD_X_STATE,
+    TD_X_DEPTH, TD_X_DEPTH_LOW, TD_X_LIGHT,
+    TD_EXTENT_STRIDE = 16
 };
 
 /* Planes of a tile's output, TD_TILE_PIXELS reals each, and how many there are. SIGNAL: the first two only. LUMINANCE: Y alone,
@@ -122,6 +131,7 @@ typedef struct td_job {
     int out;
     int hint, new_hint; /* places among the hints: to begin with, to leave; 0: none */
     int blocks;         /* those to be composited: what comes out of one is the same whichever others are */
+    int shared; /* a device's own: which of the times whose tiles share records it is of, from 1 on (share.h); 0: none */
 } td_job;
 
 /* Decisions of the image formation, resolved from tides_image_params by lib/render/rules.c. */

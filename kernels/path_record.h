@@ -3,7 +3,7 @@
 #define TD_PATH_RECORD_H
 
 #include "path.h"
-#include "record.h"
+#include "share.h"
 
 /* Beside the paths, which one each candidate has, in the order of the candidates: TD_PATH_DIRECT for none, TD_PATH_UNSEEN where
  * there is no candidate. */
@@ -29,15 +29,14 @@ TD_INLINE void td_shape_choose(td_shape *shape, const td_shape *then, td_mask ma
 }
 
 /* Those of a group that have no path are projected. They are of one kind (td_source_of), whatever stands before them. */
-TD_INLINE void td_project_rest(const td_job *job, TD_GLOBAL const int *object, TD_GLOBAL const td_view *views,
-                               const td_image *image, const td_source *source, td_index gaussian, td_mask rest, td_shape *shape,
-                               td_dual *luminance) {
+TD_INLINE void td_project_rest(int slot, TD_GLOBAL const int *object, TD_GLOBAL const td_view *views, const td_image *image,
+                               const td_source *source, td_index gaussian, td_mask rest, td_shape *shape, td_dual *luminance) {
     int lane[TD_LANES], leader = 0;
     td_index alone = td_select_mask((gaussian & 0) + TD_NO_GAUSSIAN, gaussian, rest);
     td_index_lanes(alone, lane);
     for (int i = 0; i < TD_LANES; i++) leader = lane[i] > leader ? lane[i] : leader;
     td_source own = td_source_of(source, image, leader);
-    TD_GLOBAL const td_view *view = views + job->slot * image->objects + object[td_owner_of(&own, leader)];
+    TD_GLOBAL const td_view *view = views + slot * image->objects + object[td_owner_of(&own, leader)];
     td_gaussian numbers;
     td_index row = td_not_below_0(alone);
     td_load_gaussian(&own, image, row, &numbers);
@@ -48,9 +47,8 @@ TD_INLINE void td_project_rest(const td_job *job, TD_GLOBAL const int *object, T
 }
 
 /* The rows of the group behind: what a splat is made of lies anywhere, and to wait for it took half of the time. */
-TD_INLINE void td_path_soon(const td_job *job, int next, const td_path_source *from) {
-    TD_GLOBAL const int *nodes = from->paths.nodes + job->slot * TD_PATH_LEVELS;
-    TD_GLOBAL const int *path = from->path + job->candidates + next;
+TD_INLINE void td_path_soon(int slot, TD_GLOBAL const int *path, const td_path_source *from) {
+    TD_GLOBAL const int *nodes = from->paths.nodes + slot * TD_PATH_LEVELS;
     for (int lane = 0; lane < TD_LANES; lane++) {
         int row = (path[lane] >> TD_PATH_LEVEL_BITS) + nodes[path[lane] & (TD_PATH_LEVELS - 1)];
         td_soon(from->paths.rows + row * TD_PATH_STRIDE);
@@ -59,33 +57,57 @@ TD_INLINE void td_path_soon(const td_job *job, int next, const td_path_source *f
     }
 }
 
+/* Gaussians at the moment of a slot, each on its path or projected: shape, and luminance. */
+TD_INLINE td_shape td_path_shapes(int slot, td_index path, td_index gaussian, TD_GLOBAL const int *object,
+                                  TD_GLOBAL const td_view *views, const td_image *image, const td_source *source,
+                                  const td_path_source *from, td_dual *luminance) {
+    td_mask there = path != TD_PATH_UNSEEN, rest = path == TD_PATH_DIRECT;
+    td_path_splat splat = td_path_at(&from->paths, td_not_below_0(path), (td_index)(slot));
+    td_shape shape = td_path_shape(&splat, image);
+    *luminance = splat.luminance;
+    shape.visible = shape.visible & there;
+    shape.broken = shape.broken & there;
+    if (td_any(rest)) td_project_rest(slot, object, views, image, source, gaussian, rest, &shape, luminance);
+    return shape;
+}
+
 /* Candidates [first, first + TD_LANES) of a job at the moment of its slot: records and masks, no colours. */
 TD_INLINE void td_path_group(const td_job *job, int first, TD_GLOBAL const int *candidates, TD_GLOBAL const int *object,
                              TD_GLOBAL const td_view *views, const td_image *image, const td_source *source,
                              const td_path_source *from, const td_sink *all) {
-    td_index path = td_load_ints(from->path + job->candidates + first);
-    if (TD_LANES > 1 && first + TD_LANES < job->count) td_path_soon(job, first + TD_LANES, from);
-    td_mask there = path != TD_PATH_UNSEEN, rest = path == TD_PATH_DIRECT;
-    td_path_splat splat = td_path_at(&from->paths, td_not_below_0(path), (td_index)(job->slot));
-    td_shape shape = td_path_shape(&splat, image);
-    td_dual luminance = splat.luminance;
-    shape.visible = shape.visible & there;
-    shape.broken = shape.broken & there;
-    if (td_any(rest)) {
-        td_index gaussian = td_load_ints(candidates + job->candidates + first);
-        td_project_rest(job, object, views, image, source, gaussian, rest, &shape, &luminance);
-    }
+    TD_GLOBAL const int *path = from->path + job->candidates + first;
+    td_dual luminance;
+    td_index own = td_load_ints(path);
+    if (TD_LANES > 1 && first + TD_LANES < job->count) td_path_soon(job->slot, path + TD_LANES, from);
+    td_index gaussian = td_load_ints(candidates + job->candidates + first);
+    td_shape shape = td_path_shapes(job->slot, own, gaussian, object, views, image, source, from, &luminance);
     td_sink sink = td_sink_at(all, image, job->records + first);
-    td_mask in_tile = td_store_masks(&shape, image, job, &sink);
+    td_asked asked = td_asked_of(&shape, image, own != TD_PATH_UNSEEN);
+    td_mask in_tile = td_store_masks(&asked, image, job, &sink);
     if (!td_any(in_tile)) {
         td_store_no_group(&sink);
         return;
     }
     td_lanes entry[TD_RECORD_STRIDE];
     td_lay_shape(&shape, entry);
-    entry[TD_R_LUMINANCE] = td_select(luminance.v, td_not_a_number(), shape.broken);
-    entry[TD_R_LUMINANCE_DOT] = luminance.d;
+    td_lay_luminance(luminance, shape.broken, entry);
     td_store_group(in_tile, &sink, entry);
+}
+
+/* Gaussians [first, first + TD_LANES) of the store at the moment of a slot, for all tiles (share.h); from->path is the
+ * store's. */
+TD_INLINE void td_share_paths(int slot, int first, TD_GLOBAL const int *object, TD_GLOBAL const td_view *views,
+                              const td_image *image, const td_source *source, const td_path_source *from,
+                              TD_GLOBAL td_real *records, TD_GLOBAL td_real *extents) {
+    td_index path = td_load_ints(from->path + first);
+    td_lanes entry[TD_RECORD_STRIDE];
+    td_dual luminance;
+    td_shape shape = td_path_shapes(slot, path, td_count_from(first), object, views, image, source, from, &luminance);
+    td_asked asked = td_asked_of(&shape, image, path != TD_PATH_UNSEEN);
+    td_lay_shape(&shape, entry);
+    td_lay_luminance(luminance, shape.broken, entry);
+    td_store_asked(&asked, td_size(entry[TD_R_LUMINANCE]), extents);
+    td_store_records(records, entry);
 }
 
 #endif

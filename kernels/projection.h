@@ -39,7 +39,6 @@ typedef struct td_source {
     TD_GLOBAL const td_sh_real *sh;            /* sh_stride per row */
     TD_GLOBAL const td_real *sh_rates;         /* likewise */
     TD_GLOBAL const int *owners;               /* of each moved row: its Gaussian in the store, and the row of its SH */
-    TD_GLOBAL const td_real *luminance, *luminance_dot; /* what the store's show at the time, where tiles share that; else 0 */
     int first_rate, first_moved;
     int rated, moved, sh_rated; /* whether the rows in hand have rates, are moved ones, and have rates of SH (td_source_of) */
 } td_source;
@@ -55,7 +54,6 @@ TD_INLINE td_source td_source_make(TD_GLOBAL const td_real *geometry, TD_GLOBAL 
     source.sh = sh;
     source.sh_rates = sh_rates;
     source.owners = owners;
-    source.luminance = source.luminance_dot = 0;
     source.first_rate = first_rate;
     source.first_moved = first_moved;
     source.rated = source.moved = source.sh_rated = 0;

@@ -53,16 +53,6 @@ TD_INLINE td_dual td_luminance_of(const td_colour *colour, const td_image *image
     return td_dual_plus(luminance, image->luminance[2], colour->channel[2]);
 }
 
-/* What Gaussians [first, first + TD_LANES) of the store show, seen or not. */
-TD_INLINE td_dual td_luminance_from(TD_GLOBAL const td_view *view, const td_image *image, const td_source *all, int first) {
-    td_source source = td_source_of(all, image, first);
-    td_index row = td_count_from(first);
-    td_gaussian own;
-    td_load_gaussian(&source, image, row, &own);
-    td_colour colour = td_project_colour(view, image, &source, &own, row);
-    return td_luminance_of(&colour, image);
-}
-
 /* Not a number where the splat is broken. */
 TD_INLINE void td_lay_luminance(td_dual luminance, td_mask broken, td_lanes entry[TD_RECORD_STRIDE]) {
     entry[TD_R_LUMINANCE] = td_select(luminance.v, td_not_a_number(), broken);
@@ -98,22 +88,58 @@ TD_INLINE void td_store_features(TD_GLOBAL const td_view *view, const td_image *
     entry[TD_R_LUMINANCE_DOT] = td_splat(0.0f);
 }
 
+#define TD_BEHIND_ALL TD_REAL(1e38) /* the depth of padding */
+
+/* What tiles ask of a splat before they know whether it is theirs. */
+typedef struct td_asked {
+    td_extent extent;
+    td_lanes depth, depth_low;
+    td_mask broken;
+} td_asked;
+
+/* Of Gaussians that are `there`. */
+TD_INLINE td_asked td_asked_of(const td_shape *shape, const td_image *image, td_mask there) {
+    td_asked asked;
+    asked.extent = td_extent_of(shape, image);
+    asked.depth = td_select(td_splat(TD_BEHIND_ALL), shape->depth.v, there);
+    asked.depth_low = shape->depth_low;
+    asked.broken = shape->broken;
+    return asked;
+}
+
 /* Masks and depths of a group; which of it are in the tile. */
-TD_INLINE td_mask td_store_masks(const td_shape *shape, const td_image *image, const td_job *job, const td_sink *sink) {
-    td_mask blocks = td_block_mask(shape, image, job->x, job->y);
-    blocks = td_select_mask(blocks, (blocks & 0) | 0xffff, shape->broken);
-    td_store_ints(sink->masks, image->soft_order ? td_pack_low(blocks, shape->depth_low) : blocks);
-    td_store_lanes(sink->depths, shape->depth.v);
+TD_INLINE td_mask td_store_masks(const td_asked *asked, const td_image *image, const td_job *job, const td_sink *sink) {
+    td_mask blocks = td_block_mask(&asked->extent, image, job->x, job->y);
+    blocks = td_select_mask(blocks, (blocks & 0) | 0xffff, asked->broken);
+    td_store_ints(sink->masks, image->soft_order ? td_pack_low(blocks, asked->depth_low) : blocks);
+    td_store_lanes(sink->depths, asked->depth);
     return blocks != 0;
 }
 
-/* Records of a group and its light, which is none where nothing of it is in the tile; what isn't a number is left out. */
-TD_INLINE void td_store_group(td_mask in_tile, const td_sink *sink, td_lanes entry[TD_RECORD_STRIDE]) {
-    td_lanes light = td_size(entry[TD_R_LUMINANCE]);
+/* The light of a group, which is none where nothing of it is in the tile; what isn't a number is left out. */
+TD_INLINE void td_store_light(td_mask in_tile, td_lanes light, const td_sink *sink) {
     sink->lights[0] = td_largest(td_select(td_splat(-1.0f), light, in_tile & (light >= 0.0f)));
+}
+
+/* Records of a group and its light. */
+TD_INLINE void td_store_group(td_mask in_tile, const td_sink *sink, td_lanes entry[TD_RECORD_STRIDE]) {
+    td_store_light(in_tile, td_size(entry[TD_R_LUMINANCE]), sink);
     td_store_records(sink->records, entry);
 }
 TD_INLINE void td_store_no_group(const td_sink *sink) { sink->lights[0] = -1; }
+
+/* The records of splats, and their colours or features to the sink. */
+TD_INLINE void td_lay_splats(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
+                             const td_gaussian *own, td_index row, const td_shape *shape, const td_sink *sink,
+                             td_lanes entry[TD_RECORD_STRIDE]) {
+    td_lay_shape(shape, entry);
+    if (image->decoder) {
+        td_store_features(view, image, source, row, shape->broken, sink, entry);
+        return;
+    }
+    td_colour colour = td_project_colour(view, image, source, own, row);
+    td_store_colour(&colour, shape->broken, image, sink, entry);
+}
 
 /* Projects TD_LANES candidates of a job and stores their records and masks. */
 TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
@@ -122,22 +148,14 @@ TD_INLINE void td_project_candidates(TD_GLOBAL const td_view *view, const td_ima
     td_index row = td_not_below_0(gaussian); /* padding reads row 0 */
     td_load_gaussian(source, image, row, &own);
     td_shape shape = td_project_shape(view, image, &own, gaussian >= 0);
-    td_mask in_tile = td_store_masks(&shape, image, job, sink);
+    td_asked asked = td_asked_of(&shape, image, gaussian >= 0);
+    td_mask in_tile = td_store_masks(&asked, image, job, sink);
     if (!td_any(in_tile)) {
         td_store_no_group(sink);
         return;
     }
     td_lanes entry[TD_RECORD_STRIDE];
-    td_lay_shape(&shape, entry);
-    if (image->decoder) {
-        td_store_features(view, image, source, row, shape.broken, sink, entry);
-    } else if (image->outputs < TD_OUT_COLOUR && source->luminance) {
-        td_lanes value = td_gather(source->luminance, row), rate = td_gather(source->luminance_dot, row);
-        td_lay_luminance(td_dual_make(value, rate), shape.broken, entry);
-    } else {
-        td_colour colour = td_project_colour(view, image, source, &own, row);
-        td_store_colour(&colour, shape.broken, image, sink, entry);
-    }
+    td_lay_splats(view, image, source, &own, row, &shape, sink, entry);
     td_store_group(in_tile, sink, entry);
 }
 
@@ -146,7 +164,7 @@ TD_INLINE void td_project_soon(TD_GLOBAL const int *gaussian, const td_image *im
     for (int lane = 0; lane < TD_LANES; lane++) {
         td_soon(source->geometry + gaussian[lane] * TD_GEOMETRY_STRIDE);
         TD_GLOBAL const td_sh_real *sh = source->sh + gaussian[lane] * image->sh_stride;
-        int reads = !source->luminance && gaussian[lane] < source->first_moved;
+        int reads = gaussian[lane] < source->first_moved;
         for (int k = 0; k < image->sh_stride && reads; k += TD_ROW) td_soon(sh + k);
     }
 }

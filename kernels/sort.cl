@@ -66,9 +66,10 @@ static td_sorted td_sort_job(__global const td_job *job, __global const int *hin
 
 #endif
 
-/* Those of the sorted candidates that touch the blocks, in their order, by the whole work-group: returns how many. */
-static int td_place_splats(__global const long *keys, int n, __global const int *masks, int blocks, __global int *order,
-                           __global int *sorted_masks, __local int *shared) {
+/* Those of the sorted candidates that touch the blocks, in their order, by the whole work-group: returns how many. `places`:
+ * where their records are, for those that tiles share; or 0. */
+static int td_place_splats(__global const long *keys, int n, __global const int *masks, int blocks, __global const int *places,
+                           __global int *order, __global int *sorted_masks, __local int *shared) {
     int first = 0, last = n, at = 0;
 #if TD_LANES == 1
     int items = (int)get_local_size(0), me = (int)get_local_id(0), each = (n + items - 1) / items, count = 0;
@@ -88,7 +89,7 @@ static int td_place_splats(__global const long *keys, int n, __global const int 
     for (int i = first; i < last; i++) {
         int candidate = td_candidate_of(keys[i]), mask = masks[candidate];
         if ((mask & blocks) == 0) continue;
-        order[at] = candidate;
+        order[at] = places ? places[candidate] : candidate;
         sorted_masks[at++] = mask;
     }
 #if TD_LANES == 1
@@ -109,7 +110,7 @@ static float td_brightest_of(int count, float backdrop, __global const float *li
 /* A job's arrays, from its first record on. */
 typedef struct td_sorting {
     __global const float *depths, *lights;
-    __global const int *masks, *hint;
+    __global const int *masks, *hint, *places; /* places: or 0 */
     __global long *keys;
     __global int *order, *sorted_masks, *words, *new_hint;
 } td_sorting;
@@ -120,7 +121,7 @@ TD_APART td_sorted td_sort_apart(__global const td_job *job, const td_sorting *a
     const td_sorting of = *arrays;
     td_sorted done = td_sort_job(job, of.hint, of.depths, of.masks, of.keys, shared);
     const int keys = done.count;
-    done.count = td_place_splats(of.keys, keys, of.masks, job->blocks, of.order, of.sorted_masks, shared);
+    done.count = td_place_splats(of.keys, keys, of.masks, job->blocks, of.places, of.order, of.sorted_masks, shared);
     td_lay_words(of.sorted_masks, done.count, me, items, of.words);
     if (job->new_hint)
         for (int i = me; i < keys; i += items) of.new_hint[i] = td_candidate_of(of.keys[i]);
@@ -133,7 +134,7 @@ TD_APART td_sorted td_sort_apart(__global const td_job *job, const td_sorting *a
 __kernel void td_sort_jobs(__global const td_job *jobs, __global const td_backdrop *backdrops, __global const float *depths,
                            __global const float *lights, __global const int *masks, __global long *keys, __global int *order,
                            __global int *sorted_masks, __global int *counts, __global float *brightest, __global int *hints,
-                           __global int *words, __global int *turns, int job_count) {
+                           __global int *words, __global const int *places, __global int *turns, int job_count) {
     __local int shared[TD_GROUP_MOST];
     volatile __global int *turn = turns + TD_TURN_SORT;
     const int me = (int)get_local_id(0), items = (int)get_local_size(0);
@@ -145,6 +146,7 @@ __kernel void td_sort_jobs(__global const td_job *jobs, __global const td_backdr
         of.lights = lights + from / TD_LANES;
         of.masks = masks + from;
         of.hint = job->hint ? hints + job->hint : 0;
+        of.places = job->shared ? places + from : 0;
         of.keys = keys + 2 * from;
         of.order = order + from;
         of.sorted_masks = sorted_masks + from;

@@ -92,7 +92,7 @@ typedef struct tides_render_stats {
     uint64_t tile_jobs_skipped;      /* tiles without a candidate: background by formula */
     uint64_t gaussians_total;        /* Gaussians in the scene */
     uint64_t gaussians_projected;    /* (Gaussian, tile job) projections, */
-    uint64_t gaussians_shared;       /* of these, whose colour was worked out once for all tiles of the time, */
+    uint64_t gaussians_shared;       /* of these, worked out once for all tiles of the time, */
     uint64_t gaussians_culled;       /* and touching none of the job's blocks at that time */
     uint64_t gaussians_still;        /* at rest before a resting camera: not looked at again when lists were made */
     uint64_t gaussians_moved;        /* rows worked out of Gaussians that move by themselves: (Gaussian, time) pairs */

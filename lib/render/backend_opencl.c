@@ -38,16 +38,20 @@ tides_status td_opencl_write_reals(opencl_backend *b, td_buffer *buffer, const d
     return status == TIDES_OK ? td_opencl_write_reals_at(b, buffer, 0, from, count, error) : status;
 }
 
-static tides_status launch_project(opencl_backend *b, const td_batch *batch, int shared, cl_event *event, tides_error *error) {
+static tides_status launch_project(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
     size_t local = td_opencl_group_size(b), global = td_opencl_takers(b, batch->job_count);
-    cl_int shared_count = shared, jobs = batch->job_count;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->jobs),
-                                     TD_BUFFER_ARGUMENT(b->candidates),   TD_SOURCE_ARGUMENTS(b),
-                                     TD_BUFFER_ARGUMENT(b->records),      TD_BUFFER_ARGUMENT(b->colours),
-                                     TD_BUFFER_ARGUMENT(b->depths),       TD_BUFFER_ARGUMENT(b->lights),
-                                     TD_BUFFER_ARGUMENT(b->masks),        TD_BUFFER_ARGUMENT(b->shared_as),
-                                     TD_BUFFER_ARGUMENT(b->luminance),    TD_VALUE_ARGUMENT(shared_count),
-                                     TD_BUFFER_ARGUMENT(b->turns),        TD_VALUE_ARGUMENT(jobs)};
+    cl_int jobs = batch->job_count, shared_rows = batch->groups ? batch->groups->count * TD_PAD : 0;
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer),
+                                     TD_BUFFER_ARGUMENT(b->jobs),
+                                     TD_BUFFER_ARGUMENT(b->candidates),
+                                     TD_SOURCE_ARGUMENTS(b),
+                                     TD_BUFFER_ARGUMENT(b->records),
+                                     TD_BUFFER_ARGUMENT(b->colours),
+                                     TD_BUFFER_ARGUMENT(b->depths),
+                                     TD_BUFFER_ARGUMENT(b->lights),
+                                     TD_BUFFER_ARGUMENT(b->masks),
+                                     TD_SHARED_ARGUMENTS(b, shared_rows),
+                                     TD_VALUE_ARGUMENT(jobs)};
     return td_launch(b->device, b->project_kernel[kind_of_outputs(batch->outputs)], 1, &global, &local, TD_ARGUMENTS(arguments),
                      event, error);
 }
@@ -61,7 +65,8 @@ static tides_status launch_sort(opencl_backend *b, const td_batch *batch, cl_eve
                                      TD_BUFFER_ARGUMENT(b->order),  TD_BUFFER_ARGUMENT(b->sorted_masks),
                                      TD_BUFFER_ARGUMENT(b->counts), TD_BUFFER_ARGUMENT(b->brightest),
                                      TD_BUFFER_ARGUMENT(b->hints),  TD_BUFFER_ARGUMENT(b->words),
-                                     TD_BUFFER_ARGUMENT(b->turns),  TD_VALUE_ARGUMENT(jobs)};
+                                     TD_BUFFER_ARGUMENT(b->places), TD_BUFFER_ARGUMENT(b->turns),
+                                     TD_VALUE_ARGUMENT(jobs)};
     return td_launch(b->device, b->sort_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), event, error);
 }
 
@@ -71,25 +76,26 @@ static tides_status launch_composite(opencl_backend *b, const td_batch *batch, c
     size_t lanes = (size_t)b->device->info.lanes, local = (lanes > 1 ? TD_BLOCK_PIXELS : TD_TILE_PIXELS) / lanes;
     size_t global = (s->blended_count + local - 1) / local * local;
     cl_int asked_count = (cl_int)s->asked_count;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->jobs),
-                                     TD_BUFFER_ARGUMENT(b->backdrops),    TD_BUFFER_ARGUMENT(b->records),
-                                     TD_BUFFER_ARGUMENT(b->colours),      TD_BUFFER_ARGUMENT(b->order),
-                                     TD_BUFFER_ARGUMENT(b->sorted_masks), TD_BUFFER_ARGUMENT(b->counts),
-                                     TD_BUFFER_ARGUMENT(b->brightest),    TD_BUFFER_ARGUMENT(b->planes),
-                                     TD_BUFFER_ARGUMENT(b->blended),      TD_BUFFER_ARGUMENT(b->views),
-                                     TD_BUFFER_ARGUMENT(b->decoder),      TD_BUFFER_ARGUMENT(b->asked),
-                                     TD_BUFFER_ARGUMENT(b->words),        TD_VALUE_ARGUMENT(asked_count)};
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer),   TD_BUFFER_ARGUMENT(b->jobs),
+                                     TD_BUFFER_ARGUMENT(b->backdrops),      TD_BUFFER_ARGUMENT(b->records),
+                                     TD_BUFFER_ARGUMENT(b->colours),        TD_BUFFER_ARGUMENT(b->order),
+                                     TD_BUFFER_ARGUMENT(b->sorted_masks),   TD_BUFFER_ARGUMENT(b->counts),
+                                     TD_BUFFER_ARGUMENT(b->brightest),      TD_BUFFER_ARGUMENT(b->planes),
+                                     TD_BUFFER_ARGUMENT(b->blended),        TD_BUFFER_ARGUMENT(b->views),
+                                     TD_BUFFER_ARGUMENT(b->decoder),        TD_BUFFER_ARGUMENT(b->asked),
+                                     TD_BUFFER_ARGUMENT(b->words),          TD_BUFFER_ARGUMENT(b->shared_records),
+                                     TD_BUFFER_ARGUMENT(b->shared_colours), TD_VALUE_ARGUMENT(asked_count)};
     return td_launch(b->device, b->composite_kernel[kind_of_outputs(batch->outputs)], 1, &global, &local,
                      TD_ARGUMENTS(arguments), event, error);
 }
 
 /* Records of all jobs, with the times of two launches. */
-static tides_status make_records(opencl_backend *b, const td_batch *batch, cl_event *own, cl_event *shared,
+static tides_status make_records(opencl_backend *b, const td_batch *batch, const td_staging *s, cl_event *own, cl_event *shared,
                                  tides_error *error) {
-    int slots;
-    if (batch->paths) return td_opencl_fetch(b, batch, own, error);
-    tides_status status = td_opencl_share_luminance(b, batch, &slots, shared, error);
-    return status == TIDES_OK ? launch_project(b, batch, slots, own, error) : status;
+    tides_status status = batch->paths ? td_opencl_send_paths(b, batch, error) : TIDES_OK;
+    if (status == TIDES_OK) status = td_opencl_share_records(b, batch, s, shared, error);
+    if (status != TIDES_OK) return status;
+    return batch->paths ? td_opencl_fetch(b, batch, own, error) : launch_project(b, batch, own, error);
 }
 
 /* All of a batch on the device, with the time of each stage; kernels are prepared. */
@@ -98,7 +104,7 @@ static tides_status run_stages(opencl_backend *b, const td_batch *batch, td_stag
     cl_event events[LAUNCHES] = {NULL};
     tides_status status = td_opencl_reserve_batch(b, batch, s, error);
     if (status == TIDES_OK) status = td_opencl_send_batch(b, batch, s, error);
-    if (status == TIDES_OK) status = make_records(b, batch, &events[0], &events[STAGES], error);
+    if (status == TIDES_OK) status = make_records(b, batch, s, &events[0], &events[STAGES], error);
     if (status == TIDES_OK) status = launch_sort(b, batch, &events[1], error);
     if (status == TIDES_OK)
         status = batch->outputs == TD_OUT_TRUTH ? td_opencl_truth(b, batch, s->asked_count, &events[2], error)
@@ -205,7 +211,7 @@ static void destroy(td_backend *backend) {
     td_opencl_motion_release(b);
     td_opencl_cubics_release(b);
     td_opencl_paths_release(b);
-    td_opencl_luminance_release(b);
+    td_opencl_share_release(b);
     td_opencl_truth_release(b);
     free(b->host);
     free(b->host_ints);

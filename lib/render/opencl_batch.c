@@ -71,7 +71,7 @@ tides_status td_opencl_reserve_batch(opencl_backend *b, const td_batch *batch, t
 }
 
 /* Jobs are renumbered, so that output k of this launch is job k. */
-tides_status td_opencl_send_batch(opencl_backend *b, const td_batch *batch, const td_staging *s, tides_error *error) {
+tides_status td_opencl_send_batch(opencl_backend *b, const td_batch *batch, td_staging *s, tides_error *error) {
     size_t jobs = (size_t)batch->job_count;
     for (size_t i = 0; i < s->view_reals; i++) s->views[i] = (float)batch->views[i];
     for (size_t i = 0; i < s->backdrop_reals; i++) s->backdrops[i] = (float)batch->backdrops[i];
@@ -82,8 +82,8 @@ tides_status td_opencl_send_batch(opencl_backend *b, const td_batch *batch, cons
         for (int block = 0; block < TD_TILE_BLOCKS; block++)
             if (batch->jobs[i].blocks >> block & 1) s->asked[asked++] = (int)i * TD_TILE_BLOCKS + block;
     }
-    tides_status status = TIDES_OK;
-    if (b->candidates_serial != batch->candidates_serial) {
+    tides_status status = td_opencl_choose_shared(b, batch, s, error);
+    if (status == TIDES_OK && b->candidates_serial != batch->candidates_serial) {
         status = td_buffer_write(b->device, &b->candidates, batch->candidates,
                                  (size_t)batch->candidate_count * sizeof *batch->candidates, error);
         b->candidates_serial = batch->candidates_serial;

@@ -97,8 +97,7 @@ static tides_status send_which(opencl_backend *b, const td_batch *batch, tides_e
     return TIDES_OK;
 }
 
-/* The paths of a batch to the device, and the weights of its times. */
-static tides_status send_paths(opencl_backend *b, const td_batch *batch, tides_error *error) {
+tides_status td_opencl_send_paths(opencl_backend *b, const td_batch *batch, tides_error *error) {
     const td_path_batch *paths = batch->paths;
     size_t entries = (size_t)batch->slots * TD_PATH_LEVELS;
     tides_status status = send_which(b, batch, error);
@@ -111,16 +110,16 @@ static tides_status send_paths(opencl_backend *b, const td_batch *batch, tides_e
     return td_buffer_write(b->device, &b->path_cubics, b->path_host, entries * TD_PATH_CUBIC * sizeof *b->path_host, error);
 }
 
-static tides_status launch_fetch(opencl_backend *b, int jobs, cl_event *event, tides_error *error) {
+static tides_status launch_fetch(opencl_backend *b, int jobs, int rows, cl_event *event, tides_error *error) {
     size_t local = td_opencl_group_size(b), global = td_opencl_takers(b, jobs);
-    cl_int job_count = jobs;
+    cl_int job_count = jobs, shared_rows = rows;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->jobs),
                                      TD_BUFFER_ARGUMENT(b->candidates),   TD_SOURCE_ARGUMENTS(b),
                                      TD_BUFFER_ARGUMENT(b->path_rows),    TD_BUFFER_ARGUMENT(b->path_low),
                                      TD_BUFFER_ARGUMENT(b->path_cubics),  TD_BUFFER_ARGUMENT(b->path_nodes),
                                      TD_BUFFER_ARGUMENT(b->path_of),      TD_BUFFER_ARGUMENT(b->records),
                                      TD_BUFFER_ARGUMENT(b->depths),       TD_BUFFER_ARGUMENT(b->lights),
-                                     TD_BUFFER_ARGUMENT(b->masks),        TD_BUFFER_ARGUMENT(b->turns),
+                                     TD_BUFFER_ARGUMENT(b->masks),        TD_SHARED_ARGUMENTS(b, shared_rows),
                                      TD_VALUE_ARGUMENT(job_count)};
     return td_launch(b->device, b->fetch_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), event, error);
 }
@@ -140,12 +139,12 @@ static tides_status warm_up(opencl_backend *b, tides_error *error) {
     if (status == TIDES_OK) status = send_measure(b, &measure, error);
     if (status == TIDES_OK) status = launch_measure(b, TD_PAD, 1, 0, error);
     if (status == TIDES_OK) status = td_buffer_write(b->device, &b->jobs, &no_job, sizeof no_job, error);
-    td_buffer *some[] = {&b->candidates, &b->path_cubics, &b->path_nodes, &b->path_of,
-                         &b->records,    &b->depths,      &b->lights,     &b->masks};
+    td_buffer *some[] = {&b->candidates, &b->path_cubics, &b->path_nodes, &b->path_of, &b->records,     &b->depths,
+                         &b->lights,     &b->masks,       &b->extents,    &b->places,  &b->group_places};
     for (size_t i = 0; i < sizeof some / sizeof *some && status == TIDES_OK; i++)
         status = td_buffer_reserve(b->device, some[i], TD_PAD * sizeof(cl_int), error);
     if (status == TIDES_OK) status = td_opencl_begin_turns(b, error);
-    if (status == TIDES_OK) status = launch_fetch(b, 1, NULL, error);
+    if (status == TIDES_OK) status = launch_fetch(b, 1, 0, NULL, error);
     free(views);
     return td_finish(b->device, status, error);
 }
@@ -188,6 +187,5 @@ void td_opencl_paths_release(opencl_backend *b) {
 }
 
 tides_status td_opencl_fetch(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
-    tides_status status = send_paths(b, batch, error);
-    return status == TIDES_OK ? launch_fetch(b, batch->job_count, event, error) : status;
+    return launch_fetch(b, batch->job_count, batch->groups ? batch->groups->count * TD_PAD : 0, event, error);
 }

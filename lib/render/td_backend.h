@@ -17,7 +17,7 @@ enum {
     TD_BACKDROP_REALS = 8,
     TD_IMAGE_REALS = 38,
     TD_IMAGE_INTS = 14,
-    TD_JOB_INTS = 10,
+    TD_JOB_INTS = 11,
     TD_MOVER_WHOLE = TD_MOVER_INTS + 8
 };
 
@@ -160,8 +160,8 @@ static inline int td_path_of(const td_path_batch *paths, int candidate, int gaus
     return candidate < gaussians ? paths->path_of[candidate] : TD_PATH_DIRECT;
 }
 
-/* Gaussians of the store that are in some list, by groups of TD_PAD that follow each other: what they show a device may work
- * out once for all tiles of a time (kernels/luminance.cl). Changes with the candidates. */
+/* Gaussians of the store that are in some list, by groups of TD_PAD that follow each other: a device may project them once for
+ * all tiles of a time (kernels/share.h). Changes with the candidates. */
 typedef struct td_groups {
     const int *number; /* (count) ascending */
     int count;

@@ -44,11 +44,14 @@ typedef struct opencl_backend {
     uint64_t path_serials[2]; /* of paths and candidates that the device's path_of is of */
     int *path_list;           /* that, on the host */
     size_t path_list_capacity;
-    cl_kernel luminance_kernel; /* what tiles share (opencl_luminance.c); NULL until it is first wanted */
-    td_buffer groups, shared_slots, shared_as, luminance;
-    uint64_t groups_serial; /* of what the device has */
-    int *share_ints;        /* (2 x slots) of each which it is among those that are shared, or -1; then those */
-    size_t share_ints_capacity;
+
+    cl_kernel share_kernel[2];    /* records that tiles share (opencl_share.c), without colours and with; */
+    cl_kernel share_fetch_kernel; /* from paths; NULL until first wanted */
+    td_buffer groups, group_places, shared_slots, shared_records, shared_colours, extents, places, store_paths;
+    uint64_t groups_serial, store_paths_serial; /* of what the device has */
+    int *share_ints;                            /* (2 x slots) td_job.shared of each; then those that are shared */
+    int *group_ints;                            /* (groups of the store) */
+    size_t share_ints_capacity, group_ints_capacity;
 
     float *path_host; /* staging, beside `host`, which a batch under way is using */
     size_t path_host_capacity;
@@ -88,12 +91,13 @@ typedef struct td_staging {
     int *blended;
     int *counts; /* (2 x jobs) splats of each list; then 1 where it was in order */
     size_t view_reals, backdrop_reals, plane_reals, asked_count, blended_count;
+    int shared; /* times whose tiles share records */
 } td_staging;
 
 /* Room for a batch, on the device too; its data there; what came of it from there, once the queue has finished; the planes to
  * the caller; what was counted (opencl_batch.c). */
 tides_status td_opencl_reserve_batch(opencl_backend *b, const td_batch *batch, td_staging *s, tides_error *error);
-tides_status td_opencl_send_batch(opencl_backend *b, const td_batch *batch, const td_staging *s, tides_error *error);
+tides_status td_opencl_send_batch(opencl_backend *b, const td_batch *batch, td_staging *s, tides_error *error);
 tides_status td_opencl_fetch_batch(opencl_backend *b, const td_batch *batch, td_staging *s, tides_error *error);
 void td_opencl_place_batch(const td_batch *batch, const td_staging *s, double *planes);
 void td_opencl_add_counts(opencl_backend *b, const td_batch *batch, const td_staging *s);
@@ -105,7 +109,7 @@ void td_opencl_motion_release(opencl_backend *b);
 /* Kernels that are built together and for the same decisions are one program: each costs PoCL 10 ms a process and
  * more. Those that every scene needs, those that make records, and those of record paths: */
 #define TD_FIRST_KERNELS "sweep.cl sort.cl"
-#define TD_PROJECT_KERNELS "project.cl luminance.cl"
+#define TD_PROJECT_KERNELS "project.cl share.cl"
 #define TD_PATH_KERNELS "path_nodes.cl path_misfits.cl path_project.cl"
 
 /* What an image fixes, compiled in: lines of defines, the caller's to free; NULL: out of memory (opencl_build.c). */
@@ -121,20 +125,27 @@ tides_status td_opencl_prepare_cubics(td_backend *backend, tides_error *error);
 tides_status td_opencl_misfits(td_backend *backend, const td_misfit_request *request, float *misfits, tides_error *error);
 void td_opencl_cubics_release(opencl_backend *b);
 
-/* td_backend_class.prepare_paths, .nodes, .path_misfits, .path_rows; then what a batch with paths runs in place of the
- * projection, its jobs and views being there (opencl_paths.c). */
+/* td_backend_class.prepare_paths, .nodes, .path_misfits, .path_rows; then the paths of a
+ * batch to the device, and what it runs in place of the projection, its jobs and views being there (opencl_paths.c). */
 tides_status td_opencl_prepare_paths(td_backend *backend, tides_error *error);
 tides_status td_opencl_nodes(td_backend *backend, const td_node_request *request, tides_error *error);
 tides_status td_opencl_path_misfits(td_backend *backend, const td_path_request *request, float *misfits, tides_error *error);
 tides_status td_opencl_path_rows(td_backend *backend, int count, double *rows, double *low, tides_error *error);
+tides_status td_opencl_send_paths(opencl_backend *b, const td_batch *batch, tides_error *error);
 tides_status td_opencl_fetch(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error);
 void td_opencl_paths_release(opencl_backend *b);
 
-/* Before a batch's projection, its jobs and views being there: which slots' tiles share what their Gaussians show, and that, to
- * the device; how many there are (opencl_luminance.c). */
-tides_status td_opencl_share_luminance(opencl_backend *b, const td_batch *batch, int *shared, cl_event *event,
-                                       tides_error *error);
-void td_opencl_luminance_release(opencl_backend *b);
+/* Which slots' tiles share records, to the jobs that go to the device; then, before a batch's own records are made, its jobs
+ * and views being there, those that are shared (opencl_share.c). */
+tides_status td_opencl_choose_shared(opencl_backend *b, const td_batch *batch, td_staging *s, tides_error *error);
+tides_status td_opencl_share_records(opencl_backend *b, const td_batch *batch, const td_staging *s, cl_event *event,
+                                     tides_error *error);
+void td_opencl_share_release(opencl_backend *b);
+
+/* The last arguments of what makes records of jobs. */
+#define TD_SHARED_ARGUMENTS(b, rows)                                                                  \
+    TD_BUFFER_ARGUMENT((b)->extents), TD_BUFFER_ARGUMENT((b)->group_places), TD_VALUE_ARGUMENT(rows), \
+        TD_BUFFER_ARGUMENT((b)->places), TD_BUFFER_ARGUMENT((b)->turns)
 
 /* Ground truth: what the store says of it; its kernels; planes of a batch in place of compositing, `asked` blocks of it;
  * freeing all (opencl_truth.c). */

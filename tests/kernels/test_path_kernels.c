@@ -169,6 +169,19 @@ static int compare_jobs(path_world *w, const td_path_batch *paths) {
     return splats;
 }
 
+/* Planes of all jobs in one batch, whose tiles share what the paths are at each time; and those of each job by itself. */
+static void compare_shared(path_world *w, const td_path_batch *paths) {
+    const tides_render_stats *done = &w->pair.backend[PAIR_DEVICE]->stats;
+    w->pair.paths = paths;
+    const uint64_t before = done->gaussians_shared;
+    free(pair_compare_planes(&w->pair, TD_OUT_DIAGNOSTICS));
+    const uint64_t shared = done->gaussians_shared;
+    assert_true(shared > before);
+    w->pair.alone = 1;
+    free(pair_compare_planes(&w->pair, TD_OUT_DIAGNOSTICS));
+    assert_int_equal(done->gaussians_shared, shared);
+}
+
 static void compare_world(const char *name, tides_device *device, const random_recipe *recipe, const pair_setting *setting,
                           int used[2]) {
     path_world w = {0};
@@ -181,6 +194,7 @@ static void compare_world(const char *name, tides_device *device, const random_r
     compare_misfits(&w, 2);
     const td_path_batch paths = {w.path_of, 1, w.cubics, w.nodes};
     assert_true(compare_jobs(&w, &paths) > 0);
+    compare_shared(&w, &paths);
     pair_free(&w.pair);
     free(w.path_of);
     free(w.gaussians);

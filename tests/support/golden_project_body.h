@@ -113,5 +113,6 @@ int GOLDEN_TILE(const td_image_numbers *image, const double *view, const td_stor
     probe_fill(&p, image, view, store, gaussian);
     td_gaussian numbers;
     td_shape shape = probe_shape(&p, &numbers);
-    return td_rectangle_holds(&shape, &p.image, x, y) != 0;
+    td_extent extent = td_extent_of(&shape, &p.image);
+    return td_rectangle_holds(&extent, &p.image, x, y) != 0;
 }

@@ -70,7 +70,8 @@ static int make_jobs(const td_candidates *candidates, td_job *jobs, int *records
                       t,
                       0,
                       0,
-                      TD_ALL_BLOCKS};
+                      TD_ALL_BLOCKS,
+                      0};
         jobs[count++] = job;
         *records += length;
     }

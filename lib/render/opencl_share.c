@@ -1,0 +1,172 @@
+/* Records that tiles of one time share, on an OpenCL device (kernels/share.h): which times of a batch are worth it, and making
+ * them. What comes out is the same either way. */
+#include "td_opencl.h"
+
+#include <stdlib.h>
+
+/* Rows that may be kept, one for each Gaussian that is in some list and time: 64 MB of records and as much beside them. One
+ * time may have more. */
+enum { ROWS_MOST = 1 << 20 };
+
+/* Candidates of each slot's jobs, to `asked`. */
+static void count_candidates(const td_batch *batch, int *asked) {
+    for (int i = 0; i < batch->slots; i++) asked[i] = 0;
+    for (int i = 0; i < batch->job_count; i++) asked[batch->jobs[i].slot] += batch->jobs[i].count;
+}
+
+/* Whether so many candidates are worth projecting so many rows once. For twice as many it takes 0.8 of the time without
+ * harmonics (guitar of 20 000, 346x260), for 14 times as many 0.2 (demo, 1280x720); with harmonics less. */
+static int pays(const opencl_backend *b, int candidates, int rows) {
+    const double from = b->image.sh_degree > 0 ? 1 : 1.5;
+    return candidates > from * rows;
+}
+
+/* From counts of candidates to td_job.shared of each slot, and the slots that are shared to `slots`: returns how many. */
+static int choose(const opencl_backend *b, const td_batch *batch, int *as, int *slots) {
+    const int rows = batch->groups->count * TD_PAD, room = rows > 0 ? ROWS_MOST / rows : 1, most = room > 1 ? room : 1;
+    int count = 0;
+    for (int i = 0; i < batch->slots; i++) {
+        const int shared = count < most && pays(b, as[i], rows);
+        if (shared) slots[count++] = i;
+        as[i] = shared ? count : 0;
+    }
+    return count;
+}
+
+tides_status td_opencl_choose_shared(opencl_backend *b, const td_batch *batch, td_staging *s, tides_error *error) {
+    const size_t slots = (size_t)batch->slots;
+    s->shared = 0;
+    for (int i = 0; i < batch->job_count; i++) s->jobs[i].shared = 0;
+    if (!batch->groups || batch->outputs == TD_OUT_TRUTH) return TIDES_OK; /* surfaces are the jobs' own */
+    tides_status status = td_reserve((void **)&b->share_ints, &b->share_ints_capacity, 2 * slots, sizeof *b->share_ints, error);
+    if (status != TIDES_OK) return status;
+    int *as = b->share_ints;
+    count_candidates(batch, as);
+    s->shared = choose(b, batch, as, as + slots);
+    for (int i = 0; i < batch->job_count; i++) {
+        s->jobs[i].shared = as[batch->jobs[i].slot];
+        if (s->jobs[i].shared) b->base.stats.gaussians_shared += (uint64_t)batch->jobs[i].count;
+    }
+    return TIDES_OK;
+}
+
+/* Which groups there are, and where each one's rows are. */
+static tides_status send_groups(opencl_backend *b, const td_batch *batch, tides_error *error) {
+    const td_groups *groups = batch->groups;
+    const size_t all = (size_t)b->gaussians / TD_PAD;
+    if (b->groups_serial == batch->candidates_serial) return TIDES_OK;
+    tides_status status = td_reserve((void **)&b->group_ints, &b->group_ints_capacity, all, sizeof *b->group_ints, error);
+    if (status != TIDES_OK) return status;
+    memset(b->group_ints, 0, all * sizeof *b->group_ints);
+    for (int i = 0; i < groups->count; i++) b->group_ints[groups->number[i]] = i;
+    status = td_buffer_write(b->device, &b->groups, groups->number, (size_t)groups->count * sizeof(cl_int), error);
+    if (status == TIDES_OK)
+        status = td_buffer_write(b->device, &b->group_places, b->group_ints, all * sizeof *b->group_ints, error);
+    if (status == TIDES_OK) b->groups_serial = batch->candidates_serial;
+    return status;
+}
+
+static tides_status launch(opencl_backend *b, cl_kernel kernel, int groups, int slots, const td_argument *arguments,
+                           cl_uint argument_count, cl_event *event, tides_error *error) {
+    const size_t lanes = (size_t)b->device->info.lanes, each = lanes > 1 ? 16 * lanes : 1; /* share.cl */
+    const size_t items = groups > 0 ? ((size_t)groups * TD_PAD + each - 1) / each : 1;
+    const size_t local[2] = {td_opencl_group_size(b), 1};
+    const size_t global[2] = {(items + local[0] - 1) / local[0] * local[0], (size_t)slots};
+    return td_launch(b->device, kernel, 2, global, local, arguments, argument_count, event, error);
+}
+
+static tides_status launch_records(opencl_backend *b, int colours, int groups, int slots, cl_event *event, tides_error *error) {
+    cl_int group_count = groups;
+    const td_argument arguments[] =
+        {TD_BUFFER_ARGUMENT(b->image_buffer),   TD_BUFFER_ARGUMENT(b->groups), TD_VALUE_ARGUMENT(group_count),
+         TD_BUFFER_ARGUMENT(b->shared_slots),   TD_SOURCE_ARGUMENTS(b),        TD_BUFFER_ARGUMENT(b->shared_records),
+         TD_BUFFER_ARGUMENT(b->shared_colours), TD_BUFFER_ARGUMENT(b->extents)};
+    return launch(b, b->share_kernel[colours], groups, slots, TD_ARGUMENTS(arguments), event, error);
+}
+
+static tides_status launch_fetched(opencl_backend *b, int groups, int slots, cl_event *event, tides_error *error) {
+    cl_int group_count = groups;
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer),
+                                     TD_BUFFER_ARGUMENT(b->groups),
+                                     TD_VALUE_ARGUMENT(group_count),
+                                     TD_BUFFER_ARGUMENT(b->shared_slots),
+                                     TD_SOURCE_ARGUMENTS(b),
+                                     TD_BUFFER_ARGUMENT(b->path_rows),
+                                     TD_BUFFER_ARGUMENT(b->path_low),
+                                     TD_BUFFER_ARGUMENT(b->path_cubics),
+                                     TD_BUFFER_ARGUMENT(b->path_nodes),
+                                     TD_BUFFER_ARGUMENT(b->store_paths),
+                                     TD_BUFFER_ARGUMENT(b->shared_records),
+                                     TD_BUFFER_ARGUMENT(b->extents)};
+    return launch(b, b->share_fetch_kernel, groups, slots, TD_ARGUMENTS(arguments), event, error);
+}
+
+static tides_status launch_share(opencl_backend *b, const td_batch *batch, int groups, int slots, cl_event *event,
+                                 tides_error *error) {
+    return batch->paths ? launch_fetched(b, groups, slots, event, error)
+                        : launch_records(b, batch->outputs >= TD_OUT_COLOUR, groups, slots, event, error);
+}
+
+/* Drivers such as PoCL compile when a kernel first runs: one of no groups. */
+static tides_status make_kernel(opencl_backend *b, const td_batch *batch, tides_error *error) {
+    const int colours = batch->outputs >= TD_OUT_COLOUR;
+    cl_kernel *kernel = batch->paths ? &b->share_fetch_kernel : &b->share_kernel[colours];
+    if (*kernel) return TIDES_OK;
+    tides_status status = batch->paths
+                              ? td_opencl_make_kernel(b, TD_PATH_KERNELS, "td_share_fetched", TD_OUT_SIGNAL, kernel, error)
+                              : td_opencl_make_kernel(b, TD_PROJECT_KERNELS, "td_share_records",
+                                                      colours ? TD_OUT_COLOUR : TD_OUT_SIGNAL, kernel, error);
+    double begun = td_now();
+    if (status == TIDES_OK) status = launch_share(b, batch, 0, 1, NULL, error);
+    if (status == TIDES_OK) status = td_finish(b->device, status, error);
+    b->base.stats.time_build_s += td_now() - begun;
+    return status;
+}
+
+/* Which path each Gaussian of the store is on. */
+static tides_status send_store_paths(opencl_backend *b, const td_batch *batch, tides_error *error) {
+    if (!batch->paths || b->store_paths_serial == batch->paths->serial) return TIDES_OK;
+    tides_status status = td_buffer_write(b->device, &b->store_paths, batch->paths->path_of,
+                                          (size_t)b->gaussians * sizeof *batch->paths->path_of, error);
+    if (status == TIDES_OK) b->store_paths_serial = batch->paths->serial;
+    return status;
+}
+
+/* Room for what is shared; kernels want an argument where nothing is. */
+static tides_status reserve_shared(opencl_backend *b, const td_batch *batch, const td_staging *s, tides_error *error) {
+    const size_t rows = s->shared > 0 ? (size_t)s->shared * (size_t)batch->groups->count * TD_PAD : 1;
+    td_image image = b->image;
+    image.outputs = batch->outputs;
+    const size_t colours = td_has_colours(&image) ? rows * (size_t)td_colour_stride(&image) : 1;
+    const size_t places = (size_t)(s->shared > 0 && batch->records > 0 ? batch->records : 1);
+    tides_status status = td_buffer_reserve(b->device, &b->shared_records, rows * TD_RECORD_STRIDE * sizeof(cl_float), error);
+    if (status == TIDES_OK)
+        status = td_buffer_reserve(b->device, &b->extents, rows * TD_EXTENT_STRIDE * sizeof(cl_float), error);
+    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->shared_colours, colours * sizeof(cl_float), error);
+    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->places, places * sizeof(cl_int), error);
+    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->group_places, sizeof(cl_int), error);
+    return status;
+}
+
+tides_status td_opencl_share_records(opencl_backend *b, const td_batch *batch, const td_staging *s, cl_event *event,
+                                     tides_error *error) {
+    tides_status status = reserve_shared(b, batch, s, error);
+    if (status != TIDES_OK || s->shared == 0) return status;
+    status = td_buffer_write(b->device, &b->shared_slots, b->share_ints + batch->slots,
+                             (size_t)s->shared * sizeof *b->share_ints, error);
+    if (status == TIDES_OK) status = send_groups(b, batch, error);
+    if (status == TIDES_OK) status = send_store_paths(b, batch, error);
+    if (status == TIDES_OK) status = make_kernel(b, batch, error);
+    return status == TIDES_OK ? launch_share(b, batch, batch->groups->count, s->shared, event, error) : status;
+}
+
+void td_opencl_share_release(opencl_backend *b) {
+    td_buffer *buffers[] = {&b->groups,         &b->group_places, &b->shared_slots, &b->shared_records,
+                            &b->shared_colours, &b->extents,      &b->places,       &b->store_paths};
+    cl_kernel kernels[] = {b->share_kernel[0], b->share_kernel[1], b->share_fetch_kernel};
+    for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
+        if (kernels[i]) clReleaseKernel(kernels[i]);
+    for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
+    free(b->share_ints);
+    free(b->group_ints);
+}
