@@ -1,8 +1,8 @@
 /* Radix sort of events by (t, y, x, polarity).
  *
- * Times are whole nanoseconds, so that few events share theirs: events are sorted by the first bits of their time, counted from
- * the earliest of the packet, in as many passes as leave a few in a slice of time; and each slice then by itself. Passes over
- * all bits of time and place, four of them for a packet of 1 ms, took twice as long. */
+ * Times are whole nanoseconds, so that few events share theirs. A packet is dealt into stretches of time that the nearest cache
+ * holds, and each stretch, while it is there, into slices of time of about one event; what is left to do are neighbours. Passes
+ * over all bits of time and place take twice as long. */
 #include "td_event_sort.h"
 
 #include "td_sort.h"
@@ -20,11 +20,11 @@ int td_event_compare(const tides_event *a, const tides_event *b) {
     return (a->polarity > b->polarity) - (a->polarity < b->polarity);
 }
 
-/* What keys count from; the first of their bits, and how many these are. */
+/* What keys count from, and how many bits they have. */
 typedef struct range {
     int64_t t;
     uint32_t x, y;
-    int x_bits, shift, bits;
+    int x_bits, bits;
 } range;
 
 static int bits_of(uint64_t value) {
@@ -33,7 +33,7 @@ static int bits_of(uint64_t value) {
     return bits;
 }
 
-/* Of times: all bits, or as many as make slices of four events if these are spread evenly. */
+/* Of times. */
 TD_WIDE static range find_times(const tides_event *events, size_t count) {
     int64_t least = events[0].t, most = least;
     for (size_t i = 1; i < count; i++) {
@@ -41,10 +41,7 @@ TD_WIDE static range find_times(const tides_event *events, size_t count) {
         least = t < least ? t : least;
         most = t > most ? t : most;
     }
-    const int bits = bits_of((uint64_t)most - (uint64_t)least);
-    int used = TD_RADIX_BITS;
-    while (used < bits && count >> used >= 4) used += TD_RADIX_BITS;
-    return (range){.t = least, .shift = used < bits ? bits - used : 0, .bits = used < bits ? used : bits};
+    return (range){.t = least, .bits = bits_of((uint64_t)most - (uint64_t)least)};
 }
 
 /* Of places. */
@@ -69,26 +66,17 @@ static inline uint64_t place_key(const void *context, const void *item) {
     return (y << from->x_bits | x) << 1 | (event->polarity > 0);
 }
 
-/* Unsigned, so that the whole range of int64 is fine. */
-static inline uint64_t time_key(const void *context, const void *item) {
-    return (uint64_t)((const tides_event *)item)->t - (uint64_t)((const range *)context)->t;
-}
-
 static void swap(tides_event **a, tides_event **b) {
     tides_event *kept = *a;
     *a = *b;
     *b = kept;
 }
 
-/* Sorts by the first bits of a key that the compiler knows. */
-#if defined(__GNUC__)
-__attribute__((__always_inline__))
-#endif
-static inline void
-sort_by(td_radix_key key, const range *from, tides_event *events, tides_event *scratch, size_t count) {
+static void sort_by_place(tides_event *events, tides_event *scratch, size_t count) {
+    const range from = find_places(events, count);
     tides_event *in = events, *out = scratch;
-    for (int done = 0; done < from->bits; done += TD_RADIX_BITS) {
-        td_radix_pass(key, from, from->shift + done, in, out, count, sizeof *in);
+    for (int done = 0; done < from.bits; done += TD_RADIX_BITS) {
+        td_radix_pass(place_key, &from, done, in, out, count, sizeof *in);
         swap(&in, &out);
     }
     if (in != events) memcpy(events, in, count * sizeof *events);
@@ -96,10 +84,11 @@ sort_by(td_radix_key key, const range *from, tides_event *events, tides_event *s
 
 static void insert_each(tides_event *events, size_t count) {
     for (size_t i = 1; i < count; i++) {
-        tides_event event = events[i];
+        if (events[i - 1].t < events[i].t) continue; /* most are in their places */
+        const tides_event event = events[i];
         size_t place = i;
         for (; place > 0 && td_event_compare(&events[place - 1], &event) > 0; place--) events[place] = events[place - 1];
-        events[place] = event;
+        if (place < i) events[place] = event;
     }
 }
 
@@ -109,14 +98,68 @@ static int is_sorted(const tides_event *events, size_t count) {
     return 1;
 }
 
-/* Each slice by itself: few events by insertion, many as a packet of their own, whose times have fewer bits; those of one
- * instant by place. */
-static void sort_slices(tides_event *events, tides_event *scratch, size_t count, const range *from) {
-    for (size_t i = 0, next; i < count; i = next) {
-        const uint64_t slice = time_key(from, &events[i]) >> from->shift;
-        for (next = i + 1; next < count && time_key(from, &events[next]) >> from->shift == slice;) next++;
-        if (next > i + 1) td_event_sort(events + i, scratch, next - i);
+/* -- by time --------------------------------------------------------------------------------------------------------------- */
+
+/* Bits of a time since `t`: those from `shift` on are a digit. */
+typedef struct digit {
+    int64_t t;
+    int shift, bits;
+} digit;
+
+/* Unsigned, so that the whole range of int64 is fine. */
+static inline size_t digit_of(const digit *of, const tides_event *event) {
+    const uint64_t since = (uint64_t)event->t - (uint64_t)of->t;
+    return (size_t)(since >> of->shift & (((uint64_t)1 << of->bits) - 1));
+}
+
+/* Deals the events out by their digits, in the order that they come in; `end` of each digit. Returns how many have the digit
+ * that most have. */
+static size_t deal(const digit *of, const tides_event *in, tides_event *out, size_t count, size_t *end) {
+    const digit by = *of;
+    const size_t digits = (size_t)1 << by.bits;
+    size_t next = 0, most = 0;
+    memset(end, 0, digits * sizeof *end);
+    for (size_t i = 0; i < count; i++) end[digit_of(&by, &in[i])]++;
+    for (size_t k = 0; k < digits; k++) {
+        const size_t here = end[k];
+        most = here > most ? here : most;
+        end[k] = next;
+        next += here;
     }
+    for (size_t i = 0; i < count; i++) out[end[digit_of(&by, &in[i])]++] = in[i];
+    return most;
+}
+
+static int lesser_of(int a, int b) { return a < b ? a : b; }
+
+/* A stretch of time, from `in`, whose contents are lost, to `events`: its times differ in `bits` last bits. */
+static void sort_stretch(tides_event *in, tides_event *events, size_t count, int64_t t, int bits) {
+    size_t end[TD_RADIX_DIGITS], begin = 0;
+    const int most_bits = lesser_of(bits_of(count), TD_RADIX_BITS), used = lesser_of(bits, most_bits);
+    const digit slices = {t, bits - used, used};
+    if (count <= FEW) {
+        memcpy(events, in, count * sizeof *in);
+        insert_each(events, count);
+        return;
+    }
+    if (deal(&slices, in, events, count, end) <= FEW) {
+        insert_each(events, count);
+        return;
+    }
+    for (size_t k = 0; k < (size_t)1 << used; begin = end[k++]) td_event_sort(events + begin, in + begin, end[k] - begin);
+}
+
+/* Events of a stretch at most, if times are spread evenly: twice 8 KB. */
+enum { STRETCH = 512 };
+
+static void sort_by_time(tides_event *events, tides_event *scratch, size_t count, const range *times) {
+    size_t end[TD_RADIX_DIGITS], begin = 0;
+    int used = 0;
+    while (used < lesser_of(times->bits, TD_RADIX_BITS) && count >> used > STRETCH) used++;
+    const digit stretches = {times->t, times->bits - used, used};
+    deal(&stretches, events, scratch, count, end);
+    for (size_t k = 0; k < (size_t)1 << used; begin = end[k++])
+        sort_stretch(scratch + begin, events + begin, end[k] - begin, times->t, stretches.shift);
 }
 
 void td_event_sort(tides_event *events, tides_event *scratch, size_t count) {
@@ -126,11 +169,8 @@ void td_event_sort(tides_event *events, tides_event *scratch, size_t count) {
     }
     if (is_sorted(events, count)) return;
     const range times = find_times(events, count);
-    if (times.bits == 0) {
-        const range places = find_places(events, count);
-        sort_by(place_key, &places, events, scratch, count);
-        return;
-    }
-    sort_by(time_key, &times, events, scratch, count);
-    sort_slices(events, scratch, count, &times);
+    if (times.bits == 0)
+        sort_by_place(events, scratch, count);
+    else
+        sort_by_time(events, scratch, count, &times);
 }
