@@ -76,8 +76,8 @@ static double error_excess(tides_simulator *s, td_refine_step *step, double star
     return td_greater(excess, estimate.crossings / s->sensor.sensor.max_events_per_step);
 }
 
-/* Judges one step: is it to be cut? One that is too short for it is accepted whatever the measures say. */
-static void judge(tides_simulator *s, td_refine_step *step, double start, double stop) {
+/* One that is too short to be cut is accepted whatever the measures say. */
+void td_control_judge(tides_simulator *s, td_refine_step *step, double start, double stop) {
     const td_refine *r = &s->refine;
     double share = (double)(step->to - step->from) / (double)((uint32_t)1 << r->depth);
     int may_cut = td_refine_may_cut(r, step), controls = s->mode & TIDES_STEPPING_ERROR;
@@ -175,15 +175,13 @@ static tides_status keep_to_budget(tides_simulator *s, td_refine *r, tides_error
     return TIDES_OK;
 }
 
-tides_status td_control_steps(tides_simulator *s, double start, double stop, tides_error *error) {
+tides_status td_control_steps(tides_simulator *s, tides_error *error) {
     td_refine *r = &s->refine;
     tides_status status = td_reserve((void **)&r->pending, &r->pending_capacity, r->fresh_count, sizeof *r->pending, error);
     if (status != TIDES_OK) return status;
     r->pending_count = 0;
-    for (size_t i = 0; i < r->fresh_count; i++) {
-        judge(s, &r->step[r->fresh[i]], start, stop);
+    for (size_t i = 0; i < r->fresh_count; i++)
         if (r->step[r->fresh[i]].open) r->pending[r->pending_count++] = r->fresh[i];
-    }
     if (!s->local && r->pending_count > 0) status = join_tiles(r, error);
     if (status == TIDES_OK) status = keep_to_budget(s, r, error);
     if (status == TIDES_OK)

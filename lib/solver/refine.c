@@ -45,24 +45,6 @@ static double shortest_step(const tides_simulator *s, double start, double stop)
     return fmax(asked, least_steps * DBL_EPSILON * stop);
 }
 
-/* -- samples --------------------------------------------------------------------------------------------------------------- */
-
-/* Copies one rendered unit to its sample's rows, and notes its risk. */
-static void store_sample(tides_simulator *s, const td_ask *ask, const double *planes) {
-    td_samples *samples = &s->refine.samples;
-    const td_tile *unit = &s->tile[ask->unit];
-    double *sample = td_sample_at(samples, ask->sample);
-    const size_t apart = (size_t)samples->pixels;
-    td_unpack_tile(unit, planes, sample, sample + apart);
-    if (samples->planes == TD_PLANES_ALL) td_unpack_diagnostics(unit, planes, apart, sample);
-    *td_sample_risk(samples, ask->sample) = s->outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, unit, planes);
-}
-
-/* All of the level's jobs. */
-static tides_status render_level(tides_simulator *s, tides_error *error) {
-    return td_launch_take_all(s, TD_SIDE_ENDS, s->outputs, store_sample, error);
-}
-
 /* Adds a job to the level, for a new sample. */
 static tides_status add_job(tides_simulator *s, int tile, double time, tides_error *error) {
     int32_t sample;
@@ -72,14 +54,17 @@ static tides_status add_job(tides_simulator *s, int tile, double time, tides_err
 
 /* -- steps ----------------------------------------------------------------------------------------------------------------- */
 
+/* A step that is there, or for which there is room. */
+static int32_t next_step(td_refine *r) {
+    const int32_t spare = r->spare_step;
+    if (spare < 0) return (int32_t)r->steps++;
+    r->spare_step = r->step[spare].next;
+    return spare;
+}
+
 static tides_status new_step(td_refine *r, int32_t *index, tides_error *error) {
-    if (r->spare_step >= 0) {
-        *index = r->spare_step;
-        r->spare_step = r->step[*index].next;
-        return TIDES_OK;
-    }
     tides_status status = td_reserve((void **)&r->step, &r->step_capacity, r->steps + 1, sizeof *r->step, error);
-    if (status == TIDES_OK) *index = (int32_t)r->steps++;
+    if (status == TIDES_OK) *index = next_step(r);
     return status;
 }
 
@@ -147,21 +132,58 @@ static void cut(const tides_simulator *s, td_refine *r, double start, double sto
     r->cuts++;
 }
 
-/* Cuts the pending steps, whose jobs are the level's from number `first` on; the parts of each are the next level's steps. */
-static tides_status cut_pending(tides_simulator *s, td_refine *r, double start, double stop, size_t first, tides_error *error) {
+/* Room for all steps that the level's cuts make. */
+static tides_status reserve_parts(td_refine *r, tides_error *error) {
     tides_status status = td_reserve((void **)&r->fresh, &r->fresh_capacity, 2 * r->pending_count, sizeof *r->fresh, error);
-    r->fresh_count = 0;
-    for (size_t i = 0; i < r->pending_count && status == TIDES_OK; i++) {
-        int32_t left = r->pending[i], right;
-        status = new_step(r, &right, error);
-        if (status != TIDES_OK) return status;
-        uint32_t at = td_probe_place(r->macro, r->step[left].from, r->step[left].to);
-        cut(s, r, start, stop, left, right, at, s->launch.ask[first + i].sample);
-        r->fresh[r->fresh_count++] = left;
-        r->fresh[r->fresh_count++] = right;
-    }
-    return status;
+    if (status != TIDES_OK) return status;
+    return td_reserve((void **)&r->step, &r->step_capacity, r->steps + r->pending_count, sizeof *r->step, error);
 }
+
+static void list_fresh(tides_simulator *s, int32_t step) {
+    td_refine *r = &s->refine;
+    r->fresh[r->fresh_count++] = step;
+    td_control_judge(s, &r->step[step], r->start, r->stop);
+}
+
+/* Cuts a pending step where `sample` is; its parts are two of the next level's steps. */
+static void cut_pending(tides_simulator *s, int32_t left, int32_t sample) {
+    td_refine *r = &s->refine;
+    const int32_t right = next_step(r);
+    const uint32_t at = td_probe_place(r->macro, r->step[left].from, r->step[left].to);
+    cut(s, r, r->start, r->stop, left, right, at, sample);
+    list_fresh(s, left);
+    list_fresh(s, right);
+}
+
+/* -- samples --------------------------------------------------------------------------------------------------------------- */
+
+/* Copies one rendered unit to its sample's rows, and notes its risk. */
+static void store_sample(tides_simulator *s, const td_ask *ask, const double *planes) {
+    td_samples *samples = &s->refine.samples;
+    const td_tile *unit = &s->tile[ask->unit];
+    double *sample = td_sample_at(samples, ask->sample);
+    const size_t apart = (size_t)samples->pixels;
+    td_unpack_tile(unit, planes, sample, sample + apart);
+    if (samples->planes == TD_PLANES_ALL) td_unpack_diagnostics(unit, planes, apart, sample);
+    *td_sample_risk(samples, ask->sample) = s->outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, unit, planes);
+}
+
+/* What the samples of a step say of it is read while they are at hand: of a level they are more than caches hold. */
+static void take_sample(tides_simulator *s, const td_ask *ask, const double *planes) {
+    const td_refine *r = &s->refine;
+    const size_t number = (size_t)(ask - s->launch.ask);
+    store_sample(s, ask, planes);
+    if (number >= r->first_cut) cut_pending(s, r->pending[number - r->first_cut], ask->sample);
+}
+
+/* All of the level's jobs. Those from number `first_cut` on are where the pending steps are cut. */
+static tides_status render_level(tides_simulator *s, size_t first_cut, tides_error *error) {
+    s->refine.first_cut = first_cut;
+    tides_status status = reserve_parts(&s->refine, error);
+    return status == TIDES_OK ? td_launch_take_all(s, TD_SIDE_ENDS, s->outputs, take_sample, error) : status;
+}
+
+/* -- levels ---------------------------------------------------------------------------------------------------------------- */
 
 static tides_status add_cuts(tides_simulator *s, td_refine *r, double start, double stop, tides_error *error) {
     tides_status status = TIDES_OK;
@@ -178,8 +200,8 @@ tides_status td_refine_level(tides_simulator *s, double start, double stop, tide
     td_refine *r = &s->refine;
     td_launch_clear(&s->launch);
     tides_status status = add_cuts(s, r, start, stop, error);
-    if (status == TIDES_OK) status = render_level(s, error);
-    return status == TIDES_OK ? cut_pending(s, r, start, stop, 0, error) : status;
+    r->fresh_count = 0;
+    return status == TIDES_OK ? render_level(s, 0, error) : status;
 }
 
 /* Level 0: every moving tile at the macro step's end, and where nothing else is known than that all will be cut, inside it. */
@@ -193,10 +215,11 @@ static tides_status first_level(tides_simulator *s, td_refine *r, double start, 
     for (size_t i = 0; i < count; i++) r->step[r->fresh[i]].end = s->launch.ask[i].sample;
     r->pending_count = looks ? count : 0;
     status = add_cuts(s, r, start, stop, error);
-    if (status == TIDES_OK) status = render_level(s, error);
-    if (!looks || status != TIDES_OK) return status;
-    s->stats.steps_rejected += count;
-    return cut_pending(s, r, start, stop, count, error);
+    if (looks) r->fresh_count = 0;
+    if (status == TIDES_OK) status = render_level(s, count, error);
+    for (size_t i = 0; i < count && !looks && status == TIDES_OK; i++) td_control_judge(s, &r->step[r->fresh[i]], start, stop);
+    if (looks && status == TIDES_OK) s->stats.steps_rejected += count;
+    return status;
 }
 
 /* -- the macro step ---------------------------------------------------------------------------------------------------- */
@@ -206,6 +229,8 @@ tides_status td_refine_begin(tides_simulator *s, double start, double stop, tide
     r->depth = depth_for(stop - start, shortest_step(s, start, stop)) + SHORTEST_BITS;
     r->shortest = (uint32_t)1 << SHORTEST_BITS;
     r->macro = (uint64_t)s->step;
+    r->start = start;
+    r->stop = stop;
     tides_status status = begin_lists(s, r, error);
     return status == TIDES_OK ? first_level(s, r, start, stop, error) : status;
 }

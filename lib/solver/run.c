@@ -2,7 +2,7 @@
  *
  *   sweep      which tiles can change, and what each may see                  td_sweep (sweep.c; renderer)
  *   render     tiles at times: S and S_dot                                   td_fixed_render; td_refine_begin, td_refine_level
- *   estimate   how far each step may be off                                  td_control_steps (control.c, estimate.c)
+ *   estimate   how far each step may be off                                  td_control_judge, _steps (control.c, estimate.c)
  *   refine     those that are too coarse are cut in two, and rendered         td_window_take, td_refine_level (refine.c)
  *   compare    each tile over each step: events                              td_settle; td_compare_tile (tile_step.c; sensor)
  *   read out   the step's events through the arbiter, where there is one      td_readout_step (readout.c)
@@ -124,7 +124,7 @@ static tides_status advance_fixed(tides_simulator *s, int64_t most, tides_event_
 static tides_status refine_group(tides_simulator *s, double start, double stop, tides_error *error) {
     tides_status status = td_refine_begin(s, start, stop, error);
     while (status == TIDES_OK) {
-        status = td_control_steps(s, start, stop, error);
+        status = td_control_steps(s, error);
         if (status != TIDES_OK || s->refine.open_count == 0) break;
         status = td_window_take(s, start, stop, error);
         if (status == TIDES_OK) status = td_refine_level(s, start, stop, error);

@@ -31,11 +31,12 @@ typedef struct td_refine_step {
 
 /* Workspace of a macro step, reused from one to the next. */
 typedef struct td_refine {
-    uint64_t macro;    /* number of the macro step */
-    int depth;         /* positions are in units of its 2^depth'th part */
-    uint32_t shortest; /* units of the shortest steps: those of twice as many are cut */
-    size_t limit;      /* samples at a time */
-    size_t batch;      /* (tile, time) jobs per launch */
+    uint64_t macro;     /* number of the macro step, */
+    double start, stop; /* and where it is [s after the epoch] */
+    int depth;          /* positions are in units of its 2^depth'th part */
+    uint32_t shortest;  /* units of the shortest steps: those of twice as many are cut */
+    size_t limit;       /* samples at a time */
+    size_t batch;       /* (tile, time) jobs per launch */
     td_refine_step *step;
     size_t steps, step_capacity;
     int32_t spare_step; /* given back: a list by `next`, or -1 */
@@ -50,7 +51,8 @@ typedef struct td_refine {
     size_t open_count, open_capacity;
     int32_t *pending; /* of these, on this level */
     size_t pending_count, pending_capacity;
-    int32_t *fresh; /* steps that came of it */
+    size_t first_cut; /* job of the launch, from which on they are where the pending steps are cut */
+    int32_t *fresh;   /* steps that came of it */
     size_t fresh_count, fresh_capacity;
 } td_refine;
 
@@ -75,8 +77,10 @@ void td_refine_bound(tides_simulator *s);
 
 void td_refine_release(td_refine *refine);
 
-/* Which of the steps refine->fresh are to be cut: refine->pending, and `open` (control.c). */
-tides_status td_control_steps(tides_simulator *s, double start, double stop, tides_error *error);
+/* Judges a step whose samples are there: how far it is above its limits, and by that whether it is to be cut. Then, of all
+ * steps refine->fresh, which have been judged, those that are: refine->pending, and `open` (control.c). */
+void td_control_judge(tides_simulator *s, td_refine_step *step, double start, double stop);
+tides_status td_control_steps(tides_simulator *s, tides_error *error);
 
 /* Compares, in time order, the accepted steps that nothing open is before. With `early` their samples are given back, and more
  * is to come; else all are accepted (settle.c). */
