@@ -50,13 +50,13 @@ TD_INLINE void td_blend_batch(const td_list *list, const td_image *image, const 
                               const td_soft_steps *steps, td_soft *soft, td_composite *pixels) {
     td_lanes tau[TD_BATCH], tau_dot[TD_BATCH], wanted[TD_BATCH], a[TD_BATCH], a_dot[TD_BATCH];
     td_batch_alphas(list, image, group->place + first, count, pixels, tau, tau_dot, wanted);
-    if (image->soft_order) td_batch_depths(steps->near + first, soft->open, count, tau, tau_dot, a, a_dot);
+    if (td_soft_order(image)) td_batch_depths(steps->near + first, soft->open, count, tau, tau_dot, a, a_dot);
     for (int k = 0; k < count; k++) {
         TD_GLOBAL const td_real *record = td_list_record(list, group->place[first + k]);
         TD_GLOBAL const td_real *colour = td_list_colour(list, image, group->place[first + k]);
         td_mask on = pixels->live;
-        if (image->soft_order) on = td_soft_admit(image, wanted[k], pixels, tau + k, tau_dot + k);
-        if (image->soft_order && (soft->open | steps->near[first + k]))
+        if (td_soft_order(image)) on = td_soft_admit(image, wanted[k], pixels, tau + k, tau_dot + k);
+        if (td_soft_order(image) && (soft->open | steps->near[first + k]))
             td_blend_soft(record, colour, image, steps, first + k, a[k], a_dot[k], on, soft, pixels);
         else
             td_blend_alpha(record, colour, image, tau[k], tau_dot[k], wanted[k], pixels);
@@ -73,14 +73,14 @@ TD_INLINE int td_composite_list(const td_list *list, const td_image *image, int 
     td_soft_start(&soft, image);
     td_finder_start(list, block, &finder);
     for (td_next_group(list, block, &finder, &group); group.count > 0; td_next_group(list, block, &finder, &group)) {
-        if (image->soft_order) td_soft_measure(list, image, &group, &steps);
+        if (td_soft_order(image)) td_soft_measure(list, image, &group, &steps);
         for (int first = 0; first < group.count; first += TD_BATCH) {
             int left = group.count - first, count = left < TD_BATCH ? left : TD_BATCH;
             td_blend_batch(list, image, &group, first, count, &steps, &soft, pixels);
             blended += count;
             if ((blended & 7) != 0) continue;
             if (!td_look_ahead(image, list->brightest, pixels)) return blended;
-            if (image->soft_order) td_soft_clear(image, &soft);
+            if (td_soft_order(image)) td_soft_clear(image, &soft);
         }
     }
     return blended;
@@ -109,7 +109,7 @@ TD_INLINE int td_composite_block(const td_job *job, const td_list *list, const t
     }
     td_store_lanes(out + TD_OUT_L * TD_BLOCK_PIXELS, signal[0]);
     td_store_lanes(out + TD_OUT_L_DOT * TD_BLOCK_PIXELS, signal[1]);
-    if (image->outputs > TD_OUT_Y) td_store_lanes(out + TD_OUT_Y * TD_BLOCK_PIXELS, signal[2]);
+    if (td_outputs(image) > TD_OUT_Y) td_store_lanes(out + TD_OUT_Y * TD_BLOCK_PIXELS, signal[2]);
     if (td_with_diagnostics(image)) {
         td_store_lanes(out + TD_OUT_ALPHA * TD_BLOCK_PIXELS, 1 - pixels.transmittance);
         td_store_lanes(out + TD_OUT_ALPHA_DOT * TD_BLOCK_PIXELS, -pixels.transmittance_dot);

@@ -1,11 +1,10 @@
 /* One work-item per TD_LANES pixels of a 4x4 block that is asked for (block.h): block `asked` & 15 of job `asked` >> 4. Planes
  * of one block stand together, TD_BLOCK_PIXELS each. */
 #include "block.h"
-#include "specialise.h"
 
 TD_APART int td_composite_apart(__constant const td_image *image_buffer, __global const td_job *at, const td_list *lists,
                                 __global const td_backdrop *backdrops, int block, int first, __global float *planes) {
-    const td_image image = td_specialised(image_buffer);
+    const td_image image = *image_buffer;
     const td_job job = *at;
     const td_list list = *lists;
     return td_composite_block(&job, &list, &image, backdrops, block, first, planes);
@@ -18,7 +17,7 @@ __kernel void td_composite_jobs(__constant const td_image *image_buffer, __globa
                                 __global int *blended, __global const td_view *views, __global const float *weights,
                                 __global const int *asked, __global const int *words, __global const float *shared_records,
                                 __global const float *shared_colours, int asked_count) {
-    const td_image image = td_specialised(image_buffer);
+    const td_image image = *image_buffer;
     int item = (int)get_global_id(0), place = item / (TD_BLOCK_PIXELS / TD_LANES);
     int first = item % (TD_BLOCK_PIXELS / TD_LANES) * TD_LANES;
     if (place >= asked_count) return; /* groups are whole */
@@ -34,5 +33,5 @@ __kernel void td_composite_jobs(__constant const td_image *image_buffer, __globa
     td_list_lay(&list, &job, job_index, order, sorted_masks, words, counts);
     list.brightest = brightest[job_index];
     blended[item] = td_composite_apart(image_buffer, jobs + job_index, &list, backdrops + job.slot, asked[place] & 15, first,
-                                       planes + (size_t)place * image.outputs * TD_BLOCK_PIXELS + first);
+                                       planes + (size_t)place * td_outputs(&image) * TD_BLOCK_PIXELS + first);
 }

@@ -30,7 +30,7 @@ TD_INLINE void td_cap_alpha(const td_image *image, td_lanes alpha, td_lanes alph
                             td_mask *seen) {
     td_lanes capped = td_smaller(alpha, td_splat(image->alpha_max));
     td_lanes capped_dot = td_select(td_splat(0.0f), alpha_dot, alpha < image->alpha_max);
-    if (image->cut_rule == TD_CUT_TAPER) {
+    if (td_cut_rule(image) == TD_CUT_TAPER) {
         td_real scale = 1 / (image->cut_full - image->cut);
         td_lanes s = td_clamp((alpha - image->cut) * scale, 0, 1);
         td_lanes share = td_smootherstep(s);
@@ -56,14 +56,14 @@ TD_INLINE void td_splat_alpha(TD_GLOBAL const td_real *record, const td_image *i
     td_lanes alpha_dot = alpha * rate;
     td_cap_alpha(image, alpha, alpha_dot, tau, tau_dot, &seen);
     *wanted = td_select(td_splat(-1.0f), td_splat(image->stop), seen);
-    if (image->cut_rule == TD_CUT_TAPER) return; /* 0 below the cut by itself */
+    if (td_cut_rule(image) == TD_CUT_TAPER) return; /* 0 below the cut by itself */
     *tau = td_select(td_splat(0.0f), *tau, seen);
     *tau_dot = td_select(td_splat(0.0f), *tau_dot, seen);
 }
 
 /* Where those rules blend a splat: by what is left behind it. In lanes that have stopped there's nothing. */
 TD_INLINE td_mask td_above_stop(const td_image *image, td_lanes left, td_lanes wanted) {
-    return image->stop_rule == TD_STOP_BELOW ? left >= wanted : left > wanted;
+    return td_stop_rule(image) == TD_STOP_BELOW ? left >= wanted : left > wanted;
 }
 
 /* BOUND: the rest of the list can change L by more than `stop`: T times the brightest colour in the list against Y. */
@@ -76,8 +76,8 @@ TD_INLINE td_mask td_above_bound(const td_image *image, td_real brightest, const
  * in front of nothing then and changes nothing, so that lanes don't depend on their neighbours. */
 TD_INLINE int td_look_ahead(const td_image *image, td_real brightest, td_composite *pixels) {
     if (td_drops_splats(image))
-        return image->soft_order || td_any(pixels->transmittance > 0.0f); /* soft: what has begun must end */
-    if (image->stop_rule == TD_STOP_NONE) return 1;
+        return td_soft_order(image) || td_any(pixels->transmittance > 0.0f); /* soft: what has begun must end */
+    if (td_stop_rule(image) == TD_STOP_NONE) return 1;
     td_lanes none = td_splat(0.0f);
     pixels->live = td_above_bound(image, brightest, pixels);
     pixels->stopped = pixels->stopped + td_select(pixels->transmittance, none, pixels->live);
@@ -134,7 +134,7 @@ TD_INLINE void td_blend_alpha(TD_GLOBAL const td_real *record, TD_GLOBAL const t
     td_lanes w_dot = td_fma(t, tau_dot, t_dot * tau);
     pixels->transmittance = t - w;
     pixels->transmittance_dot = t_dot - w_dot;
-    if (td_drops_splats(image) && !image->soft_order) {
+    if (td_drops_splats(image) && !td_soft_order(image)) {
         td_mask on = td_above_stop(image, t * (1 - tau), wanted);
         w = td_select(none, w, on);
         w_dot = td_select(none, w_dot, on);
@@ -143,7 +143,7 @@ TD_INLINE void td_blend_alpha(TD_GLOBAL const td_real *record, TD_GLOBAL const t
         pixels->stopped = pixels->stopped + td_select(t, none, on);
         pixels->stopped_dot = pixels->stopped_dot + td_select(t_dot, none, on);
         td_count(image, (wanted >= 0.0f) & on, pixels);
-    } else if (!image->soft_order) {
+    } else if (!td_soft_order(image)) {
         td_count(image, (wanted >= 0.0f) & pixels->live, pixels);
     }
     td_accumulate(record, colour, image, w, w_dot, &pixels->sums);

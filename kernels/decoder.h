@@ -54,7 +54,7 @@ TD_INLINE td_composite td_develop(const td_image *image, TD_GLOBAL const td_view
         td_dual sum = td_dual_make(pixels->sums.feature[c], pixels->sums.feature[TD_FEATURES + c]);
         for (int i = 0; i < TD_DECODER_HIDDEN; i++)
             sum = td_dual_plus(sum, weights[TD_DECODER_SECOND + TD_DECODER_HIDDEN * c + i], hidden[i]);
-        sum = td_decoder_out(sum, image->decoder);
+        sum = td_decoder_out(sum, td_decoder(image));
         shown.sums.colour[c] = sum.v;
         shown.sums.colour[3 + c] = sum.d;
         luminance = td_dual_plus(luminance, image->luminance[c], sum);

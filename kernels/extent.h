@@ -36,7 +36,7 @@ typedef struct td_extent {
  * axis ceil(min(3.33, sqrt(2 ln(255 opacity))) sqrt(cov_ii)). */
 TD_INLINE void td_rectangle_of(const td_shape *shape, const td_image *image, td_extent *extent) {
     td_lanes rx, ry;
-    if (image->extent_rule == TD_EXTENT_INRIA) {
+    if (td_extent_rule(image) == TD_EXTENT_INRIA) {
         td_lanes mid = 0.5f * (shape->a.v + shape->c.v);
         td_lanes half_gap = 0.5f * (shape->a.v - shape->c.v);
         td_lanes gap2 = td_fma(half_gap, half_gap, shape->b.v * shape->b.v); /* mid^2 - det */
@@ -61,7 +61,7 @@ TD_INLINE td_extent td_extent_of(const td_shape *shape, const td_image *image) {
     extent.bend = td_sqrt(1.0f / (shape->c.v * shape->conic[0].v));
     extent.end = shape->b.v / shape->a.v * extent.rx;
     extent.wide = extent.high = td_splat(0.0f);
-    if (image->extent_rule != TD_EXTENT_ELLIPSE) td_rectangle_of(shape, image, &extent);
+    if (td_extent_rule(image) != TD_EXTENT_ELLIPSE) td_rectangle_of(shape, image, &extent);
     extent.visible = shape->visible;
     return extent;
 }
@@ -69,9 +69,9 @@ TD_INLINE td_extent td_extent_of(const td_shape *shape, const td_image *image) {
 /* The mask of the Gaussians whose rectangle holds the tile. */
 TD_INLINE td_mask td_rectangle_holds(const td_extent *extent, const td_image *image, int tile_x, int tile_y) {
     /* Tile borders against [u - r, u + r), as the two renderers round it; INRIA's pixel centres are whole numbers. */
-    td_lanes shift = td_splat(image->extent_rule == TD_EXTENT_INRIA ? TD_REAL(0.5) : TD_REAL(0.0));
+    td_lanes shift = td_splat(td_extent_rule(image) == TD_EXTENT_INRIA ? TD_REAL(0.5) : TD_REAL(0.0));
     td_lanes u = extent->u - shift, v = extent->v - shift;
-    td_real reach = image->extent_rule == TD_EXTENT_INRIA ? TD_REAL(15.0) : TD_REAL(16.0);
+    td_real reach = td_extent_rule(image) == TD_EXTENT_INRIA ? TD_REAL(15.0) : TD_REAL(16.0);
     return (u - extent->wide < (td_real)(tile_x + TD_TILE)) & (u + extent->wide + reach >= (td_real)(tile_x + TD_TILE)) &
            (v - extent->high < (td_real)(tile_y + TD_TILE)) & (v + extent->high + reach >= (td_real)(tile_y + TD_TILE));
 }
@@ -97,7 +97,7 @@ TD_INLINE td_mask td_block_row(const td_extent *e, int tile_x, int tile_y, int j
 /* 16 bits: bit 4 j + i says that the splat reaches block (i, j) of the tile. 0: not visible in this tile. */
 TD_INLINE td_mask td_block_mask(const td_extent *extent, const td_image *image, int tile_x, int tile_y) {
     td_mask visible = extent->visible;
-    if (image->extent_rule != TD_EXTENT_ELLIPSE) visible = visible & td_rectangle_holds(extent, image, tile_x, tile_y);
+    if (td_extent_rule(image) != TD_EXTENT_ELLIPSE) visible = visible & td_rectangle_holds(extent, image, tile_x, tile_y);
     td_mask bits = td_block_row(extent, tile_x, tile_y, 0); /* no loop: LLVM kept it, and the one within */
     bits |= td_block_row(extent, tile_x, tile_y, 1);
     bits |= td_block_row(extent, tile_x, tile_y, 2);

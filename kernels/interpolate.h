@@ -118,7 +118,7 @@ TD_INLINE td_lanes td_pixels_per_unit(TD_GLOBAL const td_view *view, const td_im
                                       const td_index index[3]) {
     td_lanes nearest = td_splat(0.0f);
     td_real scale = 0, focal = image->fx > image->fy ? image->fx : image->fy;
-    if (image->lens_model) focal = focal * image->lens.stretch;
+    if (td_lens_model(image)) focal = focal * image->lens.stretch;
     for (int i = 0; i < 3; i++) {
         TD_GLOBAL const td_view *at = view + i * image->objects;
         td_dual mean[3];

@@ -175,29 +175,15 @@ typedef struct td_image {
     int lens_model; /* TD_LENS_... */
 } td_image;
 
-/* What is asked for: by the image, or where a program was built for it (specialise.h), by the build. What isn't must not come
- * as far as the optimiser there: PoCL lays out in memory what a work-item owns before it unrolls loops, and a struct with an
- * array that a loop goes through stays there, whether or not the loop is ever reached. (sizeof: it counts as used.) */
-#ifdef TD_BUILD_OUTPUTS
-#define TD_BUILT_WITH(image, what) ((sizeof *(image) > 0) & (what))
-#define td_with_diagnostics(image) TD_BUILT_WITH(image, TD_BUILD_OUTPUTS >= TD_OUT_DIAGNOSTICS)
-#define td_with_colour(image) TD_BUILT_WITH(image, TD_BUILD_OUTPUTS >= TD_OUT_COLOUR)
-#define td_with_rates(image) TD_BUILT_WITH(image, TD_BUILD_OUTPUTS != TD_OUT_LUMINANCE)
-#define td_with_decoder(image) TD_BUILT_WITH(image, TD_BUILD_DECODER != 0)
-#else
-#define td_with_diagnostics(image) ((image)->outputs >= TD_OUT_DIAGNOSTICS)
-#define td_with_colour(image) ((image)->outputs >= TD_OUT_COLOUR)
-#define td_with_rates(image) ((image)->outputs != TD_OUT_LUMINANCE)
-#define td_with_decoder(image) ((image)->decoder != 0)
-#endif
+#include "choices.h"
 
 /* Whether splats have colour records, and reals per record. */
-TD_INLINE int td_has_colours(const td_image *image) { return image->decoder || image->outputs >= TD_OUT_COLOUR; }
-TD_INLINE int td_colour_stride(const td_image *image) { return image->decoder ? TD_FEATURE_STRIDE : TD_COLOUR_STRIDE; }
+TD_INLINE int td_has_colours(const td_image *image) { return td_decoder(image) || td_outputs(image) >= TD_OUT_COLOUR; }
+TD_INLINE int td_colour_stride(const td_image *image) { return td_decoder(image) ? TD_FEATURE_STRIDE : TD_COLOUR_STRIDE; }
 
 /* Does the rule drop the splat that takes T below the stop, and all that follow? */
 TD_INLINE int td_drops_splats(const td_image *image) {
-    return image->stop_rule == TD_STOP_BELOW || image->stop_rule == TD_STOP_BELOW_OR_AT;
+    return td_stop_rule(image) == TD_STOP_BELOW || td_stop_rule(image) == TD_STOP_BELOW_OR_AT;
 }
 
 #endif

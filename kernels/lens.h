@@ -85,7 +85,7 @@ TD_INLINE td_of_w td_lens_radial(const td_image *image, td_lanes w) {
     td_of_w q, d;
     q.f = td_splat(1.0f), q.first = q.second = td_splat(0.0f);
     td_lanes p = w, p1 = td_splat(1.0f), p2 = td_splat(0.0f);
-    if (image->lens_model == TD_LENS_EQUIDISTANT) {
+    if (td_lens_model(image) == TD_LENS_EQUIDISTANT) {
         q = td_lens_arc(w);
         td_lanes inverse = 1.0f / (1.0f + w);
         p = w * (q.f * q.f);
@@ -152,7 +152,7 @@ TD_INLINE td_bent td_bend(const td_image *image, td_dual a, td_dual b) {
     bent.xx = td_dual_fma(da, a, d);
     bent.xy = bent.yx = td_dual_mul(da, b);
     bent.yy = td_dual_fma(db, b, d);
-    if (image->lens_model == TD_LENS_RADTAN) td_lens_tangential(&image->lens, a, b, w, &bent);
+    if (td_lens_model(image) == TD_LENS_RADTAN) td_lens_tangential(&image->lens, a, b, w, &bent);
     return bent;
 }
 
@@ -195,8 +195,8 @@ TD_INLINE void td_unbend_angle(const td_image *image, td_lanes x, td_lanes y, td
 TD_INLINE void td_ray_of(const td_image *image, td_lanes u, td_lanes v, td_lanes *a, td_lanes *b) {
     td_lanes x = (u - image->cx) / image->fx, y = (v - image->cy) / image->fy;
     *a = x, *b = y;
-    if (image->lens_model == TD_LENS_RADTAN) td_unbend_plane(image, x, y, a, b);
-    if (image->lens_model == TD_LENS_EQUIDISTANT) td_unbend_angle(image, x, y, a, b);
+    if (td_lens_model(image) == TD_LENS_RADTAN) td_unbend_plane(image, x, y, a, b);
+    if (td_lens_model(image) == TD_LENS_EQUIDISTANT) td_unbend_angle(image, x, y, a, b);
 }
 
 /* -- bounds, for sweeps -------------------------------------------------------------------------------------------- */
@@ -209,7 +209,7 @@ TD_INLINE td_mask td_lens_outside(const td_image *image, td_lanes across, td_lan
     td_lanes r = td_larger(across - lens->reach * size, td_splat(0.0f)) / deep;
     td_lanes w = td_smaller(r * r, td_splat(TD_LENS_FAR));
     td_lanes bent = td_lens_radial(image, w).f * td_sqrt(w);
-    if (image->lens_model == TD_LENS_RADTAN) bent = td_fma(-lens->tangential * w, td_lens_straight(lens, w).f, bent);
+    if (td_lens_model(image) == TD_LENS_RADTAN) bent = td_fma(-lens->tangential * w, td_lens_straight(lens, w).f, bent);
     td_lanes edge = lens->sideways * size / td_larger(across, td_splat(TD_REAL(1e-12)));
     return bent > lens->corner + blur + edge;
 }

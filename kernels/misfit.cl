@@ -1,13 +1,12 @@
 /* Misfits of `count` Gaussians whose rows begin at row0, row1 and row2 (interpolate.h). */
 #include "interpolate.h"
-#include "specialise.h"
 
 __kernel void td_measure_misfits(__constant const td_image *image_buffer, __global const int *object,
                                  __global const td_view *views, __global float *geometry, __global float *rates,
                                  __global float *sh, __global float *sh_rates, __global const int *owners, int first_rate,
                                  int first_moved, int sh_stride, int count, int row0, int row1, int row2,
                                  __constant const td_misfit_terms *terms_buffer, __global float *misfits) {
-    const td_image image = td_specialised(image_buffer);
+    const td_image image = *image_buffer;
     const td_misfit_terms terms = *terms_buffer;
     int offset = (int)get_global_id(0) * TD_LANES;
     if (offset >= count) return;

@@ -1,11 +1,10 @@
 /* Misfits of `count` paths of one level, whose first rows are given (path_node.h). */
 #include "path_node.h"
-#include "specialise.h"
 
 TD_APART void td_measure_apart(__constant const td_image *image_buffer, __global const float *rows, __global const int *first,
                                int level, int pieces, __global const float *lengths,
                                __constant const td_path_terms *terms_buffer, __global float *misfits) {
-    const td_image image = td_specialised(image_buffer);
+    const td_image image = *image_buffer;
     const td_path_terms terms = *terms_buffer;
     td_store_lanes(misfits, td_path_worst(rows, td_load_ints(first), level, pieces, lengths, &terms, &image));
 }

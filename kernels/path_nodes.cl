@@ -1,12 +1,11 @@
 /* One work-group per node job: its Gaussians, TD_LANES at a time, to rows of record paths (path_node.h). */
 #include "path_node.h"
-#include "specialise.h"
 
 TD_APART void td_nodes_apart(__constant const td_image *image_buffer, __global const td_node_job *at,
                              __global const int *gaussians, __global const int *places, __global const int *object,
                              __global const td_view *views, const td_source *sources, const td_node_sink *sinks, int first,
                              int step) {
-    const td_image image = td_specialised(image_buffer);
+    const td_image image = *image_buffer;
     const td_node_job job = *at;
     const td_source source = *sources;
     const td_node_sink sink = *sinks;

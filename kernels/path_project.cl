@@ -18,7 +18,7 @@ static td_path_source td_path_source_make(__global const float *rows, __global c
 TD_APART void td_fetch_job(__constant const td_image *image_buffer, __global const td_job *at, __global const int *candidates,
                            __global const int *object, __global const td_view *views, const td_source *sources,
                            const td_path_source *paths, const td_sink *sinks, int first, int step) {
-    const td_image image = td_specialised(image_buffer);
+    const td_image image = *image_buffer;
     const td_job job = *at;
     const td_source source = *sources;
     const td_path_source from = *paths;
@@ -60,7 +60,7 @@ TD_APART void td_share_paths_apart(__constant const td_image *image_buffer, __gl
                                    int rows, int slot, __global const int *object, __global const td_view *views,
                                    const td_source *sources, const td_path_source *paths, __global float *records,
                                    __global float *extents) {
-    const td_image image = td_specialised(image_buffer);
+    const td_image image = *image_buffer;
     const td_source source = *sources;
     const td_path_source from = *paths;
     for (; at < last; at += TD_LANES) {

@@ -79,7 +79,7 @@ TD_INLINE td_point_light td_point_composite(const td_image *image, TD_GLOBAL td_
     td_lanes none = td_splat(0.0f);
     td_point_light light = {td_splat(1.0f), none, none, none, none, none, none, none};
     td_point_last last = {none, none};
-    if (!image->soft_order) {
+    if (!td_soft_order(image)) {
         for (int j = 0; j < count; j++) {
             td_point_entry splat = td_point_load_entry(entries + j * TD_POINT_ENTRY);
             td_point_hard(&splat, &light);

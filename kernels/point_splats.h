@@ -171,7 +171,7 @@ TD_INLINE void td_point_take(const td_image *image, TD_GLOBAL td_real *view) {
     td_mask above;
     td_cap_alpha(image, td_load_lanes(view + TD_V_ALPHA * TD_LANES), td_load_lanes(view + TD_V_ALPHA_DOT * TD_LANES), &takes,
                  &takes_dot, &above);
-    if (image->soft_order) td_optical_depth(takes, takes_dot, &takes, &takes_dot);
+    if (td_soft_order(image)) td_optical_depth(takes, takes_dot, &takes, &takes_dot);
     td_store_lanes(view + TD_V_TAKES * TD_LANES, takes);
     td_store_lanes(view + TD_V_TAKES_DOT * TD_LANES, takes_dot);
 }
@@ -266,7 +266,7 @@ typedef struct td_point_eye {
 
 /* Takes note of what is seen of a splat. */
 TD_INLINE void td_point_note(const td_image *image, const td_point_entry *entry, td_mask sees, td_point_eye *eye) {
-    td_real reach = image->soft_order ? (td_real)(0.5f * TD_SOFT_REACH) * image->soft_depth : 0; /* td_is_near */
+    td_real reach = td_soft_order(image) ? (td_real)(0.5f * TD_SOFT_REACH) * image->soft_depth : 0; /* td_is_near */
     eye->taken = eye->taken + entry->takes;
     eye->far = td_select(eye->far, entry->depth, sees & (entry->depth > eye->far));
     td_mask opaque = (eye->taken >= (td_real)TD_POINT_OPAQUE) & (eye->end >= TD_POINT_NEVER);

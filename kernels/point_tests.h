@@ -184,7 +184,9 @@ TD_INLINE void td_point_store_tests(TD_GLOBAL float *tests, const size_t at[TD_L
 }
 
 /* The least alpha that is seen. */
-TD_INLINE td_real td_point_cut(const td_image *image) { return image->cut_rule == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut; }
+TD_INLINE td_real td_point_cut(const td_image *image) {
+    return td_cut_rule(image) == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
+}
 
 /* Makes the tests of TD_LANES splats in a slice, to tests + at[lane] each. */
 TD_INLINE void td_point_make_tests(const td_point_paths *paths, const td_image *image, int slice, const int path[TD_LANES],

@@ -2,7 +2,6 @@
 #include "bitonic.h"
 #include "path_node.h"
 #include "points.h"
-#include "specialise.h"
 
 /* Until the work-group's writes are done: one work-item is its own. */
 #if TD_LANES == 1
@@ -67,7 +66,7 @@ static void td_rows_soon(const td_splats_to_make *of, __global const int *path, 
 
 TD_APART void td_splats_apart(__constant const td_image *image_buffer, const td_point_paths *all,
                               const td_splats_to_make *what) {
-    const td_image image = td_specialised(image_buffer);
+    const td_image image = *image_buffer;
     const td_point_paths paths = *all;
     const td_splats_to_make of = *what;
     const int pieces = paths.slices.pieces, slices = paths.slices.count;
@@ -116,7 +115,7 @@ __kernel void td_point_make_splats(__constant const td_image *image_buffer, __gl
 TD_APART void td_misfits_apart(__constant const td_image *image_buffer, __global const td_real *rows, __global const int *first,
                                td_share groups, int level, __global const td_real *lengths, int pieces, td_real target,
                                td_real rounding, __global td_real *misfits, int stride) {
-    const td_image image = td_specialised(image_buffer);
+    const td_image image = *image_buffer;
     const td_path_terms terms = {target, 0, rounding, 0};
     for (int k = groups.first; k < groups.end; k += groups.step) {
         const int i = k * TD_LANES;
@@ -213,7 +212,7 @@ typedef struct td_values_to_find {
 TD_APART void td_values_apart(__constant const td_image *image_buffer, const td_point_paths *all_paths,
                               const td_point_lists *all_lists, const td_point_arrays *all_points,
                               const td_values_to_find *what) {
-    const td_image image = td_specialised(image_buffer);
+    const td_image image = *image_buffer;
     const td_point_paths paths = *all_paths;
     const td_point_lists lists = *all_lists;
     const td_point_arrays points = *all_points;

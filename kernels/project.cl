@@ -6,7 +6,7 @@
 TD_APART void td_project_job(__constant const td_image *image_buffer, __global const td_job *at, __global const int *candidates,
                              __global const int *object, __global const td_view *views, const td_source *sources,
                              const td_sink *sinks, int first, int step) {
-    const td_image image = td_specialised(image_buffer);
+    const td_image image = *image_buffer;
     const td_job job = *at;
     const td_source source = *sources;
     const td_sink sink = *sinks;

@@ -64,8 +64,8 @@ TD_INLINE td_source td_source_make(TD_GLOBAL const td_real *geometry, TD_GLOBAL 
 /* The source for a group of rows that begins with `leader`: all of a group are of one kind. */
 TD_INLINE td_source td_source_of(const td_source *all, const td_image *image, int leader) {
     td_source source = *all;
-    source.rated = image->moving && leader >= all->first_rate;
-    source.moved = image->moving && leader >= all->first_moved;
+    source.rated = td_moving(image) && leader >= all->first_rate;
+    source.moved = td_moving(image) && leader >= all->first_moved;
     source.sh_rated = source.rated;
     if (source.moved) source.sh_rated = all->owners[2 * (leader - all->first_moved) + 1] >= all->first_rate;
     return source;
@@ -79,7 +79,7 @@ TD_INLINE int td_owner_of(const td_source *source, int leader) {
 /* Geometry entry k of the rows at `index` (already times the stride). */
 TD_INLINE td_dual td_entry(const td_source *source, const td_image *image, td_index index, int k) {
     td_lanes rate = td_splat(0.0f);
-    if (image->moving && source->rated)
+    if (td_moving(image) && source->rated)
         rate = td_gather(source->rates, td_not_below_0(index - source->first_rate * TD_GEOMETRY_STRIDE) + k);
     return td_dual_make(td_gather(source->geometry, index + k), rate);
 }
@@ -91,7 +91,7 @@ typedef struct td_gaussian {
 
 TD_INLINE void td_load_gaussian(const td_source *source, const td_image *image, td_index row, td_gaussian *gaussian) {
     td_load_rows(source->geometry, row, gaussian->v);
-    if (!image->moving) return;
+    if (!td_moving(image)) return;
     if (source->rated)
         td_load_rows(source->rates, td_not_below_0(row - source->first_rate), gaussian->d);
     else
@@ -99,12 +99,12 @@ TD_INLINE void td_load_gaussian(const td_source *source, const td_image *image, 
 }
 
 TD_INLINE td_dual td_number_of(const td_gaussian *gaussian, const td_image *image, int k) {
-    return td_dual_make(gaussian->v[k], image->moving ? gaussian->d[k] : td_splat(0.0f));
+    return td_dual_make(gaussian->v[k], td_moving(image) ? gaussian->d[k] : td_splat(0.0f));
 }
 
 /* a b + c for a number b of a Gaussian. */
 TD_INLINE td_dual td_dual_fma_own(const td_image *image, td_dual a, td_dual b, td_dual c) {
-    return image->moving ? td_dual_fma(a, b, c) : td_dual_fma_still(a, b.v, c);
+    return td_moving(image) ? td_dual_fma(a, b, c) : td_dual_fma_still(a, b.v, c);
 }
 
 /* The same for all lanes. */
@@ -150,7 +150,7 @@ TD_INLINE td_matrix23 td_screen_map(TD_GLOBAL const td_view *view, const td_imag
     td_matrix23 t;
     td_dual slope_x = td_dual_clamp(x_z, image->limit_x0, image->limit_x1);
     td_dual slope_y = td_dual_clamp(y_z, image->limit_y0, image->limit_y1);
-    if (image->lens_model) return td_lens_map(view, image, slope_x, slope_y, inverse_z);
+    if (td_lens_model(image)) return td_lens_map(view, image, slope_x, slope_y, inverse_z);
     td_dual focal_x = td_dual_scale(inverse_z, image->fx), focal_y = td_dual_scale(inverse_z, image->fy);
     t.row[0][0] = td_screen_entry(view, 0, 0, focal_x, slope_x), t.row[1][0] = td_screen_entry(view, 1, 0, focal_y, slope_y);
     t.row[0][1] = td_screen_entry(view, 0, 1, focal_x, slope_x), t.row[1][1] = td_screen_entry(view, 1, 1, focal_y, slope_y);
@@ -258,7 +258,7 @@ TD_INLINE void td_shape_fade(td_shape *shape, td_dual opacity, const td_image *i
     }
     shape->opacity = opacity;
     /* Without a cut the ellipse ends where single precision does; log of a tiny positive number only. */
-    td_real cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
+    td_real cut = td_cut_rule(image) == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
     shape->visible = shape->visible & (opacity.v > cut);
     shape->power = 2.0f * td_log(td_select(td_splat(1.0f), opacity.v / cut, shape->visible));
 }
@@ -275,7 +275,7 @@ TD_INLINE td_shape td_project_bare(TD_GLOBAL const td_view *view, const td_image
     td_dual z = td_view_row(view->r + 6, view->r_dot + 6, image, mean, view->t[2], view->t_dot[2]);
     shape.depth_low = td_splat(0.0f);
 #ifndef TD_REAL_DOUBLE
-    if (image->soft_order) z.v = td_fine_row(view->r + 6, mean, view->t[2], &shape.depth_low);
+    if (td_soft_order(image)) z.v = td_fine_row(view->r + 6, mean, view->t[2], &shape.depth_low);
 #endif
     shape.depth = z;
     shape.visible = (z.v > image->near) & there;
@@ -284,7 +284,7 @@ TD_INLINE td_shape td_project_bare(TD_GLOBAL const td_view *view, const td_image
     td_dual inverse_z = td_dual_reciprocal(safe);
     td_dual x_z = td_dual_mul(x, inverse_z), y_z = td_dual_mul(y, inverse_z);
     td_matrix23 map = td_screen_map(view, image, x_z, y_z, inverse_z);
-    if (image->lens_model) {
+    if (td_lens_model(image)) {
         td_bent bent = td_bend(image, x_z, y_z);
         x_z = bent.x, y_z = bent.y;
     }
@@ -294,7 +294,7 @@ TD_INLINE td_shape td_project_bare(TD_GLOBAL const td_view *view, const td_image
     td_dual compensation = td_shape_covariance(&shape, &a, image);
     shape.compensation = td_splat(1.0f);
     shape.opacity = td_number_of(gaussian, image, TD_G_OPACITY);
-    if (image->antialias) {
+    if (td_antialias(image)) {
         shape.opacity = td_dual_mul(shape.opacity, compensation);
         shape.compensation = compensation.v;
     }
@@ -309,7 +309,7 @@ TD_INLINE td_shape td_project_shape(TD_GLOBAL const td_view *view, const td_imag
     td_shape_fade(&shape, shape.opacity, image);
     td_lanes all = (shape.conic[0].d + shape.conic[2].d) + (shape.u.d + shape.v.d) + (shape.opacity.v + shape.opacity.d);
     /* Its own opacity: what fades at the near plane has none left where its depth isn't a number. */
-    td_real cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(0.0) : image->cut;
+    td_real cut = td_cut_rule(image) == TD_CUT_NONE ? TD_REAL(0.0) : image->cut;
     td_mask unseen = gaussian->v[TD_G_OPACITY] <= cut;
     shape.broken = (((z > image->near) & (shape.broken | td_is_broken(all))) | td_is_broken(z)) & there & ~unseen;
     return shape;
@@ -321,17 +321,18 @@ TD_INLINE td_sh_source td_sh_source_of(TD_GLOBAL const td_view *view, const td_i
     td_sh_source sh;
     sh.sh = source->sh;
     sh.rates = source->sh_rates;
-    if (image->moving && source->moved) row = td_gather_ints(source->owners, 2 * td_not_below_0(row - source->first_moved) + 1);
+    if (td_moving(image) && source->moved)
+        row = td_gather_ints(source->owners, 2 * td_not_below_0(row - source->first_moved) + 1);
     sh.index = row * image->sh_stride;
     sh.rate_index = td_not_below_0(row - source->first_rate) * image->sh_stride;
-    sh.moving = image->moving && source->sh_rated;
+    sh.moving = td_moving(image) && source->sh_rated;
     sh.floor = view->colour_floor;
     return sh;
 }
 
 /* From the eye to the Gaussian, along axis j of the object's coordinates. */
 TD_INLINE td_dual td_from_eye(TD_GLOBAL const td_view *view, const td_image *image, const td_gaussian *gaussian, int j) {
-    int origin = image->moving ? TD_G_ORIGIN : TD_G_MEAN; /* the same for what doesn't move, and at hand */
+    int origin = td_moving(image) ? TD_G_ORIGIN : TD_G_MEAN; /* the same for what doesn't move, and at hand */
     return td_dual_sub(td_number_of(gaussian, image, origin + j), td_dual_all(view->eye[j], view->eye_dot[j]));
 }
 
@@ -345,7 +346,7 @@ TD_INLINE td_colour td_project_colour(TD_GLOBAL const td_view *view, const td_im
     td_dual inverse = td_dual_reciprocal(length);
     td_sh_source sh = td_sh_source_of(view, image, source, row);
     return td_sh_colour(td_dual_mul(d[0], inverse), td_dual_mul(d[1], inverse), td_dual_mul(d[2], inverse), &sh,
-                        image->sh_degree);
+                        td_sh_degree(image));
 }
 
 #endif

@@ -63,7 +63,7 @@ TD_INLINE void td_lay_luminance(td_dual luminance, td_mask broken, td_lanes entr
 TD_INLINE void td_store_colour(const td_colour *colour, td_mask broken, const td_image *image, const td_sink *sink,
                                td_lanes entry[TD_RECORD_STRIDE]) {
     td_lay_luminance(td_luminance_of(colour, image), broken, entry);
-    if (image->outputs < TD_OUT_COLOUR) return;
+    if (td_outputs(image) < TD_OUT_COLOUR) return;
     for (int c = 0; c < 3; c++) {
         td_scatter(sink->colours, TD_COLOUR_STRIDE, c, colour->channel[c].v);
         td_scatter(sink->colours, TD_COLOUR_STRIDE, 3 + c, colour->channel[c].d);
@@ -111,7 +111,7 @@ TD_INLINE td_asked td_asked_of(const td_shape *shape, const td_image *image, td_
 TD_INLINE td_mask td_store_masks(const td_asked *asked, const td_image *image, const td_job *job, const td_sink *sink) {
     td_mask blocks = td_block_mask(&asked->extent, image, job->x, job->y);
     blocks = td_select_mask(blocks, (blocks & 0) | 0xffff, asked->broken);
-    td_store_ints(sink->masks, image->soft_order ? td_pack_low(blocks, asked->depth_low) : blocks);
+    td_store_ints(sink->masks, td_soft_order(image) ? td_pack_low(blocks, asked->depth_low) : blocks);
     td_store_lanes(sink->depths, asked->depth);
     return blocks != 0;
 }
@@ -133,7 +133,7 @@ TD_INLINE void td_lay_splats(TD_GLOBAL const td_view *view, const td_image *imag
                              const td_gaussian *own, td_index row, const td_shape *shape, const td_sink *sink,
                              td_lanes entry[TD_RECORD_STRIDE]) {
     td_lay_shape(shape, entry);
-    if (image->decoder) {
+    if (td_decoder(image)) {
         td_store_features(view, image, source, row, shape->broken, sink, entry);
         return;
     }

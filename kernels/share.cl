@@ -1,12 +1,11 @@
 /* One work-item per several groups of TD_LANES Gaussians and time: records for all tiles that see them (share.h). */
 #include "share.h"
-#include "specialise.h"
 
 /* Rows [at, last) of `groups` at one time, whose first row is `rows`. */
 TD_APART void td_share_apart(__constant const td_image *image_buffer, __global const int *groups, int at, int last, int rows,
                              __global const int *object, __global const td_view *views, const td_source *sources,
                              const td_sink *sinks, __global float *extents) {
-    const td_image image = td_specialised(image_buffer);
+    const td_image image = *image_buffer;
     const td_source source = *sources;
     const td_sink all = *sinks;
     for (; at < last; at += TD_LANES) {

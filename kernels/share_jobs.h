@@ -3,7 +3,6 @@
 #define TD_SHARE_JOBS_H
 
 #include "share.h"
-#include "specialise.h"
 
 TD_INLINE td_shared td_shared_make(__global const float *extents, __global const int *place, int rows) {
     td_shared shared;
@@ -16,7 +15,7 @@ TD_INLINE td_shared td_shared_make(__global const float *extents, __global const
 /* A job whose tile shares them, by item `me` of `items`. */
 TD_APART void td_deal_apart(__constant const td_image *image_buffer, __global const td_job *at, int me, int items,
                             __global const int *candidates, const td_shared *from, const td_sink *sinks, __global int *places) {
-    const td_image image = td_specialised(image_buffer);
+    const td_image image = *image_buffer;
     const td_job job = *at;
     const td_shared shared = *from;
     const td_sink sink = *sinks;

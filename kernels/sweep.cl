@@ -1,11 +1,10 @@
 /* One work-item per TD_LANES Gaussians of [begin, end): the box that each stays within over an interval, and what it asks for
  * lest it goes unseen (sweep.h). */
 #include "sweep.h"
-#include "specialise.h"
 
 TD_APART void td_sweep_apart(__constant const td_image *image_buffer, const td_interval *whole, const td_source *sources,
                              int offset, __global float *boxes, __global float *travel) {
-    const td_image image = td_specialised(image_buffer);
+    const td_image image = *image_buffer;
     const td_interval interval = *whole;
     const td_source source = *sources;
     td_sweep_group(&interval, &image, &source, offset, boxes, travel);

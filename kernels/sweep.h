@@ -60,7 +60,7 @@ TD_INLINE td_lanes td_sweep_width(td_lanes a, td_lanes b, td_lanes c) {
  * cubic through them reaches, and so the ellipse out to where that one is cut. */
 TD_INLINE void td_sweep_opacity(td_shape s[3], const td_image *image, td_real duration) {
     td_lanes lower, upper;
-    td_real cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
+    td_real cut = td_cut_rule(image) == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
     td_sweep_range(s[0].opacity, s[1].opacity, s[2].opacity, duration, td_splat(0.0f), &lower, &upper);
     td_mask in_front = (s[0].depth.v > image->near) & (s[1].depth.v > image->near) & (s[2].depth.v > image->near);
     td_mask reached = in_front & (upper > cut);
@@ -74,7 +74,7 @@ TD_INLINE void td_sweep_opacity(td_shape s[3], const td_image *image, td_real du
 /* The same where a splat fades near the plane between the samples: opacity there rises with depth, up to `z1`. */
 TD_INLINE void td_sweep_fade(td_shape s[3], const td_image *image, td_lanes opacity, td_lanes z0, td_lanes z1) {
     if (!(image->near_full > image->near)) return;
-    td_real scale = 1 / (image->near_full - image->near), cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
+    td_real scale = 1 / (image->near_full - image->near), cut = td_cut_rule(image) == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
     td_mask fading = (z0 < image->near_full) & (z1 > image->near) & (z0 < z1);
     td_lanes upper = opacity * td_smootherstep(td_clamp((z1 - image->near) * scale, 0, 1));
     td_mask reached = fading & (upper > cut);
@@ -88,7 +88,7 @@ TD_INLINE void td_sweep_fade(td_shape s[3], const td_image *image, td_lanes opac
 /* Opacity as it is stored, the most of the rows' where they change. */
 TD_INLINE td_lanes td_sweep_own_opacity(const td_image *image, const td_source *source, const int row[3]) {
     td_lanes most = td_gather(source->geometry, td_count_from(row[0]) * TD_GEOMETRY_STRIDE + TD_G_OPACITY);
-    if (image->moving && source->moved)
+    if (td_moving(image) && source->moved)
         for (int i = 1; i < 3; i++)
             most = td_larger(most, td_gather(source->geometry, td_count_from(row[i]) * TD_GEOMETRY_STRIDE + TD_G_OPACITY));
     return most;
@@ -98,7 +98,7 @@ TD_INLINE td_lanes td_sweep_own_opacity(const td_image *image, const td_source *
 TD_INLINE td_reach td_sweep_reach(TD_GLOBAL const td_stray *stray, const td_image *image, const td_source *source,
                                   const int row[3]) {
     td_reach most = td_reach_at(stray, source, td_count_from(row[0]));
-    for (int i = 1; i < 3 && image->moving && source->moved; i++) {
+    for (int i = 1; i < 3 && td_moving(image) && source->moved; i++) {
         td_reach reach = td_reach_at(stray, source, td_count_from(row[i]));
         most.mean = td_larger(most.mean, reach.mean);
         most.factor = td_larger(most.factor, reach.factor);
@@ -174,16 +174,16 @@ typedef struct td_piece {
 TD_INLINE td_mask td_sweep_crosses(const td_piece *piece, const td_image *image, const td_source *source, td_mask ever) {
     const td_shape *s = piece->s;
     td_mask behind = (s[0].depth.v <= image->near) | (s[1].depth.v <= image->near) | (s[2].depth.v <= image->near);
-    td_real cut = image->cut_rule == TD_CUT_NONE ? TD_REAL(0.0) : image->cut;
+    td_real cut = td_cut_rule(image) == TD_CUT_NONE ? TD_REAL(0.0) : image->cut;
     td_mask crosses = (piece->opacity > cut) & (((piece->z0 <= image->near) & (piece->z1 > image->near)) | (behind & ever));
     if (!td_any(crosses)) return crosses;
-    td_real least = image->cut_rule == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut, scale = 0;
+    td_real least = td_cut_rule(image) == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut, scale = 0;
     td_lanes sigmas = td_sqrt(2.0f * td_log(td_select(td_splat(1.0f), piece->opacity / least, piece->opacity > least)));
     for (int k = 0; k < 3; k++) scale += piece->view[1]->r[6 + k] * piece->view[1]->r[6 + k]; /* an object's, squared */
     td_lanes size = td_fma(sigmas * td_sqrt(td_splat(scale)),
                            TD_REAL(1.01) * td_sweep_reach(piece->stray, image, source, piece->row).factor, piece->off);
     td_lanes blur = td_fma(sigmas, td_sqrt(td_splat(image->dilation)), td_splat(1.0f));
-    if (image->lens_model)
+    if (td_lens_model(image))
         return crosses & (td_sweep_beyond(piece->view, image, source, piece->row, piece->duration, piece->z1, size, blur) == 0);
     td_axis x = {image->fx, image->cx, (td_real)image->width, td_sweep_limit(image->limit_x0, image->limit_x1), 0};
     td_axis y = {image->fy, image->cy, (td_real)image->height, td_sweep_limit(image->limit_y0, image->limit_y1), 1};
@@ -215,7 +215,7 @@ typedef struct td_span2 {
  * slopes, or through a lens what bounds them. */
 TD_INLINE td_lanes td_sweep_tilt(const td_piece *piece, const td_image *image, td_lanes x, td_lanes y) {
     td_lanes nearest = td_larger(piece->z0, td_splat(image->near));
-    if (image->lens_model) {
+    if (td_lens_model(image)) {
         x = x * image->lens.slope, y = y * image->lens.slope;
         nearest = nearest / image->lens.stretch;
     }
@@ -265,13 +265,13 @@ TD_INLINE void td_sweep_begin(td_piece *piece, const td_image *image, const td_s
     if (piece->strays) {
         piece->reach = td_sweep_reach(piece->stray, image, source, piece->row);
         off = td_stray_of(piece->stray, piece->level, &piece->reach, td_splat(0.0f));
-        if (!(image->moving && source->moved)) piece->known = off; /* what moves by itself has other reasons too */
+        if (!(td_moving(image) && source->moved)) piece->known = off; /* what moves by itself has other reasons too */
     }
     td_sweep_range(s[0].depth, s[1].depth, s[2].depth, piece->duration, piece->known, &piece->z0, &piece->z1);
     piece->z0 -= off;
     piece->z1 += off;
     piece->known = td_select(td_splat(0.0f), piece->known, piece->z1 < TD_NEARLY_FLAT * piece->z0);
-    if (image->moving && source->moved) td_sweep_opacity(s, image, piece->duration);
+    if (td_moving(image) && source->moved) td_sweep_opacity(s, image, piece->duration);
     td_sweep_fade(s, image, piece->opacity, piece->z0, piece->z1);
     if (!piece->strays) return;
     td_lanes power = td_larger(td_larger(s[0].power, td_larger(s[1].power, s[2].power)), td_splat(0.0f));
@@ -398,7 +398,7 @@ TD_INLINE void td_sweep_group(const td_interval *all, const td_image *image, con
         td_sweep_piece(&piece, image, &own, &swept);
     }
     swept.pieces = td_larger(swept.pieces, td_sweep_crossing(&swept, image));
-    if (all->level > 0 && image->moving && own.moved)
+    if (all->level > 0 && td_moving(image) && own.moved)
         swept.pieces = td_larger(swept.pieces, td_sweep_rough(&piece, all, image, &own, which, offset, swept.peak));
     const td_span2 box = {swept.x0, swept.y0, swept.x1, swept.y1};
     td_store_boxes(image, &box, swept.x0 > swept.x1, boxes);

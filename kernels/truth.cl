@@ -1,14 +1,13 @@
 /* Ground truth (truth.h), after the projection and the sort of a batch: surfaces of its candidates, tile jobs by turns;
  * then planes, a work-item per TD_LANES pixels of a block as in composite.cl. */
 #include "truth.h"
-#include "specialise.h"
 #include "job_turns.h"
 
 TD_APART void td_surface_job(__constant const td_image *image_buffer, __global const td_job *at, __global const int *candidates,
                              __global const int *object, __global const int *numbers, __global const td_view *views,
                              const td_source *sources, __global const float *records, __global const int *masks,
                              const td_surfaces *surfaces, int first, int step) {
-    const td_image image = td_specialised(image_buffer);
+    const td_image image = *image_buffer;
     const td_job job = *at;
     const td_source source = *sources;
     const td_surfaces to = *surfaces;
@@ -34,7 +33,7 @@ __kernel void td_surface_jobs(__constant const td_image *image_buffer, __global 
 
 TD_APART int td_truth_apart(__constant const td_image *image_buffer, __global const td_job *at, const td_list *lists,
                             const td_surfaces *surfaces, int objects, int block, int first, __global float *planes) {
-    const td_image image = td_specialised(image_buffer);
+    const td_image image = *image_buffer;
     const td_job job = *at;
     const td_list list = *lists;
     const td_surfaces of = *surfaces;

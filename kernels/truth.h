@@ -200,7 +200,7 @@ TD_INLINE td_seen td_seen_at(TD_GLOBAL const td_real *place, TD_GLOBAL const td_
     td_lanes inverse = 1 / seen.z;
     seen.u = td_fma(-pixels->rx, z_dot, x_dot) * (inverse * image->fx);
     seen.v = td_fma(-pixels->ry, z_dot, y_dot) * (inverse * image->fy);
-    if (image->lens_model) td_seen_through(image, pixels, &seen);
+    if (td_lens_model(image)) td_seen_through(image, pixels, &seen);
     td_lanes nx = td_fma(pixels->rx, k[0], td_fma(pixels->ry, k[1], td_splat(k[2])));
     td_lanes ny = td_fma(pixels->rx, k[1], td_fma(pixels->ry, rest[0], td_splat(rest[1])));
     td_lanes nz = td_fma(pixels->rx, k[2], td_fma(pixels->ry, rest[1], td_splat(rest[2])));
@@ -240,7 +240,7 @@ TD_INLINE td_lanes td_truth_alpha(TD_GLOBAL const td_real *record, const td_imag
     *reach = TD_TRUTH_REACH * (td_larger(out, td_splat(0.0f)) + TD_TRUTH_MIDDLE);
     td_mask seen;
     td_cap_alpha(image, td_exp2(power), td_splat(0.0f), &tau, &unused, &seen);
-    td_lanes before = image->soft_order ? pixels->behind : pixels->transmittance;
+    td_lanes before = td_soft_order(image) ? pixels->behind : pixels->transmittance;
     if (td_drops_splats(image)) {
         td_mask on = td_above_stop(image, before * (1 - tau), td_splat(image->stop));
         pixels->live = td_select_mask(pixels->live, pixels->live & on, seen);
@@ -306,7 +306,7 @@ TD_INLINE int td_truth_list(const td_list *list, const td_surfaces *surfaces, co
     td_soft_steps steps;
     td_finder_start(list, block, &finder);
     for (td_next_group(list, block, &finder, &group); group.count > 0; td_next_group(list, block, &finder, &group)) {
-        if (image->soft_order) td_soft_measure(list, image, &group, &steps);
+        if (td_soft_order(image)) td_soft_measure(list, image, &group, &steps);
         for (int k = 0; k < group.count; k++) { /* a third of the time was waiting for them */
             td_soon(surfaces->places + list->order[group.place[k]] * TD_RECORD_STRIDE);
             td_soon(surfaces->rates + list->order[group.place[k]] * TD_RECORD_STRIDE);
@@ -314,7 +314,7 @@ TD_INLINE int td_truth_list(const td_list *list, const td_surfaces *surfaces, co
         for (int k = 0; k < group.count; k++) {
             int near = 0;
             td_real m = 1, left = 0;
-            if (image->soft_order) near = steps.near[k], m = steps.m[k], left = steps.left[k];
+            if (td_soft_order(image)) near = steps.near[k], m = steps.m[k], left = steps.left[k];
             int soft = near || is_open;
             td_lanes before = pixels->behind, reach;
             td_lanes tau = td_truth_alpha(td_list_record(list, group.place[k]), image, pixels, &reach);
@@ -336,7 +336,7 @@ TD_INLINE void td_truth_start(td_truth *pixels, td_lanes x, td_lanes y, const td
     pixels->y = y;
     td_ray_of(image, x, y, &pixels->rx, &pixels->ry);
     pixels->xx = pixels->xy = pixels->yx = pixels->yy = td_splat(0.0f);
-    if (image->lens_model) {
+    if (td_lens_model(image)) {
         td_bent bent = td_bend(image, td_still(pixels->rx), td_still(pixels->ry));
         pixels->xx = bent.xx.v, pixels->xy = bent.xy.v, pixels->yx = bent.yx.v, pixels->yy = bent.yy.v;
     }

@@ -33,7 +33,7 @@ stage_cppcheck() {
 }
 
 # As lib/device/program.c builds them: one pixel per work-item, as on GPUs, and the width that CPUs get; what names no
-# precision in double too. Every switch of kernels/specialise.h is given a value. With OpenCL's functions as clang declares
+# precision in double too. Every switch of kernels/choices.h is given a value. With OpenCL's functions as clang declares
 # them, and as kernels/builtins.h does.
 stage_kernels() {
     found=0

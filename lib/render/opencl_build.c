@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-/* The image's decisions that kernels are built for (specialise.h). */
+/* The image's decisions that kernels are built for (choices.h). */
 enum {
     BY_SH = 1,
     BY_ANTIALIAS = 2,

@@ -1,0 +1,80 @@
+/* The image's decisions as code asks for them: a literal where a program is built for one (TD_BUILD_...; for which,
+ * lib/render/opencl_build.c says), else what the image says. What is switched off then comes no further than the compiler's
+ * front end. Left to its optimiser it took twice as long to build; and PoCL lays out in memory what a work-item owns before it
+ * unrolls loops, where a struct with an array that a loop goes through stays, whether or not the loop is ever reached.
+ * (sizeof: the image counts as used.) */
+#ifndef TD_CHOICES_H
+#define TD_CHOICES_H
+
+#if defined(TD_OPENCL) && defined(__clang__) /* clang finds a condition that is a literal's worth a word */
+#pragma clang diagnostic ignored "-Wconstant-logical-operand"
+#endif
+
+#define TD_BUILT(image, what) ((int)(sizeof *(image) > 0) * (what))
+
+#ifdef TD_BUILD_SH_DEGREE
+#define td_sh_degree(image) TD_BUILT(image, TD_BUILD_SH_DEGREE)
+#else
+#define td_sh_degree(image) ((image)->sh_degree)
+#endif
+
+#ifdef TD_BUILD_ANTIALIAS
+#define td_antialias(image) TD_BUILT(image, TD_BUILD_ANTIALIAS)
+#else
+#define td_antialias(image) ((image)->antialias)
+#endif
+
+#ifdef TD_BUILD_CUT_RULE
+#define td_cut_rule(image) TD_BUILT(image, TD_BUILD_CUT_RULE)
+#else
+#define td_cut_rule(image) ((image)->cut_rule)
+#endif
+
+#ifdef TD_BUILD_STOP_RULE
+#define td_stop_rule(image) TD_BUILT(image, TD_BUILD_STOP_RULE)
+#else
+#define td_stop_rule(image) ((image)->stop_rule)
+#endif
+
+#ifdef TD_BUILD_EXTENT_RULE
+#define td_extent_rule(image) TD_BUILT(image, TD_BUILD_EXTENT_RULE)
+#else
+#define td_extent_rule(image) ((image)->extent_rule)
+#endif
+
+#ifdef TD_BUILD_MOVING
+#define td_moving(image) TD_BUILT(image, TD_BUILD_MOVING)
+#else
+#define td_moving(image) ((image)->moving)
+#endif
+
+#ifdef TD_BUILD_OUTPUTS
+#define td_outputs(image) TD_BUILT(image, TD_BUILD_OUTPUTS)
+#else
+#define td_outputs(image) ((image)->outputs)
+#endif
+
+#ifdef TD_BUILD_SOFT_ORDER
+#define td_soft_order(image) TD_BUILT(image, TD_BUILD_SOFT_ORDER)
+#else
+#define td_soft_order(image) ((image)->soft_order)
+#endif
+
+#ifdef TD_BUILD_DECODER
+#define td_decoder(image) TD_BUILT(image, TD_BUILD_DECODER)
+#else
+#define td_decoder(image) ((image)->decoder)
+#endif
+
+#ifdef TD_BUILD_LENS
+#define td_lens_model(image) TD_BUILT(image, TD_BUILD_LENS)
+#else
+#define td_lens_model(image) ((image)->lens_model)
+#endif
+
+#define td_with_diagnostics(image) (td_outputs(image) >= TD_OUT_DIAGNOSTICS)
+#define td_with_colour(image) (td_outputs(image) >= TD_OUT_COLOUR)
+#define td_with_rates(image) (td_outputs(image) != TD_OUT_LUMINANCE)
+#define td_with_decoder(image) (td_decoder(image) != 0)
+
+#endif
