@@ -32,9 +32,12 @@ static td_sorted td_sort_job(__global const td_job *job, __global const int *hin
     (void)shared;
     td_sorted done = {0, 1};
     if (job->count == 0) return done; /* a job without candidates has no keys either */
-    for (int i = 0; i < job->count; i++) {
+    /* Each is written, and kept by moving on: whether a candidate touches the tile, a branch can't tell. */
+    const int count = job->count, blocks = job->blocks, always = job->new_hint != 0;
+    for (int i = 0; i < count; i++) {
         int candidate = td_hinted(hint, i);
-        if (job->new_hint || (masks[candidate] & job->blocks) != 0) keys[done.count++] = td_key(depths, candidate);
+        keys[done.count] = td_key(depths, candidate);
+        done.count += ((masks[candidate] & blocks) != 0) | always;
     }
     for (int i = 1; i < done.count; i++) done.kept &= keys[i - 1] < keys[i];
     if (done.kept) return done;
@@ -130,11 +133,12 @@ TD_APART td_sorted td_sort_apart(__global const td_job *job, const td_sorting *a
 }
 
 /* order, sorted_masks and words: what td_list wants; counts[job], and counts[jobs + job] 1 where the list was in order;
- * brightest[job]. Keys have twice the room of the records. */
+ * brightest[job]. Keys have twice the room of the records: `key_room` of a group's own, which stay in its core's cache from job
+ * to job, or where that is 0 of each job's. */
 __kernel void td_sort_jobs(__global const td_job *jobs, __global const td_backdrop *backdrops, __global const float *depths,
                            __global const float *lights, __global const int *masks, __global long *keys, __global int *order,
                            __global int *sorted_masks, __global int *counts, __global float *brightest, __global int *hints,
-                           __global int *words, __global const int *places, __global int *turns, int job_count) {
+                           __global int *words, __global const int *places, __global int *turns, int key_room, int job_count) {
     __local int shared[TD_GROUP_MOST];
     volatile __global int *turn = turns + TD_TURN_SORT;
     const int me = (int)get_local_id(0), items = (int)get_local_size(0);
@@ -147,7 +151,7 @@ __kernel void td_sort_jobs(__global const td_job *jobs, __global const td_backdr
         of.masks = masks + from;
         of.hint = job->hint ? hints + job->hint : 0;
         of.places = job->shared ? places + from : 0;
-        of.keys = keys + 2 * from;
+        of.keys = keys + (key_room ? (int)get_group_id(0) * key_room : 2 * from);
         of.order = order + from;
         of.sorted_masks = sorted_masks + from;
         of.words = words + td_first_word(from, at);

@@ -56,9 +56,10 @@ static tides_status launch_project(opencl_backend *b, const td_batch *batch, cl_
                      event, error);
 }
 
-static tides_status launch_sort(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
+static tides_status launch_sort(opencl_backend *b, const td_batch *batch, const td_staging *s, cl_event *event,
+                                tides_error *error) {
     size_t local = td_opencl_group_size(b), global = td_opencl_takers(b, batch->job_count);
-    cl_int jobs = batch->job_count;
+    cl_int jobs = batch->job_count, key_room = (cl_int)s->key_room;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->jobs),   TD_BUFFER_ARGUMENT(b->backdrops),
                                      TD_BUFFER_ARGUMENT(b->depths), TD_BUFFER_ARGUMENT(b->lights),
                                      TD_BUFFER_ARGUMENT(b->masks),  TD_BUFFER_ARGUMENT(b->keys),
@@ -66,7 +67,7 @@ static tides_status launch_sort(opencl_backend *b, const td_batch *batch, cl_eve
                                      TD_BUFFER_ARGUMENT(b->counts), TD_BUFFER_ARGUMENT(b->brightest),
                                      TD_BUFFER_ARGUMENT(b->hints),  TD_BUFFER_ARGUMENT(b->words),
                                      TD_BUFFER_ARGUMENT(b->places), TD_BUFFER_ARGUMENT(b->turns),
-                                     TD_VALUE_ARGUMENT(jobs)};
+                                     TD_VALUE_ARGUMENT(key_room),   TD_VALUE_ARGUMENT(jobs)};
     return td_launch(b->device, b->sort_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), event, error);
 }
 
@@ -105,7 +106,7 @@ static tides_status run_stages(opencl_backend *b, const td_batch *batch, td_stag
     tides_status status = td_opencl_reserve_batch(b, batch, s, error);
     if (status == TIDES_OK) status = td_opencl_send_batch(b, batch, s, error);
     if (status == TIDES_OK) status = make_records(b, batch, s, &events[0], &events[STAGES], error);
-    if (status == TIDES_OK) status = launch_sort(b, batch, &events[1], error);
+    if (status == TIDES_OK) status = launch_sort(b, batch, s, &events[1], error);
     if (status == TIDES_OK)
         status = batch->outputs == TD_OUT_TRUTH ? td_opencl_truth(b, batch, s->asked_count, &events[2], error)
                                                 : launch_composite(b, batch, s, &events[2], error);

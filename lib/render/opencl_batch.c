@@ -9,6 +9,17 @@ static size_t count_blocks(const td_batch *batch) {
     return count;
 }
 
+/* Keys of a sort, two for each candidate: on a CPU of each group that takes jobs, whose longest then fits. */
+static void lay_keys(const opencl_backend *b, const td_batch *batch, td_staging *s) {
+    size_t longest = 0;
+    for (int i = 0; i < batch->job_count; i++)
+        if ((size_t)batch->jobs[i].count > longest) longest = (size_t)batch->jobs[i].count;
+    const size_t groups = td_opencl_takers(b, batch->job_count);
+    s->key_room = b->device->info.lanes > 1 ? 2 * longest : 0;
+    s->keys = s->key_room ? groups * s->key_room : 2 * (size_t)batch->records;
+    if (s->keys == 0) s->keys = 1;
+}
+
 static tides_status lay_staging(opencl_backend *b, const td_batch *batch, td_staging *s, tides_error *error) {
     size_t jobs = (size_t)batch->job_count;
     s->view_reals = (size_t)batch->slots * b->objects * TD_VIEW_REALS;
@@ -16,6 +27,7 @@ static tides_status lay_staging(opencl_backend *b, const td_batch *batch, td_sta
     s->asked_count = count_blocks(batch);
     s->plane_reals = s->asked_count * batch->outputs * TD_BLOCK_PIXELS;
     s->blended_count = s->asked_count * (size_t)(TD_BLOCK_PIXELS / b->device->info.lanes);
+    lay_keys(b, batch, s);
     size_t fetched = b->device->near ? 0 : s->plane_reals, reals = s->view_reals + s->backdrop_reals + fetched;
     size_t ints = jobs * TD_JOB_INTS + s->asked_count + s->blended_count + 2 * jobs;
     tides_status status = td_reserve((void **)&b->host, &b->host_capacity, reals, sizeof *b->host, error);
@@ -49,7 +61,7 @@ tides_status td_opencl_reserve_batch(opencl_backend *b, const td_batch *batch, t
         {&b->depths, records * sizeof(cl_float)},
         {&b->lights, (records / lanes + 1) * sizeof(cl_float)},
         {&b->masks, records * sizeof(cl_int)},
-        {&b->keys, 2 * records * sizeof(cl_long)},
+        {&b->keys, s->keys * sizeof(cl_long)},
         {&b->order, records * sizeof(cl_int)},
         {&b->sorted_masks, records * sizeof(cl_int)},
         {&b->words, (records / 2 + 2 * TD_TILE_BLOCKS * jobs) * sizeof(cl_int)},

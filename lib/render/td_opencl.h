@@ -91,7 +91,8 @@ typedef struct td_staging {
     int *blended;
     int *counts; /* (2 x jobs) splats of each list; then 1 where it was in order */
     size_t view_reals, backdrop_reals, plane_reals, asked_count, blended_count;
-    int shared; /* times whose tiles share records */
+    int shared;            /* times whose tiles share records */
+    size_t keys, key_room; /* of the sort, in all and of each group that takes jobs (kernels/sort.cl) */
 } td_staging;
 
 /* Room for a batch, on the device too; its data there; what came of it from there, once the queue has finished; the planes to
