@@ -21,6 +21,10 @@ enum {
 /* What is off by more is off by anything [of log_luminance]. */
 static const double most_off = 10;
 
+/* What returns within the interval does so in step with its nodes: no middle shows it, but paths that are halved stray as far
+ * as before. That far counts [px], where halving leaves more than half of it. */
+static const double strays_px = 1e-3, strays_share = 0.5;
+
 /* Samples nearer than this to another are it [s]. */
 static const double same_time = 1e-9;
 
@@ -281,29 +285,48 @@ static tides_status project(tides_renderer *renderer, const tides_trajectory *ca
 
 /* -- levels ---------------------------------------------------------------------------------------------------------------- */
 
-/* Those in a list, with rows of level 1. */
-static void find_listed(const tides_renderer *renderer, const td_point_span *lists, td_point_nodes *nodes) {
-    const int end = lists->first[renderer->stats.tiles], level = !is_instant(nodes), rows = level ? 2 * nodes->pieces + 1 : 1;
+static tides_status too_many(const td_point_nodes *nodes, tides_error *error) {
+    return td_fail(error, TIDES_NO_MEMORY, "record paths of an interval of %g s: too many rows; use shorter steps",
+                   nodes->knot[nodes->pieces] - nodes->knot[0]);
+}
+
+/* The level that a Gaussian begins with, so that no curve has it go further than its own diameter: what comes back between two
+ * nodes, or is over, shows in neither. Above MOST_LEVEL where none is enough. */
+static int first_level(const tides_renderer *renderer, const td_point_nodes *nodes, int gaussian) {
+    int level = 1;
+    while (level <= MOST_LEVEL && renderer->travel[gaussian] > (double)((int64_t)nodes->pieces << level)) level++;
+    return level;
+}
+
+/* Those in a list, with rows of their first levels. */
+static tides_status find_listed(const tides_renderer *renderer, const td_point_span *lists, td_point_nodes *nodes,
+                                tides_error *error) {
+    const int end = lists->first[renderer->stats.tiles];
+    int64_t rows = 0;
     for (int i = 0; i < renderer->store.count; i++) nodes->path[i] = TD_PATH_UNSEEN;
     for (int i = 0; i < end; i++)
         if (lists->list[i] >= 0) nodes->path[lists->list[i]] = 0;
-    nodes->count = 0;
+    nodes->count = nodes->bent = 0;
     for (int i = 0; i < renderer->store.count; i++) {
         if (nodes->path[i] == TD_PATH_UNSEEN) continue;
-        nodes->first[nodes->count] = nodes->count * rows;
+        int level = is_instant(nodes) ? 0 : first_level(renderer, nodes, i);
+        nodes->bent += level > MOST_LEVEL;
+        if (level > MOST_LEVEL) level = MOST_LEVEL;
+        nodes->first[nodes->count] = (int)rows;
         nodes->level[nodes->count] = (uint8_t)level;
         nodes->gaussians[nodes->count++] = i;
+        rows += is_instant(nodes) ? 1 : ((int64_t)nodes->pieces << level) + 1;
+        if (rows > INT32_MAX / TD_PATH_STRIDE) return too_many(nodes, error);
     }
-    nodes->rows = nodes->count * rows;
+    nodes->rows = (int)rows;
+    return TIDES_OK;
 }
 
 /* Gives a Gaussian rows of the next level. */
 static tides_status refine(td_point_nodes *nodes, int i, tides_error *error) {
     const int level = ++nodes->level[i];
     const int64_t rows = (int64_t)nodes->rows + ((int64_t)nodes->pieces << level) + 1;
-    if (rows > INT32_MAX / TD_PATH_STRIDE)
-        return td_fail(error, TIDES_NO_MEMORY, "record paths of an interval of %g s: too many rows; use shorter steps",
-                       nodes->knot[nodes->pieces] - nodes->knot[0]);
+    if (rows > INT32_MAX / TD_PATH_STRIDE) return too_many(nodes, error);
     nodes->first[i] = nodes->rows;
     nodes->rows = (int)rows;
     return TIDES_OK;
@@ -324,22 +347,24 @@ static double added_up(const tides_renderer *renderer, const td_point_nodes *nod
 /* What Gaussian i needs whose cubics of the level before are off by so much (of log_luminance) in the middle: its level is
  * enough where a sixteenth of the worst is, by which a smooth path's error falls with each level; at the last it may have a
  * kink, and is taken to be off by all of it the share `bent` of the time. What can't be compared at all crosses the near plane:
- * it has faded where its curves can't be used, and isn't counted. An event sees a path at some time: the law is told what is
- * off on average, outside of kinks; the worst was 20 times what is true where a lamp flickers, or a splat passes the clamp. */
+ * it has faded where its curves can't be used, if they are short, so that it counts as bent, and isn't told. An event sees a
+ * path at some time: the law is told what is off on average, outside of kinks; the worst was 20 times what is true where a lamp
+ * flickers, or a splat passes the clamp. */
 static tides_status choose_level(const tides_renderer *renderer, td_point_nodes *nodes, int i, double worst, double calm,
                                  double bent, tides_error *error) {
     const double never = 2 * TD_PATH_WILD * TD_POINT_PATH_TARGET;
     const double target = target_of(renderer, nodes, i);
     double falls = 16;
-    nodes->moving += nodes->level[i] == 1 && worst > 0;
+    const int first = first_level(renderer, nodes, nodes->gaussians[i]);
+    nodes->moving += worst > 0 && nodes->level[i] == (first < MOST_LEVEL ? first : MOST_LEVEL);
     if (worst > falls * target && nodes->level[i] < MOST_LEVEL) return refine(nodes, i, error);
     const int is_bent = worst > falls * target;
     if (nodes->level[i] == 1 && worst <= target) {
         nodes->level[i] = 0; /* with every other row of level 1 */
         falls = 1;
     }
-    if (!(worst > 0 && worst < never)) return TIDES_OK;
     nodes->bent += is_bent;
+    if (!(worst > 0 && worst < never)) return TIDES_OK;
     const double smooth = is_bent || worst <= TD_PATH_BENT * TD_POINT_PATH_TARGET ? calm : worst;
     td_path_tally_add(&nodes->tally, added_up(renderer, nodes, i) * smooth / falls, fmin(worst, most_off), is_bent ? bent : 0);
     return TIDES_OK;
@@ -394,13 +419,12 @@ static int are_bent(const td_point_nodes *nodes) { return FEW_BENT * (int64_t)no
  * WHOLE_LEVEL isn't enough for more than half of all, or all levels aren't for more than few of those that move. */
 static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
                               const td_point_span *span, td_point_nodes *nodes, int *bent, tides_error *error) {
-    tides_status status = TIDES_OK;
     const int may_bend = *bent;
     *bent = 0;
-    find_listed(renderer, span, nodes);
+    tides_status status = find_listed(renderer, span, nodes, error);
     nodes->tally = (td_path_tally){0};
-    nodes->moving = nodes->bent = 0;
-    if (is_instant(nodes)) return project(renderer, camera, nodes, 0, error);
+    nodes->moving = 0;
+    if (status == TIDES_OK && is_instant(nodes)) return project(renderer, camera, nodes, 0, error);
     for (int level = 1, finer = 1; level <= MOST_LEVEL && finer > 0 && status == TIDES_OK && !*bent; level++) {
         finer = 0;
         status = project(renderer, camera, nodes, level, error);
@@ -423,16 +447,27 @@ static tides_status find_cut(tides_renderer *renderer, const tides_trajectory *c
     return find_rows(renderer, camera, engine, span, nodes, &bent, error);
 }
 
+/* Does halving the interval, and its halves, bring cubics nearer to what paths do within it? */
+static int is_tame(const tides_renderer *renderer) {
+    for (int i = 0; i < renderer->store.objects; i++) {
+        const double *px = renderer->strays.px + (size_t)i * TD_STRAY_LEVELS;
+        for (int k = 1; k < WHOLE_LEVEL; k++)
+            if (px[k] > strays_px && px[k] > strays_share * px[k - 1]) return 0;
+    }
+    return 1;
+}
+
 /* Most paths are smooth enough for the interval to be one piece, whatever samples they have within it: then points share
- * curves. Where they aren't, as where a camera turns a corner or a lamp flickers, it's cut there. Where that isn't enough, as
- * for what a formula shakes at some kHz, it is halved. */
+ * curves. Where they aren't, as where a camera turns a corner or shakes, or a lamp flickers, it's cut there. Where that isn't
+ * enough, as for what a formula shakes at some kHz, it is halved. */
 tides_status td_point_nodes_find(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
                                  const td_point_span *span, td_point_nodes *nodes, tides_error *error) {
     tides_status status = cut(renderer, camera, span->start, span->stop, nodes, error);
     int bent = nodes->pieces > 1;
+    const int whole = !bent || !(span->start < span->stop) || is_tame(renderer);
     nodes->halve = NAN;
-    if (status == TIDES_OK) status = begin_whole(nodes, span->start, span->stop, error);
-    if (status == TIDES_OK) status = find_rows(renderer, camera, engine, span, nodes, &bent, error);
+    if (status == TIDES_OK && whole) status = begin_whole(nodes, span->start, span->stop, error);
+    if (status == TIDES_OK && whole) status = find_rows(renderer, camera, engine, span, nodes, &bent, error);
     if (status == TIDES_OK && bent) status = find_cut(renderer, camera, engine, span, nodes, error);
     if (status != TIDES_OK || !isnan(nodes->halve)) return status;
     if (are_bent(nodes) && (span->stop - span->start) / nodes->pieces >= 2 * span->shortest)
