@@ -98,6 +98,7 @@ static tides_status measure(bench *b, const bench_scene *scene, int32_t mode, be
     stepping.step_s = fixed ? 1 / FIXED_RATE : scene->macro_step_s;
     stepping.min_step_s = 1e-6;
     stepping.tolerance = TOLERANCE;
+    bench_choose_parts(&stepping, 0);
     row->method = fixed ? "hermite" : "error";
     row->unit = fixed ? "frames/s" : "tolerance";
     row->setting = fixed ? FIXED_RATE : TOLERANCE;

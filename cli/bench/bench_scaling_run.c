@@ -8,6 +8,8 @@
 #include <string.h>
 #include <sys/resource.h>
 
+#define TOLERANCE 0.01 /* of the cubic's steps */
+
 /* Frames and runs are repeated until they took so long [s], but so often at most. */
 enum { AGAIN_MOST = 5 };
 #define LONG_S 1.0
@@ -79,6 +81,8 @@ void scaling_measure(bench *b, const scaling_axis *axis, double x, scaling_resul
     memset(r, 0, sizeof *r);
     r->x = x;
     tides_stepping_defaults(&w.stepping);
+    w.stepping.tolerance = TOLERANCE;
+    bench_choose_parts(&w.stepping, 0);
     tides_status status = axis->make(x, &w, &error);
     set_threads(w.threads);
     if (status == TIDES_OK && axis->work == WORK_START)

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define TOLERANCE 0.01 /* of the cubic's steps */
+
 enum { WIDTH = 64, HEIGHT = 48, FOCAL = 60, BACKDROP_SEED = 31415 };
 #define DURATION_S 0.02
 
@@ -153,6 +155,8 @@ static tides_status lay_out(stability_world *w, tides_error *error) {
     tides_sensor_defaults(&s->sensor);
     tides_readout_defaults(&s->readout);
     tides_stepping_defaults(&w->stepping);
+    w->stepping.tolerance = TOLERANCE;
+    bench_choose_parts(&w->stepping, 0);
     return tides_scene_create(&s->scene, error);
 }
 

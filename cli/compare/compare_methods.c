@@ -145,6 +145,16 @@ static tides_status work(comparison *c, compare_row *row, tides_session *session
                               : status;
 }
 
+/* A tolerance that the run chose for itself, in place of null. */
+static tides_status tell_tolerance(compare_row *row, tides_error *error) {
+    static const char key[] = "stepping.tolerance";
+    if (!cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(row->parameters, key))) return TIDES_OK;
+    cJSON *used = cJSON_CreateNumber(row->stats.tolerance);
+    if (used && cJSON_ReplaceItemInObjectCaseSensitive(row->parameters, key, used)) return TIDES_OK;
+    cJSON_Delete(used);
+    return cli_error(error, TIDES_NO_MEMORY, "out of memory: settings of %s", row->name);
+}
+
 tides_status compare_run(comparison *c, compare_row *row, tides_error *error) {
     tides_session *session = NULL;
     c->progress.label = row->name;
@@ -152,6 +162,7 @@ tides_status compare_run(comparison *c, compare_row *row, tides_error *error) {
     const int32_t what = c->as_configured ? TIDES_IDEAL_THRESHOLDS : TIDES_IDEAL_PIXEL;
     tides_status status = compare_configure(c, row->name, what, row, &session, &row->error);
     if (status == TIDES_OK) status = work(c, row, session, &row->error);
+    if (status == TIDES_OK) status = tell_tolerance(row, &row->error);
     tides_session_close(session);
     row->error.status = status;
     if (status == TIDES_CANCELLED) *error = row->error;

@@ -88,8 +88,22 @@ static void print_causes(const tides_stats *stats) {
     putchar('\n');
 }
 
+/* Where events come from: the image, or a model of it, and why. */
+static void print_solved(const tides_stats *stats) {
+    static const char *const why[] = {[TIDES_UNSOLVED_MODEL] = "stepping.model isn't hermite",
+                                      [TIDES_UNSOLVED_SENSOR] =
+                                          "a PSF, a filter, a surround or additive noise stands between image and pixel",
+                                      [TIDES_UNSOLVED_IMAGE] = "the image jumps by its rules, or a decoder makes its colours"};
+    char count[24], other[24];
+    if (stats->events_solved)
+        printf("solved            %s events on the image itself, with %s pixels at single times\n",
+               cli_count((double)stats->events_solved, count), cli_count((double)stats->points_looked_up, other));
+    if (stats->unsolved >= TIDES_UNSOLVED_MODEL && stats->unsolved <= TIDES_UNSOLVED_IMAGE)
+        printf("solved            on the model between renders: %s\n", why[stats->unsolved]);
+}
+
 static void print_summary(const tides_stats *stats, const tides_session_facts *session) {
-    char count[24], other[24], rate[24];
+    char count[24], rate[24];
     const double on = stats->events ? 100.0 * (double)stats->events_on / (double)stats->events : 0.0;
     printf("events            %s (%.0f %% on), %s/s in %.4g s at %dx%d px\n", cli_count((double)stats->events, count), on,
            cli_count(stats->simulated_s > 0 ? (double)stats->events / stats->simulated_s : 0, rate), stats->simulated_s,
@@ -106,9 +120,7 @@ static void print_summary(const tides_stats *stats, const tides_session_facts *s
     if (stats->events_truncated)
         printf("truncated         %llu crossings beyond sensor.max_events_per_step, at their step's end in time: raise it\n",
                (unsigned long long)stats->events_truncated);
-    if (stats->events_solved)
-        printf("solved            %s events on the image itself, with %s pixels at single times\n",
-               cli_count((double)stats->events_solved, count), cli_count((double)stats->points_looked_up, other));
+    print_solved(stats);
     if (stats->events_uncertain)
         printf("uncertain         %s events, or places where there might be one: the signal turns within its error of a "
                "level\n",

@@ -35,21 +35,36 @@ enum { TIDES_SLOPE_EXACT = 0, TIDES_SLOPE_DIFFERENCE = 1 };
  * are, pixel by pixel, until no time is off by more than time_tolerance_s (10 ns where that is 0), or than rounding in the
  * precision named: DOUBLE works single pixels out whatever the device computes in (motion models in its own), FLOAT whole 4x4
  * blocks of pixels as samples are. Steps then only have to find the crossings. With ERROR or RISK, and where neither a PSF, a
- * filter, a surround nor additive noise comes between image and comparator; else TIDES_UNSUPPORTED, and says why. AUTO is
- * DOUBLE where it can be had, else OFF: tides_stats.solve says which. */
+ * filter, a surround nor additive noise comes between image and comparator, nor (DOUBLE) rules or a decoder make the image
+ * jump; else TIDES_UNSUPPORTED, and says why. AUTO is DOUBLE where it can be had, else OFF: tides_stats.solve says which, and
+ * `unsolved` why. That rests on the run alone: a device without double precision has DOUBLE worked out in C, to the same bits,
+ * on one processor. */
 enum { TIDES_SOLVE_OFF = 0, TIDES_SOLVE_FLOAT = 1, TIDES_SOLVE_DOUBLE = 2, TIDES_SOLVE_AUTO = 3 };
 
+/* Why a run's events are not looked up: they are; OFF was asked for; steps are fixed; the model isn't HERMITE; a PSF, a filter,
+ * a surround or additive noise stands between image and comparator; the rules let splats end abruptly, or a decoder makes the
+ * colours. */
+enum {
+    TIDES_UNSOLVED_NOT = 0,
+    TIDES_UNSOLVED_ASKED = 1,
+    TIDES_UNSOLVED_FIXED = 2,
+    TIDES_UNSOLVED_MODEL = 3,
+    TIDES_UNSOLVED_SENSOR = 4,
+    TIDES_UNSOLVED_IMAGE = 5
+};
+
 /* What has steps of its own under RISK and ERROR, with `local`: a 16x16 tile, or a 4x4 block of pixels, so that only the blocks
- * in which something asks for a sample are composited. */
-enum { TIDES_UNIT_TILE = 0, TIDES_UNIT_BLOCK = 1 };
+ * in which something asks for a sample are composited. AUTO: blocks where events are looked up, which makes up for what
+ * smaller units see less of; else tiles. */
+enum { TIDES_UNIT_TILE = 0, TIDES_UNIT_BLOCK = 1, TIDES_UNIT_AUTO = 2 };
 
 /* Weights of the risk score: coverage, contributors, |alpha_dot|. */
 typedef struct tides_risk {
     double w_b, w_c, w_alpha; /* [1] >= 0 */
 } tides_risk;
 
-/* Step control; fill with tides_stepping_defaults (error, hermite, local, 10 ms, 1 us, 0.01, 0, 0, 0.3 0.3 0.4, exact, 0, 256,
- * off, 0, tiles). */
+/* Step control; fill with tides_stepping_defaults (error, hermite, local, 10 ms, 1 us, 0, 0, 0, 0.3 0.3 0.4, exact, 0, 256,
+ * auto, 0, auto). */
 typedef struct tides_stepping {
     uint32_t size;
     int32_t mode;               /* TIDES_STEPPING_* */
@@ -58,7 +73,8 @@ typedef struct tides_stepping {
                                 chosen; 0: whole frames, the same steps for all */
     double step_s;              /* [s] > 0: the step, or the longest; the last is shortened to end at `stop` */
     double min_step_s;          /* [s] > 0: steps that are no longer than this aren't cut */
-    double tolerance;           /* ERROR: estimated error of S, in units of the smaller threshold, > 0 */
+    double tolerance;           /* ERROR: estimated error of S, in units of the smaller threshold. 0: 0.1 where events are
+                                   looked up and steps only have to find them, 0.01 where the model says when they are */
     double time_tolerance_s;    /* ERROR: estimated error of event times [s]; 0: not asked for */
     double budget;              /* renders that cuts may cost in the whole run, in full frames; what is over it goes first where
                                 the measures are worst. 0: no bound */
@@ -66,7 +82,8 @@ typedef struct tides_stepping {
     int32_t slope;              /* TIDES_SLOPE_* */
     int32_t interpolate_motion; /* 1: between the start, middle and end of a macro step expensive motion models (networks,
                                    callbacks) are interpolated, Gaussian by Gaussian where that is estimated to stay within
-                                   both tolerances. FIXED: has no effect, each step is worked out */
+                                   both tolerances (0.01 where `tolerance` is 0: looking up sees the same motion). FIXED: has
+                                   no effect, each step is worked out */
     double memory_mb; /* [1e6 bytes] >= 1: what the samples of a macro step and their launches may take: tiles are taken so
                          many at a time. Where tiles share their steps or a budget, a few samples of each moving tile, if
                          that is more; looking up single pixels has a room of its own, 512 at most. Changes the order of
@@ -121,7 +138,10 @@ typedef struct tides_stats {
     uint64_t events_solved;    /* of `events`, those whose times were looked up in the image (stepping.solve), and */
     uint64_t points_looked_up; /* pixels at single times that were looked up for them */
     double time_look_up_s;     /* spent on that in double precision; in single it is part of the renderer's times */
-    uint64_t solve;            /* TIDES_SOLVE_* that the run has: AUTO is OFF or DOUBLE */
+    uint64_t solve;            /* TIDES_SOLVE_* that the run has: AUTO is OFF or DOUBLE; */
+    uint64_t unsolved;         /* TIDES_UNSOLVED_*: why it is OFF */
+    uint64_t unit;             /* TIDES_UNIT_* that the run has: TILE or BLOCK */
+    double tolerance;          /* that the run has [thresholds] */
 } tides_stats;
 
 enum { TIDES_STAT_COUNT = 0 /* uint64_t */, TIDES_STAT_REAL = 1 /* double */, TIDES_STAT_WHOLE = 2 /* int32_t */ };

@@ -217,11 +217,8 @@ tides_status td_kernel_create(tides_device *device, const char *files, const cha
 tides_status td_kernel_create_double(tides_device *device, const char *files, const char *defines, const char *name,
                                      cl_kernel *kernel, tides_error *error) {
     const dialect wide = {1, td_double_lanes(device)};
-    if (!device->has_double)
-        return td_fail(error, TIDES_UNSUPPORTED,
-                       "device '%.60s' has no double precision (cl_khr_fp64), which events solved in double need; set "
-                       "stepping.solve to \"float\", or take another device",
-                       device->info.name);
+    if (!td_device_has_double(device))
+        return td_fail(error, TIDES_UNSUPPORTED, "device '%.60s' has no double precision (cl_khr_fp64)", device->info.name);
     return create_kernel(device, &wide, files, defines, name, kernel, error);
 }
 

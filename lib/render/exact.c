@@ -5,9 +5,8 @@
 
 tides_status td_exact_create(tides_device *device, const td_store *store, const td_image_numbers *image, td_exact **exact,
                              tides_error *error) {
-    tides_status status = device->info.kind == TIDES_DEVICE_REFERENCE
-                              ? td_exact_create_twin(store, image, exact, error)
-                              : td_exact_create_opencl(device, store, image, exact, error);
+    tides_status status = td_device_has_double(device) ? td_exact_create_opencl(device, store, image, exact, error)
+                                                       : td_exact_create_twin(store, image, exact, error);
     if (status != TIDES_OK) return status;
     (*exact)->gaussians = store->count;
     (*exact)->sh_stride = store->sh_stride;

@@ -1,5 +1,5 @@
-/* The scene in double precision on reference devices (td_exact.h): the double reference, whose nodes have the bits of OpenCL's
- * in double, because the projection is made of basic operations alone (tests/kernels/test_exact_scene.c). */
+/* The scene in double precision where the device has none (td_exact.h): the double reference, whose nodes have the bits of
+ * OpenCL's in double, because the projection is made of basic operations alone (tests/kernels/test_exact_scene.c). */
 #include "td_exact.h"
 
 #include <stdlib.h>

@@ -103,8 +103,7 @@ void td_points_destroy(td_points *points) {
     free(points);
 }
 
-/* Why this renderer has no exact points; NULL: it has. */
-static const char *why_not(const tides_renderer *renderer) {
+const char *td_renderer_lacks_exact_points(const tides_renderer *renderer) {
     const td_image *image = &renderer->image;
     if (renderer->psf.radius) return "the optics' blur (image.psf_sigma_px) makes a pixel of its neighbours too";
     if (image->decoder) return "a decoder makes the scene's colours";
@@ -131,10 +130,8 @@ static tides_status allocate(const tides_renderer *renderer, td_points *p, tides
 
 static tides_status create_engine(const tides_renderer *renderer, const td_image_numbers *image, td_points_engine **engine,
                                   tides_error *error) {
-    tides_device_info info;
-    tides_device_describe(renderer->device, &info);
-    return info.kind == TIDES_DEVICE_REFERENCE ? td_points_create_twin(image, engine, error)
-                                               : td_points_create_opencl(renderer->device, image, engine, error);
+    return td_device_has_double(renderer->device) ? td_points_create_opencl(renderer->device, image, engine, error)
+                                                  : td_points_create_twin(image, engine, error);
 }
 
 /* `shared`: another's scene in double, or NULL. */
@@ -156,7 +153,7 @@ static tides_status create_points(const tides_renderer *renderer, td_exact *shar
 
 tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *error) {
     if (renderer->points) return TIDES_OK;
-    const char *why = why_not(renderer);
+    const char *why = td_renderer_lacks_exact_points(renderer);
     if (why) return td_fail(error, TIDES_UNSUPPORTED, "single pixels can't be worked out in double precision: %s", why);
     tides_status status = create_points(renderer, NULL, &renderer->points, error);
     return status == TIDES_OK && renderer->beside ? td_renderer_exact_points(renderer->beside, error) : status;

@@ -23,7 +23,7 @@ struct td_exact {
     size_t moved_capacity;
 };
 
-/* A copy of the store on `device`: an OpenCL device with cl_khr_fp64, else TIDES_UNSUPPORTED; the twin for a reference. */
+/* A copy of the store: on `device` where that has double precision (td_device_has_double), else in the twin. */
 tides_status td_exact_create(tides_device *device, const td_store *store, const td_image_numbers *image, td_exact **exact,
                              tides_error *error);
 void td_exact_destroy(td_exact *exact);

@@ -92,7 +92,7 @@ struct td_points_engine {
     int lanes; /* most points of a chunk */
 };
 
-/* On an OpenCL device with double precision; TIDES_UNSUPPORTED where it has none. The twin in C. */
+/* On an OpenCL device with double precision; TIDES_UNSUPPORTED where it has none. The twin in C, wherever. */
 tides_status td_points_create_opencl(tides_device *device, const td_image_numbers *image, td_points_engine **engine,
                                      tides_error *error);
 tides_status td_points_create_twin(const td_image_numbers *image, td_points_engine **engine, tides_error *error);

@@ -125,6 +125,9 @@ tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory
  * why, where that can't be had: then, as before, points are pixels of whole tiles. */
 tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *error);
 
+/* Why they can't, which doesn't depend on the device; NULL: they can. */
+const char *td_renderer_lacks_exact_points(const tides_renderer *renderer);
+
 /* Of exact points: keeps the instant swept last, so that td_renderer_kept_points answers at its time whatever is swept
  * since. */
 tides_status td_renderer_keep_instant(tides_renderer *renderer, tides_error *error);

@@ -6,9 +6,15 @@
 #include <math.h>
 #include <string.h>
 
-int td_sensor_solves(const td_sensor *sensor) {
-    return sensor->model == TIDES_MODEL_HERMITE && !sensor->frontend.on && !sensor->additive.on &&
-           !(sensor->sensor.surround_lambda_px > 0) && !(sensor->sensor.psf_sigma_px > 0);
+tides_status td_sensor_shows_signal(const tides_sensor *params, int *shows, tides_error *error) {
+    td_frontend frontend;
+    td_additive_noise additive;
+    tides_status status = td_sensor_check(params, error);
+    if (status == TIDES_OK) status = td_frontend_make(params, &frontend, error);
+    if (status == TIDES_OK) status = td_additive_noise_make(params, &additive, error);
+    if (status == TIDES_OK)
+        *shows = !frontend.on && !additive.on && !(params->surround_lambda_px > 0) && !(params->psf_sigma_px > 0);
+    return status;
 }
 
 /* -- who may do something -------------------------------------------------------------------------------------------------- */

@@ -109,7 +109,7 @@ void td_sensor_state(td_sensor *sensor, td_state *state);
 /* The run's start: pixel i has rested at log-luminance L[i], its reference is the signal there, and nothing has fired. */
 void td_sensor_begin(td_sensor *sensor, const double *L);
 
-/* That was at L, for a pixel that has done nothing yet; where td_sensor_solves. */
+/* That was at L, for a pixel that has done nothing yet; where td_sensor_shows_signal. */
 static inline void td_sensor_refer(td_sensor *sensor, size_t pixel, double L) {
     sensor->pixels.initial[pixel] = sensor->pixels.reference[pixel] = L;
 }
@@ -143,9 +143,9 @@ TIDES_MUST_CHECK tides_status td_sensor_step(td_sensor *sensor, const td_step *s
 /* -- one pixel at a time --------------------------------------------------------------------------------------------------- */
 
 /* For the solver, which looks the signal up where events are, and compares those pixels again (lib/solver/solve.c). Where
- * filters, a surround or additive noise stand between signal and comparator, what is done where isn't seen in the signal:
- * td_sensor_solves says whether any of them is on. */
-int td_sensor_solves(const td_sensor *sensor);
+ * optics, filters, a surround or additive noise stand between signal and comparator, what is done where isn't seen in the
+ * signal: whether none of them is on, of parameters that are checked by it. */
+TIDES_MUST_CHECK tides_status td_sensor_shows_signal(const tides_sensor *params, int *shows, tides_error *error);
 
 /* Where a pixel's reference changed in a step. */
 typedef struct td_change {

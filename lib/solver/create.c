@@ -19,17 +19,17 @@ void tides_stepping_defaults(tides_stepping *stepping) {
                                             1,
                                             0.01,
                                             1e-6,
-                                            0.01,
+                                            0,
                                             0,
                                             0,
                                             {0.3, 0.3, 0.4},
                                             TIDES_SLOPE_EXACT,
                                             0,
                                             256,
-                                            TIDES_SOLVE_OFF,
+                                            TIDES_SOLVE_AUTO,
                                             0,
 
-                                            TIDES_UNIT_TILE};
+                                            TIDES_UNIT_AUTO};
     memcpy(stepping, &defaults, sizeof defaults); /* padding too, so that two of them are the same bytes */
 }
 
@@ -41,7 +41,7 @@ static tides_status check_arguments(const tides_stepping *stepping, double start
     if (stepping->slope == TIDES_SLOPE_DIFFERENCE && stepping->mode != TIDES_STEPPING_FIXED)
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "stepping.slope: differences need fixed steps; the control of the others judges exact slopes");
-    if (stepping->unit != TIDES_UNIT_TILE && stepping->unit != TIDES_UNIT_BLOCK)
+    if (stepping->unit < TIDES_UNIT_TILE || stepping->unit > TIDES_UNIT_AUTO)
         return td_fail(error, TIDES_UNSUPPORTED, "stepping.unit: %d is none of TIDES_UNIT_*", (int)stepping->unit);
     if (!isfinite(start) || !isfinite(stop) || !(stop > start))
         return td_fail(error, TIDES_BAD_ARGUMENT, "time: start %s s, stop %s s; stop must be a time after start",
@@ -62,11 +62,11 @@ static tides_status check_adaptive(const tides_stepping *stepping, tides_error *
     if ((stepping->mode & TIDES_STEPPING_ERROR) && stepping->model != TIDES_MODEL_HERMITE)
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "stepping.model: error control estimates the error of the hermite model only; use it, or another mode");
-    if (!(stepping->min_step_s > 0) || !(stepping->tolerance > 0))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "stepping: min_step_s %g and tolerance %g must be above 0",
-                       stepping->min_step_s, stepping->tolerance);
-    if (!(stepping->time_tolerance_s >= 0) || !(stepping->budget >= 0))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "stepping: time_tolerance_s %g and budget %g must not be below 0",
+    if (!(stepping->min_step_s > 0))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "stepping: min_step_s %g must be above 0", stepping->min_step_s);
+    if (!(stepping->tolerance >= 0) || !(stepping->time_tolerance_s >= 0) || !(stepping->budget >= 0))
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "stepping: tolerance %g, time_tolerance_s %g and budget %g must not be below 0", stepping->tolerance,
                        stepping->time_tolerance_s, stepping->budget);
     if (!(stepping->memory_mb >= 1) || !(stepping->memory_mb <= 1e9))
         return td_fail(error, TIDES_BAD_ARGUMENT, "stepping.memory_mb: %g is not from 1 to 1e9 MB", stepping->memory_mb);
@@ -120,28 +120,39 @@ static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *err
 }
 
 /* Where all pixels have their steps in common, blocks would only be more of the same work. */
-static int unit_of(const tides_sensor *sensor, const tides_stepping *stepping) {
+static int unit_of(const tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping) {
     const int own = stepping->mode != TIDES_STEPPING_FIXED && stepping->local && sensor->surround_lambda_px == 0;
-    return own ? stepping->unit : TIDES_UNIT_TILE;
+    if (!own) return TIDES_UNIT_TILE;
+    if (stepping->unit != TIDES_UNIT_AUTO) return stepping->unit;
+    return s->solve.precision == TIDES_SOLVE_OFF ? TIDES_UNIT_TILE : TIDES_UNIT_BLOCK;
 }
 
-/* What the parameters say, before there is a renderer. */
+/* The tolerance where none is given: steps whose model decides when events are, and steps that only have to find them. */
+static const double model_tolerance = 0.01, finding_tolerance = 0.1;
+
+static double tolerance_of(const tides_simulator *s, const tides_stepping *stepping) {
+    if (stepping->tolerance > 0) return stepping->tolerance;
+    return s->solve.precision == TIDES_SOLVE_OFF ? model_tolerance : finding_tolerance;
+}
+
+/* What the parameters say, once it is known whether events are looked up. */
 static void take_parameters(tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping) {
     s->step_s = stepping->step_s;
     s->mode = stepping->mode;
     s->local = stepping->local != 0;
     s->min_step_s = stepping->min_step_s;
-    s->tolerance = stepping->tolerance;
+    s->tolerance = tolerance_of(s, stepping);
     s->time_tolerance_s = stepping->time_tolerance_s;
     s->budget = stepping->budget;
     s->memory_mb = stepping->memory_mb;
     s->risk = stepping->risk;
     s->slope = stepping->slope;
-    s->unit = unit_of(sensor, stepping);
+    s->unit = unit_of(s, sensor, stepping);
     s->sample_planes = s->refine.samples.planes = sensor->b_min > 0 ? TD_PLANES_ALL : TD_PLANES_SIGNAL;
     s->refine.samples.pixels = s->unit == TIDES_UNIT_BLOCK ? TD_BLOCK_PIXELS : TD_TILE_PIXELS;
     s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
-    s->interpolates = stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED;
+    if (stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED)
+        s->interpolates = stepping->tolerance > 0 ? stepping->tolerance : model_tolerance; /* looking up doesn't undo it */
     s->paths = stepping->paths && stepping->mode != TIDES_STEPPING_FIXED;
     td_refine_bound(s);
 }
@@ -174,9 +185,9 @@ static const double path_share = 1e-2;
 /* The backend builds what samples at step ends render, then what the controller's do; interpolation asks the first of them. */
 static tides_status prepare(tides_simulator *s, const tides_sensor *sensor, tides_error *error) {
     tides_status status = td_renderer_prepare(s->renderer, td_fixed_outputs(s), error);
-    if (status == TIDES_OK && s->interpolates)
-        status =
-            td_renderer_interpolate(s->renderer, s->tolerance * td_sensor_least_threshold(sensor), s->time_tolerance_s, error);
+    if (status == TIDES_OK && s->interpolates > 0)
+        status = td_renderer_interpolate(s->renderer, s->interpolates * td_sensor_least_threshold(sensor), s->time_tolerance_s,
+                                         error);
     if (status == TIDES_OK && s->paths)
         status = td_renderer_paths(s->renderer, path_share * s->tolerance * td_sensor_least_threshold(sensor),
                                    path_share * s->time_tolerance_s, error);
@@ -222,18 +233,19 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     s->epoch = start;
     s->epoch_ns = td_time_ns(start);
     s->length = stop - start;
-    take_parameters(s, sensor, stepping);
     status = td_sensor_check_levels(sensor, stepping->model, error);
     if (status == TIDES_OK)
         status = tides_renderer_create(device, scene, intrinsics, image, progress, user, &s->renderer, error);
     if (status == TIDES_OK) status = tides_renderer_set_psf(s->renderer, sensor->psf_sigma_px, sensor->psf_domain, error);
+    if (status == TIDES_OK) status = td_solve_choose(s, sensor, stepping, error);
+    if (status == TIDES_OK) take_parameters(s, sensor, stepping);
     if (status == TIDES_OK) status = lay_out(s, intrinsics, error);
     if (status == TIDES_OK) status = prepare(s, sensor, error);
     if (status == TIDES_OK)
         status = td_sensor_create(sensor, stepping->model, image->log_eps, 0, s->width, s->tile, s->tiles, &s->sensor, error);
     s->sensor.start_ns += s->epoch_ns;
     if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, stepping, intrinsics->height, error);
-    if (status == TIDES_OK) status = td_solve_create(s, stepping, error);
+    if (status == TIDES_OK) status = td_solve_create(s, error);
     if (status != TIDES_OK) {
         tides_simulator_destroy(s);
         return status;

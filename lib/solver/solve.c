@@ -13,44 +13,57 @@ static const double default_target_s = 1e-8;
 
 /* -- having it ------------------------------------------------------------------------------------------------------------ */
 
-/* Why events can't be solved on the image; NULL: they can, where the renderer has its points. */
-static const char *why_not(const tides_simulator *s) {
-    if (s->mode == TIDES_STEPPING_FIXED) return "with fixed steps, whose errors nobody knows";
-    if (!td_sensor_solves(&s->sensor))
-        return "where a PSF, a filter, a surround or additive noise comes between it and the comparator, or with another model "
-               "than hermite";
-    return NULL;
+/* What stands in the way of `asked` (TIDES_UNSOLVED_*), for which nothing but the run counts. */
+static tides_status find_obstacle(const tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping,
+                                  int32_t asked, int32_t *why, tides_error *error) {
+    int shows = 0;
+    tides_status status = td_sensor_shows_signal(sensor, &shows, error);
+    if (asked == TIDES_SOLVE_OFF)
+        *why = TIDES_UNSOLVED_ASKED;
+    else if (stepping->mode == TIDES_STEPPING_FIXED)
+        *why = TIDES_UNSOLVED_FIXED;
+    else if (stepping->model != TIDES_MODEL_HERMITE)
+        *why = TIDES_UNSOLVED_MODEL;
+    else if (!shows)
+        *why = TIDES_UNSOLVED_SENSOR;
+    else if (asked != TIDES_SOLVE_FLOAT && td_renderer_lacks_exact_points(s->renderer))
+        *why = TIDES_UNSOLVED_IMAGE;
+    else
+        *why = TIDES_UNSOLVED_NOT;
+    return status;
 }
 
-/* What AUTO is here. What goes wrong in double for another reason than that it can't be had is an error. */
-static tides_status resolve(tides_simulator *s, int32_t *precision, tides_error *error) {
-    *precision = TIDES_SOLVE_OFF;
-    if (why_not(s)) return TIDES_OK;
-    tides_status status = td_renderer_exact_points(s->renderer, error);
-    if (status == TIDES_OK) *precision = TIDES_SOLVE_DOUBLE;
-    return status == TIDES_UNSUPPORTED ? TIDES_OK : status;
+static tides_status refuse(const tides_simulator *s, int32_t why, tides_error *error) {
+    static const char *const words[] =
+        {[TIDES_UNSOLVED_FIXED] = "with fixed steps, whose errors nobody knows",
+         [TIDES_UNSOLVED_MODEL] = "with another stepping.model than hermite",
+         [TIDES_UNSOLVED_SENSOR] = "where a PSF, a filter, a surround or additive noise comes between it and the comparator"};
+    if (why == TIDES_UNSOLVED_IMAGE)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "stepping.solve \"double\": single pixels can't be worked out in double precision: %s",
+                       td_renderer_lacks_exact_points(s->renderer));
+    return td_fail(error, TIDES_UNSUPPORTED, "stepping.solve: events can't be solved on the image %s; set \"off\"", words[why]);
 }
 
-/* The precision that is asked for, or what stands in its way. */
-static tides_status check(tides_simulator *s, int32_t asked, int32_t *precision, tides_error *error) {
-    *precision = asked;
-    if (asked == TIDES_SOLVE_OFF) return TIDES_OK;
-    if (asked == TIDES_SOLVE_AUTO) return resolve(s, precision, error);
-    if (asked != TIDES_SOLVE_FLOAT && asked != TIDES_SOLVE_DOUBLE)
+tides_status td_solve_choose(tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping,
+                             tides_error *error) {
+    const int32_t asked = stepping->solve;
+    if (asked < TIDES_SOLVE_OFF || asked > TIDES_SOLVE_AUTO)
         return td_fail(error, TIDES_UNSUPPORTED, "stepping.solve: %d is none of TIDES_SOLVE_*", (int)asked);
-    if (why_not(s))
-        return td_fail(error, TIDES_UNSUPPORTED, "stepping.solve: events can't be solved on the image %s; set \"off\"",
-                       why_not(s));
-    if (asked == TIDES_SOLVE_FLOAT) return TIDES_OK;
-    tides_status status = td_renderer_exact_points(s->renderer, error);
-    return status == TIDES_OK ? status : td_fail_within(error, status, "stepping.solve \"double\"");
+    tides_status status = find_obstacle(s, sensor, stepping, asked, &s->solve.unsolved, error);
+    if (status != TIDES_OK) return status;
+    const int solves = s->solve.unsolved == TIDES_UNSOLVED_NOT;
+    if (!solves && asked != TIDES_SOLVE_OFF && asked != TIDES_SOLVE_AUTO) return refuse(s, s->solve.unsolved, error);
+    s->solve.precision = !solves ? TIDES_SOLVE_OFF : asked == TIDES_SOLVE_AUTO ? TIDES_SOLVE_DOUBLE : asked;
+    return TIDES_OK;
 }
 
-tides_status td_solve_create(tides_simulator *s, const tides_stepping *stepping, tides_error *error) {
+tides_status td_solve_create(tides_simulator *s, tides_error *error) {
     td_solve *solve = &s->solve;
-    tides_status status = check(s, stepping->solve, &solve->precision, error);
-    if (status != TIDES_OK || solve->precision == TIDES_SOLVE_OFF) return status;
     const int in_double = solve->precision == TIDES_SOLVE_DOUBLE;
+    if (solve->precision == TIDES_SOLVE_OFF) return TIDES_OK;
+    tides_status status = in_double ? td_renderer_exact_points(s->renderer, error) : TIDES_OK;
+    if (status != TIDES_OK) return status;
     if (in_double) solve->known = td_alloc(s->first_pixel[s->tiles], sizeof *solve->known, error);
     if (in_double && !solve->known) return TIDES_NO_MEMORY;
     solve->is_exact = in_double && !td_renderer_points_rounded(s->renderer);
@@ -72,7 +85,7 @@ void td_solve_release(td_solve *solve) {
     free(solve->point);
     free(solve->asked);
     free(solve->value);
-    *solve = (td_solve){.precision = solve->precision};
+    *solve = (td_solve){.precision = solve->precision, .unsolved = solve->unsolved};
 }
 
 tides_status td_solve_look_up(tides_simulator *s, tides_error *error) {

@@ -19,6 +19,9 @@ static const tides_stat table[] = {
     COUNT("events_uncertain", SUM, events_uncertain),
     COUNT("events_caught_up", SUM, events_caught_up),
     COUNT("solve", DERIVED, solve),
+    COUNT("unsolved", DERIVED, unsolved),
+    COUNT("unit", DERIVED, unit),
+    REAL("tolerance", "thresholds", DERIVED, tolerance),
     COUNT("events_solved", SUM, events_solved),
     COUNT("points_looked_up", SUM, points_looked_up),
     COUNT("events_suppressed", SUM, events_suppressed),
@@ -118,6 +121,9 @@ static void collect(const tides_simulator *s, tides_stats *stats) {
     stats->events_off = s->sensor.counts.events_off;
     stats->events_uncertain = s->timing.uncertain;
     stats->solve = (uint64_t)s->solve.precision;
+    stats->unsolved = (uint64_t)s->solve.unsolved;
+    stats->unit = (uint64_t)s->unit;
+    stats->tolerance = s->tolerance;
     stats->events_solved = s->solve.events;
     stats->points_looked_up = s->solve.lookups;
     stats->events_truncated = s->sensor.counts.truncated;

@@ -18,7 +18,7 @@ tides_status td_surround_steps_create(tides_simulator *s, const tides_sensor *se
                        "center_surround: wants a photoreceptor whose filter is the same for all pixels: bandwidth first_order "
                        "and photoreceptor_law constant");
     double least = td_sensor_least_threshold(sensor);
-    tides_status status = td_surround_create(sensor, s->width, height, stepping->tolerance * least, &steps->surround, error);
+    tides_status status = td_surround_create(sensor, s->width, height, s->tolerance * least, &steps->surround, error);
     double **images[] = {&steps->from_dot, &steps->p, &steps->p_dot, &steps->S, &steps->modes};
     for (size_t i = 0; i < sizeof images / sizeof *images && status == TIDES_OK; i++)
         if (!(*images[i] = td_alloc(pixels, sizeof **images[i], error))) status = TIDES_NO_MEMORY;

@@ -72,7 +72,8 @@ typedef struct td_asked {
 } td_asked;
 
 typedef struct td_solve {
-    int32_t precision; /* TIDES_SOLVE_* */
+    int32_t precision; /* TIDES_SOLVE_*, none of them AUTO */
+    int32_t unsolved;  /* TIDES_UNSOLVED_* */
     int is_exact;      /* what is looked up is in double, all of it */
     double target_s;   /* times that are as good as that are settled */
     double samples;    /* what samples may be off by beside what is looked up [log units] */
@@ -103,8 +104,11 @@ typedef struct td_solve {
     size_t value_capacity;
 } td_solve;
 
-/* What the parameters ask for, once the sensor is there; TIDES_UNSUPPORTED where it can't be had. */
-TIDES_MUST_CHECK tides_status td_solve_create(tides_simulator *s, const tides_stepping *stepping, tides_error *error);
+/* What the parameters ask for (precision, unsolved), once the renderer has its PSF; TIDES_UNSUPPORTED where it can't be had.
+ * The device has no say in it. Then, when there is a sensor, what that takes. */
+TIDES_MUST_CHECK tides_status td_solve_choose(tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping,
+                                              tides_error *error);
+TIDES_MUST_CHECK tides_status td_solve_create(tides_simulator *s, tides_error *error);
 void td_solve_release(td_solve *solve);
 
 /* Before a macro step is swept: behind the first, the run's start is swept, and kept for references (solve_rest.c). */

@@ -1,4 +1,5 @@
-"""Sweep a parameter: how the number of events and their timing depend on the tolerance of the step control.
+"""Sweep a parameter: how the number of events and their timing depend on the tolerance of the step control,
+where the model between renders says when they are (solve="off").
 
 python sweep.py [OUT.csv]
 """
@@ -21,7 +22,7 @@ def main(output="sweep.csv"):
     device = tides.Device()  # one for all: kernels are built once
 
     def simulate(**stepping):
-        with tides.Simulation(scene, camera, stepping=tides.Stepping(**stepping), device=device) as simulation:
+        with tides.Simulation(scene, camera, stepping=tides.Stepping(solve="off", **stepping), device=device) as simulation:
             return simulation.run(), simulation.stats
 
     exact, _ = simulate(mode="fixed", step_s=STOP / 256)

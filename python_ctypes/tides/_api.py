@@ -12,7 +12,7 @@ from typing import Any
 TIDES_VERSION_MAJOR = 0
 TIDES_VERSION_MINOR = 1
 TIDES_VERSION_PATCH = 0
-TIDES_NUMERICS = 4
+TIDES_NUMERICS = 5
 TIDES_OK = 0
 TIDES_BAD_ARGUMENT = 1
 TIDES_NO_MEMORY = 2
@@ -104,8 +104,15 @@ TIDES_SOLVE_OFF = 0
 TIDES_SOLVE_FLOAT = 1
 TIDES_SOLVE_DOUBLE = 2
 TIDES_SOLVE_AUTO = 3
+TIDES_UNSOLVED_NOT = 0
+TIDES_UNSOLVED_ASKED = 1
+TIDES_UNSOLVED_FIXED = 2
+TIDES_UNSOLVED_MODEL = 3
+TIDES_UNSOLVED_SENSOR = 4
+TIDES_UNSOLVED_IMAGE = 5
 TIDES_UNIT_TILE = 0
 TIDES_UNIT_BLOCK = 1
+TIDES_UNIT_AUTO = 2
 TIDES_STAT_COUNT = 0
 TIDES_STAT_REAL = 1
 TIDES_STAT_WHOLE = 2
@@ -1483,7 +1490,8 @@ class tides_stepping(Structure):
     chosen; 0: whole frames, the same steps for all */
     double step_s; /* [s] > 0: the step, or the longest; the last is shortened to end at `stop` */
     double min_step_s; /* [s] > 0: steps that are no longer than this aren't cut */
-    double tolerance; /* ERROR: estimated error of S, in units of the smaller threshold, > 0 */
+    double tolerance; /* ERROR: estimated error of S, in units of the smaller threshold. 0: 0.1 where events are
+    looked up and steps only have to find them, 0.01 where the model says when they are */
     double time_tolerance_s; /* ERROR: estimated error of event times [s]; 0: not asked for */
     double budget; /* renders that cuts may cost in the whole run, in full frames; what is over it goes first where
     the measures are worst. 0: no bound */
@@ -1491,7 +1499,8 @@ class tides_stepping(Structure):
     int32_t slope; /* TIDES_SLOPE_* */
     int32_t interpolate_motion; /* 1: between the start, middle and end of a macro step expensive motion models (networks,
     callbacks) are interpolated, Gaussian by Gaussian where that is estimated to stay within
-    both tolerances. FIXED: has no effect, each step is worked out */
+    both tolerances (0.01 where `tolerance` is 0: looking up sees the same motion). FIXED: has
+    no effect, each step is worked out */
     double memory_mb; /* [1e6 bytes] >= 1: what the samples of a macro step and their launches may take: tiles are taken so
     many at a time. Where tiles share their steps or a budget, a few samples of each moving tile, if
     that is more; looking up single pixels has a room of its own, 512 at most. Changes the order of
@@ -1581,7 +1590,10 @@ class tides_stats(Structure):
     uint64_t events_solved; /* of `events`, those whose times were looked up in the image (stepping.solve), and */
     uint64_t points_looked_up; /* pixels at single times that were looked up for them */
     double time_look_up_s; /* spent on that in double precision; in single it is part of the renderer's times */
-    uint64_t solve; /* TIDES_SOLVE_* that the run has: AUTO is OFF or DOUBLE */
+    uint64_t solve; /* TIDES_SOLVE_* that the run has: AUTO is OFF or DOUBLE; */
+    uint64_t unsolved; /* TIDES_UNSOLVED_*: why it is OFF */
+    uint64_t unit; /* TIDES_UNIT_* that the run has: TILE or BLOCK */
+    double tolerance; /* that the run has [thresholds] */
     """
 
     render: tides_render_stats
@@ -1624,6 +1636,9 @@ class tides_stats(Structure):
     points_looked_up: int
     time_look_up_s: float
     solve: int
+    unsolved: int
+    unit: int
+    tolerance: float
 
     _fields_ = [
         ("render", tides_render_stats),
@@ -1666,6 +1681,9 @@ class tides_stats(Structure):
         ("points_looked_up", c_uint64),
         ("time_look_up_s", c_double),
         ("solve", c_uint64),
+        ("unsolved", c_uint64),
+        ("unit", c_uint64),
+        ("tolerance", c_double),
     ]
 
 

@@ -5,6 +5,7 @@
  * one and with the other, in turns; best of the rounds. Then how far their streams of events are from those without. Last, for
  * comparison, a model that isn't interpolated because its rows are cheap: a polynomial's. */
 #include "td_base.h"
+#include "tests/support/model_steps.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/random_network.h"
 #include "tides.h"
@@ -61,7 +62,7 @@ static stream simulate(tides_device *device, const tides_scene *scene, double st
     memset(&s, 0, sizeof s);
     tides_image_params_defaults(&params);
     tides_sensor_defaults(&sensor);
-    tides_stepping_defaults(&stepping);
+    model_steps(&stepping);
     stepping.step_s = step_s;
     stepping.interpolate_motion = way == 1;
     stepping.paths = way == 2;

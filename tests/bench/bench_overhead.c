@@ -4,6 +4,7 @@
  * the best of each is what the machine can do, the median what it did; compare numbers of one run only. */
 #include "render/td_renderer.h"
 #include "solver/td_simulator.h"
+#include "tests/support/model_steps.h"
 #include "tests/support/random_scene.h"
 #include "td_sort.h"
 
@@ -144,7 +145,7 @@ int main(int argc, char **argv) {
     tides_stepping stepping;
     tides_image_params_defaults(&image);
     tides_sensor_defaults(&sensor);
-    tides_stepping_defaults(&stepping);
+    model_steps(&stepping);
     stop_on(tides_simulator_create(device, scene, camera, &intrinsics, &image, &sensor, &stepping, 0, 0.5, NULL, NULL, &s,
                                    &error),
             &error);

@@ -3,7 +3,7 @@ make_scene
 # A number of a method's row: of_method FILE METHOD KEY, the first after the method's name.
 of_method() { awk -v m="\"$2\"" -v k="\"$3\":" '$1 == "\"method\":" { on = index($2, m) } on && $1 == k { sub(",", "", $2); print $2; exit }' "$1"; }
 
-expect 0 tides compare run.json -o all --keep
+expect 0 tides compare run.json -o all --keep --set stepping.solve=off
 out '^exact +[0-9]+ .* 0\.'
 for told in "mismatch % .*reference events; lower is better" "ratio .*; 1 is best" "VP .*nothing is near; lower is better"; do
     out "^$told"
@@ -29,12 +29,19 @@ less "$(p95 dvs-voltmeter)" "$(p95 iebcs)" "DVS-Voltmeter, IEBCS"
 less "$(p95 esim-fixed)" "$(p95 esim)" "ESIM at 41 renders, at its own few"
 # Steps of 2 ms are all that this scene wants, and each is looked into once: as many renders as at 1000 frames per second.
 [ "$(of_method all/compare.json tides renders)" -le "$(of_method all/compare.json esim-fixed renders)" ] || fail "more renders than ESIM"
+out '^tides .* stepping.tolerance 0.01$'
 less "$(value all/compare.json halved_p95_us)" "$(p95 tides)" "the exact stream"
 [ "$(of_method all/compare.json tides mismatch_percent)" = 0 ] || fail "tides should have every event"
 # The table is what tides metrics says of the kept files, but for their microseconds.
 expect 0 tides metrics all/exact.h5 all/v2e.h5 --json --only match
 less "$(awk -v a="$(value out dt_median_us)" -v b="$(of_method all/compare.json v2e dt_median_us)" \
     'BEGIN { d = a - b; print (d < 0 ? -d : d) }')" 0.001 "tides metrics, tides compare"
+
+# Looked up, as by default, events are nearer yet.
+expect 0 tides compare run.json -o looked --methods tides
+out '^tides .* stepping.tolerance 0.1$'
+less "$(of_method looked/compare.json tides dt_p95_us)" "$(p95 tides)" "events looked up, the cubic's"
+[ "$(of_method looked/compare.json tides mismatch_percent)" = 0 ] || fail "tides should have every event looked up"
 
 # A recording beside: twice as many rows, and its own values.
 expect 0 tides compare run.json -o recorded --methods esim-fixed,tides --recording all/v2e.h5 --window 0.01 --theme dark --pictures svg

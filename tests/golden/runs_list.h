@@ -25,10 +25,11 @@ static const char common[] = "time.start=0.42 time.stop=0.455 scene.background=[
                              "sensor.threshold_on=0.06 sensor.threshold_off=0.08 stepping.step_s=0.01 "
                              "stepping.min_step_s=0.00002 frames_per_second=400";
 
+/* Where the model says when events are; "" is the default, error control with events looked up. */
 #define FIXED "stepping.mode=fixed "
-#define RISK "stepping.mode=risk "
-#define ERROR "stepping.mode=error "
-#define BOTH "stepping.mode=error_risk "
+#define RISK "stepping.mode=risk stepping.solve=off "
+#define ERROR "stepping.mode=error stepping.solve=off "
+#define BOTH "stepping.mode=error_risk stepping.solve=off "
 
 /* Every block of the sensor but the circuit, which takes the low-pass's place, at once. */
 #define ALL                                                                                                               \
@@ -66,6 +67,11 @@ static const run_entry runs[] = {
     {"stepping/error_risk hermite", "rigid", F32, BOTH, RUN_RESUME},
     {"stepping/error blocks", "rigid", F32, ERROR "stepping.unit=block", RUN_CPU | RUN_RESUME},
     {"stepping/error_risk blocks", "rigid", F64, BOTH "stepping.unit=block stepping.tolerance=0.002", RUN_RESUME},
+    {"stepping/default", "rigid", F32, "", RUN_CPU | RUN_RESUME},
+    {"stepping/default double", "rigid", F64, "", RUN_RESUME},
+    {"stepping/default risk", "rigid", F32, "stepping.mode=risk", RUN_RESUME},
+    {"stepping/default tiles", "rigid", F32, "stepping.unit=tile stepping.tolerance=0.01", 0},
+    {"stepping/default whole frames", "rigid", F32, "stepping.local=false", 0},
     {"stepping/few per step", "rigid", F32, FIXED "stepping.step_s=0.02 sensor.max_events_per_step=1", 0},
 
     {"image/inria", "rigid", F32, "image.rules=inria", RUN_CPU},
@@ -98,6 +104,14 @@ static const run_entry runs[] = {
     {"motion/callback", "callback", F32, ERROR, 0},
     {"motion/callback fixed", "callback", F32, FIXED, 0},
 
+    {"motion/default", "moving", F32, "", RUN_CPU | RUN_RESUME},
+    {"motion/default double", "moving", F64, "", 0},
+    {"motion/default interpolated", "hexplane", F32, "scene.interpolate_motion=true", 0},
+    {"motion/default hexplane", "hexplane", F32, "", RUN_CPU},
+    {"motion/default keyframes", "motion4", F32, "", 0},
+    {"motion/default network", "network", F32, "", RUN_RESUME},
+    {"motion/default callback", "callback", F32, "", 0},
+
     {"generated/fan", "fan", F32, FIXED, 0},
     {"generated/pendulum", "pendulum", F32, "", 0},
     {"generated/balls", "balls", F32, FIXED, 0},
@@ -114,6 +128,12 @@ static const run_entry runs[] = {
     {"sensor/refractory consume", "rigid", F32, "sensor.refractory_s=0.006 sensor.refractory_law=drop_consume", RUN_RESUME},
     {"sensor/leak", "rigid", F32, "sensor.leak_rate_hz=20 sensor.leak_sigma=0.3", RUN_RESUME},
     {"sensor/b_min", "rigid", F32, "sensor.b_min=0.5", RUN_RESUME},
+    {"sensor/model hold", "rigid", F32, ERROR "sensor.refractory_s=0.006", 0},
+    {"sensor/model keep", "rigid", F32, ERROR "sensor.refractory_s=0.006 sensor.refractory_law=drop_keep", 0},
+    {"sensor/model consume", "rigid", F32, ERROR "sensor.refractory_s=0.006 sensor.refractory_law=drop_consume", 0},
+    {"sensor/model leak", "rigid", F32, ERROR "sensor.leak_rate_hz=20 sensor.leak_sigma=0.3", 0},
+    {"sensor/model b_min", "rigid", F32, ERROR "sensor.b_min=0.5", 0},
+    {"sensor/model shot noise", "rigid", F32, ERROR "frontend.shot_noise_hz=50", 0},
     {"sensor/dead", "rigid", F32, "sensor.dead_pixel_fraction=0.2", 0},
     {"sensor/psf log", "rigid", F32, "frontend.psf_sigma_px=1", RUN_RESUME},
     {"sensor/psf linear", "rigid", F32, "frontend.psf_sigma_px=1 frontend.psf_domain=linear", RUN_CPU},
@@ -142,6 +162,7 @@ static const run_entry runs[] = {
 
     {"readout/tiles", "rigid", F32, READOUT, RUN_RESUME},
     {"readout/tiles fixed", "rigid", F32, FIXED READOUT, RUN_CPU},
+    {"readout/model tiles", "rigid", F32, ERROR READOUT, 0},
     {"readout/rows", "rigid", F32, READOUT "readout.kind=rows", RUN_RESUME},
     {"readout/bottleneck", "rigid", F32, READOUT "readout.kind=bottleneck", RUN_RESUME},
     {"readout/delay", "rigid", F32, READOUT "readout.jitter_law=delay", 0},

@@ -92,11 +92,11 @@ static inline void make_signal_scene(tides_scene **scene, tides_trajectory **pat
     scene_expect_ok(tides_trajectory_create(samples, 3, path, &error), &error);
 }
 
-/* One macro step after the other with default stepping, 10 ms each, of width x height pixels. */
+/* One macro step after the other of 10 ms each, of width x height pixels. */
 static inline job signal_job(const tides_scene *scene, const tides_trajectory *path, int width, int height) {
     job j = {.device = "reference", .scene = scene, .path = path, .camera = {width, height, 100, 100, 0, 0, {0}}, .stop = 0.01};
     tides_sensor_defaults(&j.sensor);
-    tides_stepping_defaults(&j.stepping);
+    model_steps(&j.stepping);
     return j;
 }
 

@@ -4,6 +4,7 @@
 
 #include "render/td_renderer.h"
 #include "solver/td_simulator.h"
+#include "tests/support/model_steps.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/scene_folder.h"
 
@@ -214,7 +215,7 @@ static inline job job_of(const random_scene *scene) {
              .start = 0.2,
              .stop = 0.2795};
     tides_sensor_defaults(&j.sensor);
-    tides_stepping_defaults(&j.stepping);
+    model_steps(&j.stepping);
     j.stepping.mode = TIDES_STEPPING_FIXED;
     j.sensor.threshold_on = 0.1;
     j.sensor.threshold_off = 0.13;

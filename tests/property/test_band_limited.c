@@ -169,10 +169,11 @@ static uint64_t number_of(const char *variable, uint64_t fallback) {
 
 static void test_random_motions(void **state) {
     static const char *const devices[] = {"reference", "reference-f32"};
+    static const char *const looked_up[] = {"reference, looked up", "reference-f32, looked up"};
     static const judged_scale scale = {0.1, JUDGED_LIMIT_S, MOST_FRAMES};
     (void)state;
     const uint64_t first = number_of("TIDES_SEED", 1202), trials = number_of("TIDES_TRIALS", FEW);
-    tally tallies[2] = {{.exact = 0}, {.exact = 0}};
+    tally tallies[4] = {{.exact = 0}};
     for (uint64_t k = 0; k < trials; k++) {
         judged j = draw_trial(first + k);
         judged_stream exact = {0};
@@ -181,15 +182,21 @@ static void test_random_motions(void **state) {
         twin = judged_against(&j, devices[1], JUDGED_LIMIT_S, &exact);
         twin.halved = v.halved;
         count(&tallies[1], &j, devices[1], &twin);
+        judged_look_up(&j);
+        for (int d = 0; d < 2; d++) {
+            twin = judged_against(&j, devices[d], JUDGED_LIMIT_S, &exact);
+            twin.halved = v.halved;
+            count(&tallies[2 + d], &j, looked_up[d], &twin);
+        }
         free(exact.events);
         judged_free(&j);
     }
     int failures = 0;
-    for (int d = 0; d < 2; d++) {
+    for (int d = 0; d < 4; d++) {
         const tally *all = &tallies[d];
-        print_message("%s: %llu trials, %.0f events, %.0f mismatched (%.3g %%), %.0f unknown, %d failed\n", devices[d],
-                      (unsigned long long)trials, all->exact, all->mismatched, 100 * all->mismatched / all->exact, all->unknown,
-                      all->failures);
+        print_message("%s: %llu trials, %.0f events, %.0f mismatched (%.3g %%), %.0f unknown, %d failed\n",
+                      d < 2 ? devices[d] : looked_up[d - 2], (unsigned long long)trials, all->exact, all->mismatched,
+                      100 * all->mismatched / all->exact, all->unknown, all->failures);
         failures += all->failures + (all->mismatched > all->unknown + 0.01 * MOST_MISMATCH * all->exact);
     }
     assert_true(tallies[0].exact > 1000);

@@ -168,7 +168,7 @@ static outcome simulate(const far_scene *scene) {
     j.start = 0.2;
     j.stop = 0.5;
     tides_sensor_defaults(&j.sensor);
-    tides_stepping_defaults(&j.stepping);
+    model_steps(&j.stepping);
     outcome o = run(&j);
     check_stream(&j, &o);
     check_state(&j, &o);

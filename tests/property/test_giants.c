@@ -114,7 +114,7 @@ static double renders_of(const double scales[3]) {
     world w = make(scales, 1);
     job j = {.device = "reference-f32", .scene = w.scene, .path = w.path, .camera = w.camera, .start = 0.01, .stop = 0.03};
     tides_sensor_defaults(&j.sensor);
-    tides_stepping_defaults(&j.stepping);
+    model_steps(&j.stepping);
     outcome o = run(&j);
     const double renders = o.stats.renders_full_frame_equivalent;
     free_outcome(&o);
@@ -168,7 +168,7 @@ static void test_giants_are_named(void **state) {
         tides_stats stats;
         outcome o = {0};
         tides_sensor_defaults(&j.sensor);
-        tides_stepping_defaults(&j.stepping);
+        model_steps(&j.stepping);
         tides_simulator *s = make_simulator(&j, device);
         scene_expect_error(tides_simulator_run(s, j.stop, collect, &o, NULL, NULL, &error), TIDES_BAD_ARGUMENT, &error,
                            "at 0.01 s|Gaussian 29");

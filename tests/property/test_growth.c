@@ -66,7 +66,7 @@ static void check(const char *spec, int32_t mode, const char *file) {
     tides_trajectory *path = swaying(scene.path);
     job j = {.device = spec, .scene = scene.scene, .path = path, .camera = scene.camera, .stop = 2};
     tides_sensor_defaults(&j.sensor);
-    tides_stepping_defaults(&j.stepping);
+    model_steps(&j.stepping);
     j.sensor.threshold_on = j.sensor.threshold_off = 0.004;
     j.stepping.mode = mode;
     j.stepping.step_s = 0.004;

@@ -12,6 +12,7 @@
 #include "render/td_renderer.h"
 #include "solver/td_simulator.h"
 #include "td_device.h"
+#include "tests/support/model_steps.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/opencl.h"
 #include "tests/support/random_network.h"
@@ -244,7 +245,7 @@ static stream simulate(tides_device *device, const network_scene *scene, int int
     memset(&s, 0, sizeof s);
     tides_image_params_defaults(&params);
     tides_sensor_defaults(&sensor);
-    tides_stepping_defaults(&stepping);
+    model_steps(&stepping);
     sensor.threshold_on = sensor.threshold_off = 0.05;
     stepping.step_s = 0.02;
     stepping.interpolate_motion = interpolates;

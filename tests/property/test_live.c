@@ -219,10 +219,10 @@ static size_t heap_in_use(void) {
 #endif
 }
 
-/* A thousand steps of a millisecond, of a camera that swings: what isn't needed any more is forgotten, after step 200 the heap
+/* A thousand steps of a millisecond, of a camera that swings: what isn't needed any more is forgotten, after step 400 the heap
  * doesn't grow, and the events of that second are those of a run that knew it. */
 static void long_runs_forget_and_leak_nothing(void **state) {
-    enum { STEPS = 1000, SETTLED = 200, EVENTS_MAX = 1 << 17, LEAST_LEAK = (STEPS - SETTLED) * 16 };
+    enum { STEPS = 1000, SETTLED = 400, EVENTS_MAX = 1 << 17, LEAST_LEAK = (STEPS - SETTLED) * 16 };
     static tides_pose_sample poses[STEPS + 1];
     random_scene scene;
     tides_error error = {0, ""};

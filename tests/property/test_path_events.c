@@ -10,6 +10,7 @@
 #include "solver/td_simulator.h"
 #include "td_device.h"
 #include "tests/property/renderer_of.h"
+#include "tests/support/model_steps.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/run_worlds.h"
 
@@ -32,7 +33,7 @@ static stream simulate_on(tides_device *device, const tides_scene *scene, const 
     memset(&s, 0, sizeof s);
     tides_image_params_defaults(&params);
     tides_sensor_defaults(&sensor);
-    tides_stepping_defaults(&stepping);
+    model_steps(&stepping);
     sensor.threshold_on = sensor.threshold_off = 0.1;
     stepping.paths = paths;
     scene_expect_ok(tides_simulator_create(device, scene, camera, intrinsics, &params, &sensor, &stepping, from, to, NULL, NULL,

@@ -258,7 +258,7 @@ static void test_nothing_passes_unseen(void **state) {
                  .camera = {40, 40, 40, 40, 20, 20, {0}},
                  .stop = 0.02};
         tides_sensor_defaults(&j.sensor);
-        tides_stepping_defaults(&j.stepping);
+        model_steps(&j.stepping);
         outcome guarded = run(&j), blind = run_blindly(&j);
         j.stepping.mode = TIDES_STEPPING_FIXED;
         j.stepping.step_s = 1e-5;

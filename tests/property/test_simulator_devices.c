@@ -1,5 +1,6 @@
-/* The simulator on different devices: the OpenCL CPU device gives the very events of the single-precision reference, and both
- * those of the double reference to within nanoseconds. On random scenes and a real one. */
+/* The simulator on different devices: the OpenCL CPU device gives the very events of the single-precision reference, with and
+ * without double precision of its own, and both those of the double reference to within nanoseconds. On random scenes and a
+ * real one. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -7,7 +8,9 @@
 #include <cmocka.h>
 
 #include "tests/property/simulator_run.h"
+#include "tests/support/moving_scene.h"
 #include "tests/support/shared.h"
+#include "device/td_device.h"
 #include "td_sort.h"
 #include "tests/support/opencl.h"
 
@@ -98,6 +101,45 @@ static void test_devices_agree(void **state) {
     skip_without_opencl();
 }
 
+static moving_scene make_moving(uint64_t seed) {
+    random_recipe recipe = random_recipe_defaults(seed);
+    recipe.sh_degree = 1;
+    recipe.width = 43;
+    recipe.height = 37;
+    recipe.size = 0.2;
+    recipe.camera_speed = 0.5;
+    return moving_scene_make(&recipe, 1);
+}
+
+/* What is wanted in double is worked out in C where a device has none: the default settings' events are its as well. */
+static void test_a_device_without_double(void **state) {
+    (void)state;
+    tides_device *cpu = open_device("cpu");
+    if (!cpu) skip();
+    for (int moves = 0; moves < 2; moves++) {
+        random_scene still = make_scene(SEED + 70);
+        moving_scene mover = make_moving(SEED + 71);
+        const random_scene *scene = moves ? &mover.base : &still;
+        job j = adaptive_job_of(scene, 1);
+        if (moves) j.scene = mover.scene, j.start = 0.4, j.stop = 0.45;
+        tides_stepping_defaults(&j.stepping);
+        cpu->has_double = 1;
+        outcome own = run_on(&j, cpu);
+        cpu->has_double = 0;
+        outcome twin = run_on(&j, cpu);
+        assert_int_equal(twin.stats.solve, TIDES_SOLVE_DOUBLE);
+        assert_true(twin.count > 500 && twin.stats.events_solved > 500);
+        expect_same(&own, &twin, moves ? "Gaussians that move, no double" : "no double");
+        assert_memory_equal(own.signal, twin.signal, (size_t)pixels_of(&j) * sizeof(double));
+        assert_memory_equal(own.reference, twin.reference, (size_t)pixels_of(&j) * sizeof(double));
+        free_outcome(&own);
+        free_outcome(&twin);
+        random_scene_free(&still);
+        moving_scene_free(&mover);
+    }
+    tides_device_close(cpu);
+}
+
 /* -- a real scene -------------------------------------------------------------------------------------------------- */
 
 static void test_real_scene(void **state) {
@@ -139,7 +181,8 @@ static void test_real_scene(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_devices_agree), cmocka_unit_test(test_real_scene)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_devices_agree), cmocka_unit_test(test_a_device_without_double),
+                                       cmocka_unit_test(test_real_scene)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

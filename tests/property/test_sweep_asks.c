@@ -244,14 +244,19 @@ static void test_it_has_its_events(void **state) {
         job j = job_on(&s);
         if (cases[k].make == shiver_object) j.sensor.threshold_on = j.sensor.threshold_off = 0.05;
         outcome found = run(&j);
+        model_steps(&j.stepping);
+        outcome modelled = run(&j);
         j.stepping.mode = TIDES_STEPPING_FIXED;
         j.stepping.step_s = 1e-5;
         outcome truth = run(&j);
         tides_match m = match(&truth, &found);
         print_message("%s: %zu events of %zu, mismatched %.3g %%, p95 %.3g us, %llu steps\n", cases[k].name, found.count,
                       truth.count, m.mismatch_percent, m.dt_p95_us, (unsigned long long)found.stats.steps);
-        assert_true(truth.count > 20);
+        assert_true(truth.count > 20 && found.stats.events_solved > 20);
         if (!(m.mismatch_percent < 1 && m.dt_p95_us < 20)) fail_msg("%s: events are missing", cases[k].name);
+        m = match(&truth, &modelled);
+        if (!(m.mismatch_percent < 1 && m.dt_p95_us < 20)) fail_msg("%s: events are missing of the model", cases[k].name);
+        free_outcome(&modelled);
         free_outcome(&found);
         free_outcome(&truth);
         free_stage(&s);

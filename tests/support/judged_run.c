@@ -7,6 +7,7 @@
 
 #include "tests/support/judged_run.h"
 
+#include "tests/support/model_steps.h"
 #include "tests/support/scene_folder.h"
 
 #include <math.h>
@@ -27,10 +28,18 @@ judged judged_make(const char *name, int width, int height, double stop) {
     j.intrinsics = (tides_intrinsics){width, height, 1.25 * width, 1.25 * width, 0.5 * width, 0.5 * height, {0}};
     tides_image_params_defaults(&j.image);
     tides_sensor_defaults(&j.sensor);
-    tides_stepping_defaults(&j.stepping);
+    model_steps(&j.stepping);
     j.stop = stop;
     j.frames = 1000;
     return j;
+}
+
+void judged_look_up(judged *j) {
+    tides_stepping defaults;
+    tides_stepping_defaults(&defaults);
+    j->stepping.solve = defaults.solve;
+    j->stepping.unit = defaults.unit;
+    j->stepping.tolerance = defaults.tolerance;
 }
 
 void judged_free(judged *j) {

@@ -21,9 +21,12 @@ typedef struct judged {
     void *user;              /* of callbacks; freed */
 } judged;
 
-/* An empty scene, the defaults, a camera at rest in the origin, a focal length of 1.25 widths. */
+/* An empty scene, the defaults but for steps whose model says when events are (model_steps.h), a camera at rest in the origin,
+ * a focal length of 1.25 widths. */
 judged judged_make(const char *name, int width, int height, double stop);
 void judged_free(judged *j);
+/* Steps with events looked up, as they are by default. */
+void judged_look_up(judged *j);
 /* In place of the one at rest. */
 void judged_camera(judged *j, tides_trajectory *path);
 

@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "checkpoint/td_checkpoint.h"
+#include "tests/support/model_steps.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/scene_folder.h"
 #include "tests/support/scene_make.h"
@@ -51,12 +52,11 @@ static inline job make_job(int mode, const char *device) {
     j.camera = j.scene.camera;
     tides_image_params_defaults(&j.image);
     tides_sensor_defaults(&j.sensor);
-    tides_stepping_defaults(&j.stepping);
+    model_steps(&j.stepping);
     j.sensor.threshold_on = 0.1;
     j.sensor.threshold_off = 0.13;
     j.stepping.mode = mode;
     j.stepping.step_s = 5e-3;
-    j.stepping.tolerance = 0.01;
     return j;
 }
 

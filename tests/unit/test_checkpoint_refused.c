@@ -81,7 +81,7 @@ static void test_other_runs(void **state) {
     OTHER(stepping.time_tolerance_s = 1e-4, "stepping.time_tolerance_s");
     OTHER(stepping.local = 0, "stepping.local is 1 there and 0 here");
     OTHER(stepping.unit = TIDES_UNIT_BLOCK, "stepping.unit is 0 there and 1 here");
-    OTHER(stepping.interpolate_motion = 1, "stepping.interpolate_motion is 0 there and 1 here");
+    OTHER(stepping.interpolate_motion = 1, "stepping.interpolate_motion is 0 there and 0.01 here");
     OTHER(stepping.paths = 1, "stepping.paths is 0 there and 1 here");
     OTHER(stepping.solve = TIDES_SOLVE_FLOAT, "stepping.solve is 0 there and 1 here");
     OTHER(stepping.budget = 32, "stepping.budget per step is 0 there and 2 here");
