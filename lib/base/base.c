@@ -92,6 +92,15 @@ tides_status td_reserve(void **array, size_t *capacity, size_t needed, size_t si
     return TIDES_OK;
 }
 
+tides_status td_renew(void **array, size_t *capacity, size_t needed, size_t size, tides_error *error) {
+    if (needed <= *capacity) return TIDES_OK;
+    free(*array);
+    *array = NULL;
+    const size_t before = *capacity;
+    *capacity = 0;
+    return td_reserve(array, capacity, before + before / 2 > needed ? before + before / 2 : needed, size, error);
+}
+
 char *td_strdup(const char *text, tides_error *error) {
     size_t bytes = strlen(text) + 1;
     char *copy = td_alloc(bytes, 1, error);

@@ -41,6 +41,13 @@ static inline double td_pieces_place(const td_pieces *pieces, int k, double s) {
     return (s - pieces->from[k]) / (pieces->from[k + 1] - pieces->from[k]);
 }
 
+/* The same, looked for from piece k on, which is near. */
+static inline int td_pieces_find_from(const td_pieces *pieces, int k, double s) {
+    while (k > 0 && !(pieces->from[k] < s)) k--;
+    while (k + 1 < pieces->count && pieces->from[k + 1] < s) k++;
+    return k;
+}
+
 double td_pieces_value(const td_pieces *pieces, double s);
 
 /* Slope and curvature, per step. */

@@ -131,7 +131,7 @@ static int take(void *user, const tides_event *events, const int64_t *fired, siz
 tides_status td_readout_step(tides_simulator *s, tides_error *error) {
     td_run_readout *readout = &s->readout;
     tides_error *reason = error ? error : &readout->error;
-    tides_status status = td_reserve((void **)&s->scratch, &s->scratch_capacity, s->events.count, sizeof *s->scratch, reason);
+    tides_status status = td_renew((void **)&s->scratch, &s->scratch_capacity, s->events.count, sizeof *s->scratch, reason);
     if (status != TIDES_OK) return status;
     measure_activity(s);
     status = tides_arbiter_activity(readout->arbiter, readout->psi, reason);

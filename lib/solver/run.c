@@ -57,7 +57,7 @@ static tides_status reach(tides_simulator *s, tides_error *error) {
 static tides_status sort_from(tides_simulator *s, size_t first, tides_error *error) {
     const size_t count = s->events.count - first;
     if (count == 0) return TIDES_OK; /* and there may be no list yet */
-    tides_status status = td_reserve((void **)&s->scratch, &s->scratch_capacity, count, sizeof *s->scratch, error);
+    tides_status status = td_renew((void **)&s->scratch, &s->scratch_capacity, count, sizeof *s->scratch, error);
     if (status == TIDES_OK) td_event_sort(s->events.events + first, s->scratch, count);
     return status;
 }

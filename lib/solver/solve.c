@@ -90,8 +90,7 @@ void td_solve_release(td_solve *solve) {
 
 tides_status td_solve_look_up(tides_simulator *s, tides_error *error) {
     td_solve *solve = &s->solve;
-    tides_status status =
-        td_reserve((void **)&solve->value, &solve->value_capacity, solve->points, sizeof *solve->value, error);
+    tides_status status = td_renew((void **)&solve->value, &solve->value_capacity, solve->points, sizeof *solve->value, error);
     if (status != TIDES_OK) return status;
     solve->lookups += solve->points;
     const double begun = td_now();

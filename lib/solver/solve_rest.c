@@ -48,7 +48,7 @@ tides_status td_solve_refer(tides_simulator *s, tides_error *error) {
     td_solve *solve = &s->solve;
     const size_t count = solve->references;
     solve->references = 0;
-    tides_status status = td_reserve((void **)&solve->value, &solve->value_capacity, count, sizeof *solve->value, error);
+    tides_status status = td_renew((void **)&solve->value, &solve->value_capacity, count, sizeof *solve->value, error);
     if (status != TIDES_OK || count == 0) return status;
     const double begun = td_now();
     status = begins(s) ? td_renderer_points(s->renderer, s->camera, solve->start, count, solve->value, error)

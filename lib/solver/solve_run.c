@@ -98,9 +98,9 @@ static tides_status ask(const visit *v, double s, tides_error *error) {
 
 static void weigh(visit *v) {
     const td_pieces *pieces = &v->model.pieces;
-    for (int n = 0; n < v->changes.count; n++) {
+    for (int n = 0, k = 0; n < v->changes.count; n++) {
         const td_change *change = &v->changes.change[n];
-        const int k = td_pieces_find(pieces, change->s);
+        k = td_pieces_find_from(pieces, k, change->s);
         const double sign = change->polarity ? change->polarity : 1, per = 1 / (pieces->from[k + 1] - pieces->from[k]);
         const double u = td_pieces_place(pieces, k, change->s);
         v->worth[n].slope = sign * per * td_model_slope(&pieces->model[k], u);
@@ -164,7 +164,9 @@ static int near_turns(const visit *v, turn *found, int most) {
 static double left_at(const visit *v, double s, double *residual) {
     const td_sensor *sensor = &v->s->sensor;
     int is_held;
-    *residual = td_pieces_value(&v->model.pieces, s) - reference_at(v, s > 0 ? s : -1, &is_held);
+    const td_pieces *pieces = &v->model.pieces;
+    const double S = s > 0 ? pieces->model[pieces->count - 1].control[3] : pieces->model[0].control[0];
+    *residual = S - reference_at(v, s > 0 ? s : -1, &is_held);
     const double on = td_sensor_threshold_on(sensor, v->at), off = td_sensor_threshold_off(sensor, v->at);
     return is_held ? INFINITY : td_lesser(on - *residual, *residual + off);
 }

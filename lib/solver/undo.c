@@ -57,7 +57,7 @@ tides_status td_undo_keep(tides_simulator *s, tides_error *error) {
     size_t bytes = 0, at = 0;
     if (state.lost > 0) return td_fail(error, TIDES_NO_MEMORY, "the table of state has no room for %d rows", state.lost);
     for (int i = 0; i < state.rows; i++) bytes += bytes_of(&state.row[i]);
-    tides_status status = td_reserve((void **)&undo->bytes, &undo->capacity, bytes, 1, error);
+    tides_status status = td_renew((void **)&undo->bytes, &undo->capacity, bytes, 1, error);
     if (status != TIDES_OK) return status;
     for (int i = 0; i < state.rows; at += bytes_of(&state.row[i++]))
         memcpy(undo->bytes + at, state.row[i].values, bytes_of(&state.row[i]));

@@ -132,21 +132,12 @@ static tides_status gather(const tides_simulator *s, td_launch *l, size_t first,
     return status;
 }
 
-/* Room for the planes of the requests that there are. What is in it is done with, and isn't copied to a larger one. */
-static tides_status reserve_planes(td_launch *l, int outputs, tides_error *error) {
-    const size_t needed = l->requests * (size_t)outputs * TD_TILE_PIXELS;
-    if (needed > l->plane_capacity) {
-        free(l->planes);
-        l->planes = NULL;
-        l->plane_capacity = 0;
-    }
-    return td_reserve((void **)&l->planes, &l->plane_capacity, needed, sizeof *l->planes, error);
-}
-
 tides_status td_launch_render(tides_simulator *s, size_t first, size_t most, int side, int outputs, tides_error *error) {
     td_launch *l = &s->launch;
     tides_status status = gather(s, l, first, most, error);
-    if (status == TIDES_OK) status = reserve_planes(l, outputs, error);
+    if (status == TIDES_OK)
+        status = td_renew((void **)&l->planes, &l->plane_capacity, l->requests * (size_t)outputs * TD_TILE_PIXELS,
+                          sizeof *l->planes, error);
     if (status != TIDES_OK || l->done == 0) return status;
     l->outputs = outputs;
     const td_tile_batch batch = {l->time, (int)l->slots, side, l->request, (int)l->requests, outputs};

@@ -131,6 +131,24 @@ static void test_reserve(void **state) {
     free(array);
 }
 
+static void test_renew(void **state) {
+    (void)state;
+    tides_error error = {0};
+    void *array = NULL;
+    size_t capacity = 0;
+    for (size_t i = 1; i < 5000; i += i) {
+        assert_int_equal(td_renew(&array, &capacity, i, sizeof(size_t), &error), TIDES_OK);
+        assert_true(capacity >= i);
+        memset(array, 1, capacity * sizeof(size_t));
+    }
+    const size_t most = capacity;
+    assert_int_equal(td_renew(&array, &capacity, 1, sizeof(size_t), &error), TIDES_OK);
+    assert_int_equal(capacity, most);
+    assert_int_equal(td_renew(&array, &capacity, SIZE_MAX / 8 + 2, 8, &error), TIDES_NO_MEMORY);
+    assert_null(array);
+    assert_int_equal(capacity, 0);
+}
+
 static void test_format(void **state) {
     (void)state;
     char *text = td_format(NULL, "%s-%03d-%.2f", "a", 7, 2.5);
@@ -288,20 +306,11 @@ static void test_clock_and_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_status_names),
-        cmocka_unit_test(test_version),
-        cmocka_unit_test(test_fail),
-        cmocka_unit_test(test_fail_truncates),
-        cmocka_unit_test(test_fail_within),
-        cmocka_unit_test(test_alloc),
-        cmocka_unit_test(test_reserve),
-        cmocka_unit_test(test_format),
-        cmocka_unit_test(test_read_file),
-        cmocka_unit_test(test_commit),
-        cmocka_unit_test(test_nearest),
-        cmocka_unit_test(test_suggest),
-        cmocka_unit_test(test_paths_apart),
-        cmocka_unit_test(test_slashes_at_the_end),
+        cmocka_unit_test(test_status_names),     cmocka_unit_test(test_version),     cmocka_unit_test(test_fail),
+        cmocka_unit_test(test_fail_truncates),   cmocka_unit_test(test_fail_within), cmocka_unit_test(test_alloc),
+        cmocka_unit_test(test_reserve),          cmocka_unit_test(test_renew),       cmocka_unit_test(test_format),
+        cmocka_unit_test(test_read_file),        cmocka_unit_test(test_commit),      cmocka_unit_test(test_nearest),
+        cmocka_unit_test(test_suggest),          cmocka_unit_test(test_paths_apart), cmocka_unit_test(test_slashes_at_the_end),
         cmocka_unit_test(test_clock_and_memory),
     };
     return cmocka_run_group_tests_name("base", tests, make_scratch, remove_scratch);
