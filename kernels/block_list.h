@@ -4,6 +4,7 @@
 #define TD_BLOCK_LIST_H
 
 #include "block_words.h"
+#include "transpose.h"
 
 /* A sorted job as the compositor reads it. */
 typedef struct td_list {
@@ -17,11 +18,14 @@ typedef struct td_list {
     TD_GLOBAL const td_real *weights; /* (TD_DECODER_REALS) */
 } td_list;
 
-/* Up to TD_LANES splats that follow each other, and the one behind them. */
+/* Splats that are found, and whose ways from one to the next are measured, together. */
+enum { TD_GROUP = TD_LANES > 1 ? 2 * TD_LANES : 1 };
+
+/* Up to TD_GROUP splats that follow each other, and the one behind them. */
 typedef struct td_group {
-    int count;        /* of splats */
-    int followed;     /* 1: there's one behind */
-    const int *place; /* (TD_LANES + 1) in the list; from `count` + `followed` on as the last */
+    int count;              /* of splats */
+    int followed;           /* 1: there's one behind */
+    const int *place, *row; /* (TD_GROUP + 1) in the list, and of the records; a vector goes on as the last one does */
 } td_group;
 
 /* Where a batch's sorted job has its list; records, and what is to be seen of them, are the caller's to say. */
@@ -33,11 +37,11 @@ TD_INLINE void td_list_lay(td_list *list, const td_job *job, int job_index, TD_G
     list->count = counts[job_index];
 }
 
-TD_INLINE TD_GLOBAL const td_real *td_list_record(const td_list *list, int i) {
-    return list->records + list->order[i] * TD_RECORD_STRIDE;
+TD_INLINE TD_GLOBAL const td_real *td_list_record(const td_list *list, int row) {
+    return list->records + row * TD_RECORD_STRIDE;
 }
-TD_INLINE TD_GLOBAL const td_real *td_list_colour(const td_list *list, const td_image *image, int i) {
-    return list->colours + list->order[i] * td_colour_stride(image);
+TD_INLINE TD_GLOBAL const td_real *td_list_colour(const td_list *list, const td_image *image, int row) {
+    return list->colours + row * td_colour_stride(image);
 }
 
 #if TD_LANES == 1
@@ -45,7 +49,7 @@ TD_INLINE TD_GLOBAL const td_real *td_list_colour(const td_list *list, const td_
 typedef struct td_finder {
     int at, next; /* the word in hand; the first place not given out, the list's count where there is none */
     uint32_t word;
-    int place[TD_LANES + 1];
+    int place[TD_LANES + 1], row[TD_LANES + 1];
 } td_finder;
 
 TD_INLINE int td_next_place(const td_list *list, int block, td_finder *finder) {
@@ -70,51 +74,58 @@ TD_INLINE void td_next_group(const td_list *list, int block, td_finder *finder, 
     group->followed = finder->next < list->count;
     finder->place[0] = here;
     finder->place[1] = group->followed ? finder->next : here;
+    for (int k = 0; k < 2 * group->count; k++) finder->row[k] = list->order[finder->place[k]];
     group->place = finder->place;
+    group->row = finder->row;
 }
 
 #else
 
-enum { TD_FOUND = 2 * TD_LANES + 1 }; /* a group and what is behind it, and as many more: their records are on their way */
+/* A group and what is behind it, and as many more: their records are on their way. Words are found whole, and groups moved. */
+enum { TD_FOUND = 2 * TD_GROUP + 1, TD_FOUND_MOST = TD_FOUND + 2 * TD_WORD_PLACES + TD_PUT + TD_GROUP };
 
 typedef struct td_finder {
-    int at, words; /* the word in hand, and how many there are */
-    uint32_t word;
-    int given, count, place[TD_FOUND]; /* found: the first `given` are the last group */
+    int at, words;         /* the next word, and how many there are */
+    int begin, end, given; /* found are [begin, end), of which the first `given` are the last group */
+    int place[TD_FOUND_MOST], row[TD_FOUND_MOST];
 } td_finder;
 
 TD_INLINE void td_finder_start(const td_list *list, int block, td_finder *finder) {
-    finder->at = finder->given = finder->count = 0;
+    (void)block;
+    finder->at = finder->begin = finder->end = finder->given = 0;
     finder->words = td_words_of(list->count);
-    finder->word = finder->words > 0 ? td_word_at(list->words, 0, block) : 0;
 }
 
-/* Each turn of the loop writes a place down and keeps it by moving on, or goes on to the next word: no branch goes wrong. */
+/* What isn't given out moves to the front. */
 TD_INLINE void td_find_more(const td_list *list, int block, td_finder *finder) {
-    int count = finder->count, at = finder->at, words = finder->words;
-    uint32_t word = finder->word;
-    while (count < TD_FOUND && at < words) {
-        uint32_t next = td_word_at(list->words, at + 1, block);
-        finder->place[count] = TD_WORD_PLACES * at + td_lowest_bit(word);
-        count += word != 0;
-        word &= word - 1;
-        at += word == 0;
-        word = word == 0 ? next : word;
+    int left = finder->end - finder->begin, end = left;
+    for (int k = 0; k < TD_GROUP; k += TD_LANES) {
+        td_index_lanes(td_collect_ints(finder->place + finder->begin + k), finder->place + k);
+        td_index_lanes(td_collect_ints(finder->row + finder->begin + k), finder->row + k);
     }
-    for (int k = finder->count; k < count; k++) td_soon(td_list_record(list, finder->place[k]));
-    for (int k = count; k <= TD_LANES && count > 0; k++) finder->place[k] = finder->place[count - 1];
-    finder->count = count;
-    finder->at = at;
-    finder->word = word;
+    for (; end < TD_FOUND && finder->at < finder->words; finder->at += 2)
+        end += td_put_places(td_words_at(list->words, finder->at, finder->words, block), TD_WORD_PLACES * finder->at,
+                             finder->place + end);
+    for (int k = left; k < end; k++) {
+        finder->row[k] = list->order[finder->place[k]];
+        td_soon(td_list_record(list, finder->row[k]));
+    }
+    for (int k = end; end > 0 && k <= (end + TD_LANES - 1) / TD_LANES * TD_LANES; k++) {
+        finder->place[k] = finder->place[end - 1];
+        finder->row[k] = finder->row[end - 1];
+    }
+    finder->begin = 0;
+    finder->end = end;
 }
 
 TD_INLINE void td_next_group(const td_list *list, int block, td_finder *finder, td_group *group) {
-    finder->count -= finder->given;
-    for (int k = 0; k < finder->count; k++) finder->place[k] = finder->place[finder->given + k];
-    td_find_more(list, block, finder);
-    group->count = finder->given = finder->count < TD_LANES ? finder->count : TD_LANES;
-    group->followed = finder->count > TD_LANES;
-    group->place = finder->place;
+    finder->begin += finder->given;
+    if (finder->end - finder->begin <= TD_GROUP) td_find_more(list, block, finder);
+    int found = finder->end - finder->begin;
+    group->count = finder->given = found < TD_GROUP ? found : TD_GROUP;
+    group->followed = found > TD_GROUP;
+    group->place = finder->place + finder->begin;
+    group->row = finder->row + finder->begin;
 }
 
 #endif

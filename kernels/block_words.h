@@ -35,6 +35,26 @@ TD_INLINE int td_lowest_bit(uint32_t x) {
 #endif
 }
 
+#if TD_LANES > 1
+enum { TD_PUT = 4 }; /* places written at once, whether there are as many or not: fewer branches go wrong */
+
+/* Word `at` and the one behind it, of `count`. */
+TD_INLINE ulong td_words_at(TD_GLOBAL const int *words, int at, int count, int block) {
+    uint32_t second = at + 1 < count ? td_word_at(words, at + 1, block) : 0;
+    return td_word_at(words, at, block) | (ulong)second << TD_WORD_PLACES;
+}
+
+/* The places of a word's bits, of which the lowest is `first`; returns how many. TD_PUT - 1 more may be written. */
+TD_INLINE int td_put_places(ulong word, int first, int *place) {
+    int count = __builtin_popcountl(word), put = 0;
+    do {
+        for (int k = 0; k < TD_PUT; k++, word &= word - 1) place[put + k] = first + __builtin_ctzl(word | (ulong)1 << 63);
+        put += TD_PUT;
+    } while (put < count);
+    return count;
+}
+#endif
+
 /* Words of blocks [first, first + TD_LANES): of each mask a bit for each block. */
 TD_INLINE td_index td_lay_word(TD_GLOBAL const int *masks, int count, int first) {
     td_index block = td_count_from(first), none = block & 0, bits = none;

@@ -42,19 +42,21 @@ TD_INLINE void td_cap_alpha(const td_image *image, td_lanes alpha, td_lanes alph
     *tau_dot = capped_dot;
 }
 
-/* Splat alpha and rate at the pixels: tau and tau_dot (paper, Eq. 2 and 7), before rules that drop splats; what these want to
- * be left behind the splat: the stop, or -1 where the pixel doesn't see it. */
-TD_INLINE void td_splat_alpha(TD_GLOBAL const td_real *record, const td_image *image, const td_composite *pixels, td_lanes *tau,
-                              td_lanes *tau_dot, td_lanes *wanted) {
-    td_mask seen;
+/* Splat alpha's logarithm to base 2, and its rate over itself, at the pixels (paper, Eq. 2 and 7). */
+TD_INLINE void td_splat_power(TD_GLOBAL const td_real *record, const td_composite *pixels, td_lanes *power, td_lanes *rate) {
     td_lanes dx = pixels->x - record[TD_R_U], dy = pixels->y - record[TD_R_V];
-    td_lanes power = td_fma(record[TD_R_QYY] * dy, dy, record[TD_R_LOG2_OPACITY]);
-    power = td_fma(dx, td_fma(record[TD_R_QXX], dx, record[TD_R_QXY] * dy), power);
-    td_lanes rate = td_fma(dy, td_fma(record[TD_R_KYY], dy, record[TD_R_KY]), record[TD_R_K0]);
-    rate = td_fma(dx, td_fma(record[TD_R_KXX], dx, td_fma(record[TD_R_KXY], dy, record[TD_R_KX])), rate);
-    td_lanes alpha = td_exp2(power);
-    td_lanes alpha_dot = alpha * rate;
-    td_cap_alpha(image, alpha, alpha_dot, tau, tau_dot, &seen);
+    td_lanes alone = td_fma(record[TD_R_QYY] * dy, dy, record[TD_R_LOG2_OPACITY]);
+    *power = td_fma(dx, td_fma(record[TD_R_QXX], dx, record[TD_R_QXY] * dy), alone);
+    alone = td_fma(dy, td_fma(record[TD_R_KYY], dy, record[TD_R_KY]), record[TD_R_K0]);
+    *rate = td_fma(dx, td_fma(record[TD_R_KXX], dx, td_fma(record[TD_R_KXY], dy, record[TD_R_KX])), alone);
+}
+
+/* What they become: tau and tau_dot, before rules that drop splats; what these want to be left behind the splat: the stop, or
+ * -1 where the pixel doesn't see it. */
+TD_INLINE void td_splat_tau(const td_image *image, td_lanes alpha, td_lanes rate, td_lanes *tau, td_lanes *tau_dot,
+                            td_lanes *wanted) {
+    td_mask seen;
+    td_cap_alpha(image, alpha, alpha * rate, tau, tau_dot, &seen);
     *wanted = td_select(td_splat(-1.0f), td_splat(image->stop), seen);
     if (td_cut_rule(image) == TD_CUT_TAPER) return; /* 0 below the cut by itself */
     *tau = td_select(td_splat(0.0f), *tau, seen);

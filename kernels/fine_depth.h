@@ -43,6 +43,12 @@ TD_INLINE td_mask td_pack_low(td_mask blocks, td_lanes low) {
 #endif
 #endif
 }
-TD_INLINE td_real td_depth_low(int mask) { return (td_real)(mask >> 16) * TD_REAL(0x1p-38); }
+TD_INLINE td_lanes td_depth_low(td_index mask) {
+#if TD_LANES == 1
+    return (td_real)(mask >> 16) * TD_REAL(0x1p-38);
+#else
+    return td_mask_to_real(-(mask >> 16)) * TD_REAL(0x1p-38);
+#endif
+}
 
 #endif

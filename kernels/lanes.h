@@ -264,6 +264,31 @@ TD_INLINE td_lanes td_collect(const td_real lane[TD_LANES]) {
 #endif
 }
 
+/* TD_LANES ints of the work-item's own (td_index_lanes is the way back). */
+TD_INLINE td_index td_collect_ints(const int lane[TD_LANES]) {
+#if TD_LANES == 16
+    return td_widen(vload16(0, lane));
+#elif TD_LANES == 8
+    return td_widen(vload8(0, lane));
+#elif TD_LANES == 4
+    return td_widen(vload4(0, lane));
+#else
+    return lane[0];
+#endif
+}
+
+/* Of TD_LANES pairs the first and the second ones. */
+TD_INLINE void td_collect_pairs(const td_real *pair, td_lanes *first, td_lanes *second) {
+#if TD_LANES == 1
+    *first = pair[0];
+    *second = pair[1];
+#else
+    td_lanes low = td_collect(pair), high = td_collect(pair + TD_LANES);
+    *first = (td_lanes)(low.even, high.even);
+    *second = (td_lanes)(low.odd, high.odd);
+#endif
+}
+
 /* Entry k of TD_LANES records `stride` apart. */
 TD_INLINE void td_scatter(TD_GLOBAL td_real *records, int stride, int k, td_lanes value) {
 #if TD_LANES == 1

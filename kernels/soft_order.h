@@ -30,15 +30,16 @@ typedef struct td_soft_depth {
     td_lanes growth; /* z_dot / z */
 } td_soft_depth;
 
-/* From each splat of a group to the next: 1 where that is near, else 0; m, its rate, and 1 - m, with nobody near 1, 0 and 0. */
+/* From each splat of a group to the next: 1 where that is near, else 0; m, its rate, 1 - m, and -m as a power of 2; with nobody
+ * near 1, 0, 0 and -log2 e. */
 typedef struct td_soft_steps {
-    int near[TD_LANES];
-    td_real m[TD_LANES], m_dot[TD_LANES], left[TD_LANES];
+    int near[TD_GROUP];
+    td_real m[TD_GROUP], m_dot[TD_GROUP], left[TD_GROUP], power[TD_GROUP];
 } td_soft_steps;
 
 /* One of them. */
 typedef struct td_soft_step {
-    td_real m, m_dot, left;
+    td_real m, m_dot, left, power;
 } td_soft_step;
 
 /* The splats that take out light now. */
@@ -69,40 +70,68 @@ TD_INLINE td_mask td_is_near(const td_image *image, td_lanes y, td_lanes z) {
     return z - y < (td_real)(0.5f * TD_SOFT_REACH) * image->soft_depth * (z + y);
 }
 
-/* ln(z/z_front) = 2 artanh u, u = (z - z_front) / (z + z_front), by its series to u^7: for depths up to TD_SOFT_REACH apart. */
-TD_INLINE void td_soft_between(const td_image *image, const td_soft_depth *front, const td_soft_depth *behind, td_mask near,
-                               td_soft_steps *steps) {
-    td_lanes none = td_splat(0.0f), u = (behind->z - front->z) / (behind->z + front->z), s = u * u;
+/* ln(z/z_front) = 2 artanh u, u = (z - z_front) / (z + z_front), by its series to u^7: for depths up to TD_SOFT_REACH apart. In
+ * units of soft_depth, and its rate. */
+TD_INLINE void td_soft_between(const td_image *image, const td_soft_depth *front, const td_soft_depth *behind, td_lanes *x,
+                               td_lanes *x_dot) {
+    td_lanes u = (behind->z - front->z) / (behind->z + front->z), s = u * u;
     td_lanes rest = td_fma(s, td_fma(s, TD_REAL(0.14285714285714286), TD_REAL(0.2)), TD_REAL(0.33333333333333333));
     td_lanes series = td_fma(u * s, rest, u);
     td_real scale = 1 / image->soft_depth;
-    td_lanes x = (2 * series + (behind->low - front->low)) * scale;
-    td_lanes x_dot = (behind->growth - front->growth) * scale;
-    td_lanes m = td_soft_taken(x), left = 1 - m;
-    td_spread(td_select(td_splat(1.0f), m, near), steps->m);
-    td_spread(td_select(none, left * x_dot, near), steps->m_dot);
-    td_spread(td_select(none, left, near), steps->left);
+    *x = (2 * series + (behind->low - front->low)) * scale;
+    *x_dot = (behind->growth - front->growth) * scale;
 }
 
-/* The ways from the splats of a group to the next ones: they depend on depth alone, and are the same for all pixels. */
-TD_INLINE void td_soft_measure(const td_list *list, const td_image *image, const td_group *group, td_soft_steps *steps) {
-    td_real z[TD_LANES + 1], z_dot[TD_LANES + 1], low[TD_LANES + 1];
+/* TD_LANES splats' depths and their rates, in pairs, and masks. */
+TD_INLINE td_soft_depth td_soft_depths(const td_real *depth, const int *mask) {
+    td_soft_depth all;
+    td_lanes rate;
+    td_collect_pairs(depth, &all.z, &rate);
+    all.low = td_depth_low(td_collect_ints(mask));
+    all.growth = rate / all.z;
+    return all;
+}
+
+/* Depths and their rates, in pairs, and masks of a group's splats and the one behind, for whole vectors. */
+TD_INLINE void td_soft_gather(const td_list *list, const td_group *group, int end, td_real *depth, int *mask) {
 #ifdef TD_OPENCL
 #pragma clang loop vectorize(disable)
 #endif
-    for (int k = 0; k <= TD_LANES; k++) {
-        TD_GLOBAL const td_real *record = td_list_record(list, group->place[k]);
-        z[k] = record[TD_R_DEPTH];
-        z_dot[k] = record[TD_R_DEPTH_DOT];
-        low[k] = td_depth_low(list->masks[group->place[k]]);
+    for (int k = 0; k <= end; k++) {
+        TD_GLOBAL const td_real *record = td_list_record(list, group->row[k]);
+        depth[2 * k] = record[TD_R_DEPTH];
+        depth[2 * k + 1] = record[TD_R_DEPTH_DOT];
+        mask[k] = list->masks[group->place[k]];
     }
-    td_soft_depth front = {td_collect(z), td_collect(low), td_collect(z_dot)};
-    td_soft_depth behind = {td_collect(z + 1), td_collect(low + 1), td_collect(z_dot + 1)};
-    front.growth = front.growth / front.z;
-    behind.growth = behind.growth / behind.z;
-    td_mask near = td_is_near(image, front.z, behind.z) & (td_count_from(0) < group->count - 1 + group->followed);
-    td_index_lanes(td_mask_bit(near, 1), steps->near);
-    td_soft_between(image, &front, &behind, near, steps);
+}
+
+/* Steps [k, k + TD_LANES), of which `m` and `m_dot` hold the ways, and their rates. */
+TD_INLINE void td_soft_lay(td_soft_steps *steps, int k) {
+    td_lanes none = td_splat(0.0f), taken = td_soft_taken(td_collect(steps->m + k)), left = 1 - taken;
+    td_mask near = td_collect_ints(steps->near + k) != 0;
+    td_lanes m = td_select(td_splat(1.0f), taken, near);
+    td_spread(m, steps->m + k);
+    td_spread(-m * TD_REAL(1.44269504088896340736), steps->power + k);
+    td_spread(td_select(none, left * td_collect(steps->m_dot + k), near), steps->m_dot + k);
+    td_spread(td_select(none, left, near), steps->left + k);
+}
+
+/* The ways from the splats of a group to the next ones: they depend on depth alone, and are the same for all pixels. Loops are
+ * several: what one vector of splats waits for, another doesn't. */
+TD_INLINE void td_soft_measure(const td_list *list, const td_image *image, const td_group *group, td_soft_steps *steps) {
+    td_real depth[2 * TD_GROUP + 2];
+    int mask[TD_GROUP + 1], end = (group->count + TD_LANES - 1) / TD_LANES * TD_LANES;
+    td_soft_gather(list, group, end, depth, mask);
+    for (int k = 0; k < end; k += TD_LANES) {
+        td_soft_depth front = td_soft_depths(depth + 2 * k, mask + k), behind = td_soft_depths(depth + 2 * k + 2, mask + k + 1);
+        td_mask near = td_is_near(image, front.z, behind.z) & (td_count_from(k) < group->count - 1 + group->followed);
+        td_lanes x, x_dot;
+        td_soft_between(image, &front, &behind, &x, &x_dot);
+        td_index_lanes(td_mask_bit(near, 1), steps->near + k);
+        td_spread(x, steps->m + k);
+        td_spread(x_dot, steps->m_dot + k);
+    }
+    for (int k = 0; k < end; k += TD_LANES) td_soft_lay(steps, k);
 }
 
 /* a = -ln(1 - tau) and its rate. 1 - tau is rounded, by more than a small tau has digits: what was lost is taken off again. */
@@ -179,9 +208,8 @@ TD_INLINE void td_soft_clear(const td_image *image, td_soft *soft) {
 /* Light goes one step on: T falls, and the image gains W B, W = (T - T_after) / A. Where A is small T - T_after has few digits
  * right, but B is no larger than A times a colour, so that they are enough; where A is 0 so is B. */
 TD_INLINE void td_soft_go(const td_soft *soft, const td_soft_step *step, const td_image *image, td_composite *pixels) {
-    const td_real log2_e = TD_REAL(1.44269504088896340736);
     td_lanes t = pixels->transmittance, t_dot = pixels->transmittance_dot;
-    td_lanes fall = td_exp2(soft->a * (-step->m * log2_e));
+    td_lanes fall = td_exp2(soft->a * step->power);
     td_lanes after = t * fall;
     td_lanes after_dot = td_fma(t_dot, fall, -after * td_fma(soft->a_dot, step->m, soft->a * step->m_dot));
     td_lanes inverse = 1 / (soft->a + TD_REAL(1e-20));
@@ -212,20 +240,17 @@ TD_INLINE td_mask td_soft_admit(const td_image *image, td_lanes wanted, td_compo
 TD_INLINE void td_blend_soft(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
                              const td_soft_steps *steps, int k, td_lanes a, td_lanes a_dot, td_mask on, td_soft *soft,
                              td_composite *pixels) {
-    td_soft_step step = {steps->m[k], steps->m_dot[k], steps->left[k]};
+    td_soft_step step = {steps->m[k], steps->m_dot[k], steps->left[k], steps->power[k]};
     if (td_drops_splats(image)) {
         a = td_select(td_splat(0.0f), a, on);
         a_dot = td_select(td_splat(0.0f), a_dot, on);
     }
-    if (!soft->open) td_soft_start(soft, image);
     soft->open = steps->near[k];
     td_accumulate(record, colour, image, a, a_dot, &soft->sums);
     soft->a = soft->a + a;
     soft->a_dot = soft->a_dot + a_dot;
-    td_real moves = td_with_rates(image) ? step.m_dot : 0;
-    if (step.m == 0 && moves == 0) return; /* of one depth */
     td_soft_go(soft, &step, image, pixels);
-    if (soft->open) td_soft_fall_all(&step, image, soft);
+    td_soft_fall_all(&step, image, soft);
 }
 
 #endif

@@ -308,8 +308,8 @@ TD_INLINE int td_truth_list(const td_list *list, const td_surfaces *surfaces, co
     for (td_next_group(list, block, &finder, &group); group.count > 0; td_next_group(list, block, &finder, &group)) {
         if (td_soft_order(image)) td_soft_measure(list, image, &group, &steps);
         for (int k = 0; k < group.count; k++) { /* a third of the time was waiting for them */
-            td_soon(surfaces->places + list->order[group.place[k]] * TD_RECORD_STRIDE);
-            td_soon(surfaces->rates + list->order[group.place[k]] * TD_RECORD_STRIDE);
+            td_soon(surfaces->places + group.row[k] * TD_RECORD_STRIDE);
+            td_soon(surfaces->rates + group.row[k] * TD_RECORD_STRIDE);
         }
         for (int k = 0; k < group.count; k++) {
             int near = 0;
@@ -317,9 +317,9 @@ TD_INLINE int td_truth_list(const td_list *list, const td_surfaces *surfaces, co
             if (td_soft_order(image)) near = steps.near[k], m = steps.m[k], left = steps.left[k];
             int soft = near || is_open;
             td_lanes before = pixels->behind, reach;
-            td_lanes tau = td_truth_alpha(td_list_record(list, group.place[k]), image, pixels, &reach);
+            td_lanes tau = td_truth_alpha(td_list_record(list, group.row[k]), image, pixels, &reach);
             if (td_any(tau != 0.0f)) /* else it's as good as not there */
-                td_truth_splat(surfaces, image, list->order[group.place[k]], tau, before, reach, soft, &open, objects, pixels);
+                td_truth_splat(surfaces, image, group.row[k], tau, before, reach, soft, &open, objects, pixels);
             if (soft && m != 0) td_truth_go(m, left, &open, objects, pixels);
             is_open = near;
             if ((++blended & 7) != 0) continue;
