@@ -144,6 +144,15 @@ typedef struct td_list_to_make {
     int slices, item, items;
 } td_list_to_make;
 
+/* The tests of a place that comes soon. */
+enum { TD_SOON_PLACES = 16 };
+static void td_place_soon(const td_list_to_make *of, long key, __global const int *candidates) {
+    if (key == TD_LAST_KEY) return;
+    const int gaussian = candidates[(int)(key & 0xffffffffL)];
+    td_soon(of->records + (size_t)gaussian * (size_t)of->slices * TD_TEST_REALS);
+    td_soon(of->path + gaussian);
+}
+
 TD_APART void td_list_apart(__global const td_point_tile *at, const td_list_to_make *what, __global int *listed_count) {
     const td_point_tile tile = *at;
     const td_list_to_make of = *what;
@@ -162,6 +171,7 @@ TD_APART void td_list_apart(__global const td_point_tile *at, const td_list_to_m
     for (int i = me; i < tile.count; i += items) {
         const int there = own[i] != TD_LAST_KEY;
         const int gaussian = there ? candidates[(int)(own[i] & 0xffffffffL)] : -1;
+        if (TD_LANES > 1 && i + TD_SOON_PLACES < tile.count) td_place_soon(&of, own[i + TD_SOON_PLACES], candidates);
         __global float *place = of.tests + td_point_tests_at(&tile, slices, 0) + td_point_test_of(i);
         of.listed[tile.first + i] = there ? of.path[gaussian] : -1;
         if (there && (i + 1 == tile.count || own[i + 1] == TD_LAST_KEY)) *listed_count = i + 1;
