@@ -358,6 +358,38 @@ static void test_auto(void **state) {
     free_world(&w);
 }
 
+/* What the defaults are in a run, and why, is said; a tolerance that is given stays. */
+static void test_what_the_defaults_choose(void **state) {
+    static const struct {
+        int32_t why, unit;
+        double given, tolerance;
+    } cases[] = {{TIDES_UNSOLVED_NOT, TIDES_UNIT_BLOCK, 0, 0.1},    {TIDES_UNSOLVED_NOT, TIDES_UNIT_BLOCK, 0.03, 0.03},
+                 {TIDES_UNSOLVED_ASKED, TIDES_UNIT_TILE, 0, 0.01},  {TIDES_UNSOLVED_FIXED, TIDES_UNIT_TILE, 0, 0.01},
+                 {TIDES_UNSOLVED_MODEL, TIDES_UNIT_TILE, 0, 0.01},  {TIDES_UNSOLVED_SENSOR, TIDES_UNIT_TILE, 0, 0.01},
+                 {TIDES_UNSOLVED_SENSOR, TIDES_UNIT_TILE, 0.2, 0.2}};
+    (void)state;
+    world w = make_world(SEED, CAMERA_MOVES);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        job j = loose_job(&w);
+        tides_stepping_defaults(&j.stepping);
+        j.stepping.tolerance = cases[i].given;
+        if (cases[i].why == TIDES_UNSOLVED_ASKED) j.stepping.solve = TIDES_SOLVE_OFF;
+        if (cases[i].why == TIDES_UNSOLVED_FIXED) j.stepping.mode = TIDES_STEPPING_FIXED;
+        if (cases[i].why == TIDES_UNSOLVED_MODEL) j.stepping.mode = TIDES_STEPPING_RISK;
+        if (cases[i].why == TIDES_UNSOLVED_MODEL) j.stepping.model = TIDES_MODEL_LINEAR;
+        if (cases[i].why == TIDES_UNSOLVED_SENSOR) j.sensor.noise_rms = 0.01;
+        j.stop = j.start + 0.25 * (j.stop - j.start);
+        outcome o = run(&j);
+        const int solved = cases[i].why == TIDES_UNSOLVED_NOT;
+        assert_int_equal(o.stats.unsolved, cases[i].why);
+        assert_int_equal(o.stats.solve, solved ? TIDES_SOLVE_DOUBLE : TIDES_SOLVE_OFF);
+        assert_int_equal(o.stats.unit, cases[i].unit);
+        assert_true(o.stats.tolerance == cases[i].tolerance && (o.stats.events_solved > 0) == solved);
+        free_outcome(&o);
+    }
+    free_world(&w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_exact_events),
                                        cmocka_unit_test(test_blocks),
@@ -366,6 +398,7 @@ int main(void) {
                                        cmocka_unit_test(test_single_precision),
                                        cmocka_unit_test(test_what_comes_back),
                                        cmocka_unit_test(test_refused),
-                                       cmocka_unit_test(test_auto)};
+                                       cmocka_unit_test(test_auto),
+                                       cmocka_unit_test(test_what_the_defaults_choose)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
