@@ -60,6 +60,7 @@ static tides_status sweep_boxes(tides_renderer *renderer, const tides_trajectory
     if (status != TIDES_OK) return status;
     int rests = tides_trajectory_is_static(camera);
     int kept = rests && renderer->rested && memcmp(&pose, &renderer->rest_pose, sizeof pose) == 0;
+    for (int i = 0; i < renderer->store.objects; i++) renderer->listed &= box_kind(renderer, i, kept) == BOX_KEPT;
     renderer->rested = 0;
     for (int i = 0; i < renderer->store.objects && status == TIDES_OK;) {
         int begin = i, kind = box_kind(renderer, i, kept);
@@ -86,6 +87,19 @@ static tides_status sweep_moved(tides_renderer *renderer, const tides_trajectory
     return status == TIDES_OK ? td_dynamic_sweep_pieces(renderer, camera, start, stop, error) : status;
 }
 
+/* Lists of the boxes, with what else tells what moves, and where. */
+static tides_status make_lists(tides_renderer *renderer, tides_error *error) {
+    tides_status status = td_candidates_build(&renderer->candidates, &renderer->store, renderer->boxes, renderer->travel,
+                                              renderer->object_moves, error);
+    const int all_moves = renderer->image.decoder && renderer->object_moves[0]; /* what is behind everything moves too */
+    if (status == TIDES_OK && all_moves) memset(renderer->candidates.moving, 1, (size_t)renderer->stats.tiles);
+    if (status == TIDES_OK) status = td_psf_spread(&renderer->psf, &renderer->candidates, error);
+    const int by_tiles = all_moves || renderer->psf.radius || renderer->image.extent_rule != TD_EXTENT_ELLIPSE;
+    if (status == TIDES_OK && renderer->candidates.by_blocks && by_tiles) td_candidates_blocks_as_tiles(&renderer->candidates);
+    renderer->listed = status == TIDES_OK;
+    return status;
+}
+
 tides_status td_renderer_sweep_alone(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                      tides_error *error) {
     tides_status status = td_renderer_sweep_views(renderer, camera, start, stop, 0, error);
@@ -99,14 +113,8 @@ tides_status td_renderer_sweep_alone(tides_renderer *renderer, const tides_traje
     if (status == TIDES_OK) status = sweep_moved(renderer, camera, start, stop, error);
     double begun = td_now();
     renderer->candidates.instant = !(start < stop);
-    if (status == TIDES_OK)
-        status = td_candidates_build(&renderer->candidates, &renderer->store, renderer->boxes, renderer->travel,
-                                     renderer->object_moves, error);
-    const int all_moves = renderer->image.decoder && renderer->object_moves[0]; /* what is behind everything moves too */
-    if (status == TIDES_OK && all_moves) memset(renderer->candidates.moving, 1, (size_t)renderer->stats.tiles);
-    if (status == TIDES_OK) status = td_psf_spread(&renderer->psf, &renderer->candidates, error);
-    const int by_tiles = all_moves || renderer->psf.radius || renderer->image.extent_rule != TD_EXTENT_ELLIPSE;
-    if (status == TIDES_OK && renderer->candidates.by_blocks && by_tiles) td_candidates_blocks_as_tiles(&renderer->candidates);
+    /* Where nothing moves, and nothing did, lists hold on as boxes do. */
+    if (status == TIDES_OK && !renderer->listed) status = make_lists(renderer, error);
     renderer->stats.time_sweep_s += td_now() - begun;
     return status == TIDES_OK ? td_paths_find(renderer, camera, start, stop, error) : status;
 }

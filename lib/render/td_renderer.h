@@ -135,6 +135,7 @@ struct tides_renderer {
     uint8_t *object_moves; /* (objects) against the camera */
     int rested;            /* the last sweep saw a camera at rest, at rest_pose: boxes of what doesn't move hold on */
     tides_pose rest_pose;
+    int listed;         /* the lists are of the boxes as they are */
     td_strays strays;   /* of the interval swept last */
     double *sweep_time; /* (td_sweep_times) of the pieces in hand */
     size_t sweep_time_capacity;

@@ -52,6 +52,7 @@ static void list_everything(tides_renderer *renderer) {
     scene_expect_ok(td_candidates_build(&renderer->candidates, &renderer->store, boxes, renderer->travel,
                                         renderer->object_moves, &error),
                     &error);
+    renderer->listed = 0; /* what the renderer has isn't of its boxes any more */
     free(boxes);
 }
 
@@ -119,6 +120,36 @@ static random_scene fast_scene(uint64_t trial) {
         scene_expect_ok(tides_trajectory_create_static(position, quaternion, &s.path, &error), &error);
     }
     return s;
+}
+
+/* Lists are made again where a camera, or an object before one at rest, moves, and only there. */
+static void test_lists_hold_on_where_nothing_moves(void **state) {
+    (void)state;
+    tides_device *device = open_fast_device();
+    for (int moves = 0; moves < 2; moves++) {
+        random_recipe recipe = fast_recipe(4);
+        recipe.objects = 1 + moves; /* the first is at rest */
+        random_scene s = random_scene_make(&recipe);
+        tides_trajectory *rest = NULL;
+        tides_error error;
+        scene_expect_ok(tides_trajectory_create_static((double[]){0, 0, -4}, (double[]){1, 0, 0, 0}, &rest, &error), &error);
+        tides_renderer *renderer = make_renderer(device, s.scene, &s.camera, TIDES_RULES_SMOOTH);
+        const uint64_t *made = &renderer->candidates.serial;
+        sweep(renderer, rest, 0.1, 0.11);
+        const uint64_t first = *made;
+        sweep(renderer, rest, 0.11, 0.12);
+        sweep(renderer, rest, 0.12, 0.12);
+        assert_int_equal(*made, first + 2 * (uint64_t)moves);
+        sweep(renderer, s.path, 0.12, 0.13);
+        const uint64_t moved = *made;
+        assert_int_equal(moved, first + 2 * (uint64_t)moves + 1);
+        sweep(renderer, rest, 0.13, 0.14); /* back: what there is of before is another camera's */
+        assert_int_equal(*made, moved + 1);
+        tides_renderer_destroy(renderer);
+        tides_trajectory_destroy(rest);
+        random_scene_free(&s);
+    }
+    tides_device_close(device);
 }
 
 static const double lengths[] = {1e-3, 3e-3, 10e-3, 25e-3, 50e-3};
@@ -299,7 +330,8 @@ static void test_blocks_say_what_moves_in_them(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_candidate_lists_are_conservative),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_lists_hold_on_where_nothing_moves),
+                                       cmocka_unit_test(test_candidate_lists_are_conservative),
                                        cmocka_unit_test(test_swept_boxes_hold_the_splats),
                                        cmocka_unit_test(test_batches_do_not_matter),
                                        cmocka_unit_test(test_blocks_say_what_moves_in_them)};
