@@ -67,6 +67,19 @@ tides_status td_buffer_write(tides_device *device, td_buffer *buffer, const void
     return status == TIDES_OK ? td_buffer_write_at(device, buffer, 0, data, bytes, error) : status;
 }
 
+tides_status td_buffer_lend(tides_device *device, td_buffer *buffer, void *data, size_t bytes, tides_error *error) {
+    tides_status status = td_check_forked(error);
+    cl_int code = CL_SUCCESS;
+    if (status != TIDES_OK) return status;
+    if (!device->near || bytes == 0) return td_buffer_write(device, buffer, data, bytes, error);
+    cl_mem memory =
+        clCreateBuffer(device->context, CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes + TD_BUFFER_SLACK, data, &code);
+    if (code != CL_SUCCESS) return td_cl_fail(error, code, "clCreateBuffer");
+    td_buffer_release(buffer);
+    *buffer = (td_buffer){memory, bytes, data};
+    return status;
+}
+
 tides_status td_buffer_read_at(tides_device *device, const td_buffer *buffer, size_t offset, void *data, size_t bytes,
                                tides_error *error) {
     tides_status status = td_check_forked(error);

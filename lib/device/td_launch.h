@@ -22,6 +22,9 @@ tides_status td_buffer_grow(tides_device *device, td_buffer *buffer, size_t byte
 
 /* Reserves and copies `bytes` from host memory; blocking. */
 tides_status td_buffer_write(tides_device *device, td_buffer *buffer, const void *data, size_t bytes, tides_error *error);
+/* The same, but memory that is shared is `data` itself: it outlives the buffer and stays as it is, and TD_BUFFER_SLACK bytes
+ * behind its end may be read. Nobody writes to the buffer before it has grown. */
+tides_status td_buffer_lend(tides_device *device, td_buffer *buffer, void *data, size_t bytes, tides_error *error);
 tides_status td_buffer_read(tides_device *device, const td_buffer *buffer, void *data, size_t bytes, tides_error *error);
 /* To `offset` bytes into a buffer that is large enough; blocking. */
 tides_status td_buffer_write_at(tides_device *device, const td_buffer *buffer, size_t offset, const void *data, size_t bytes,

@@ -252,7 +252,7 @@ static tides_status write_store(opencl_backend *b, const td_store *store, tides_
                                        store->decoder ? TD_DECODER_REALS : 1, error);
     if (status != TIDES_OK) return status;
     if (store->sh_wide) return td_opencl_write_reals(b, &b->sh, store->sh_wide, sh, error);
-    return td_buffer_write(b->device, &b->sh, store->sh, sh * sizeof *store->sh, error);
+    return td_buffer_lend(b->device, &b->sh, store->sh, sh * sizeof *store->sh, error);
 }
 
 /* The image in the device's precision: reals, then ints. */

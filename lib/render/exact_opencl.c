@@ -97,7 +97,7 @@ const td_buffer *td_exact_row_buffer(const td_exact *exact) {
 static tides_status write_sh(opencl_exact *e, const td_store *store, tides_error *error) {
     size_t count = (size_t)store->count * (size_t)store->sh_stride;
     if (store->sh_wide) return td_buffer_write(e->device, &e->sh, store->sh_wide, count * sizeof *store->sh_wide, error);
-    if (e->sh_float) return td_buffer_write(e->device, &e->sh, store->sh, count * sizeof *store->sh, error);
+    if (e->sh_float) return td_buffer_lend(e->device, &e->sh, store->sh, count * sizeof *store->sh, error);
     double *wide = td_alloc(count, sizeof *wide, error);
     if (!wide) return TIDES_NO_MEMORY;
     for (size_t i = 0; i < count; i++) wide[i] = store->sh[i];
@@ -112,7 +112,7 @@ static tides_status write_store(opencl_exact *e, const td_store *store, tides_er
     size_t count = (size_t)store->count, geometry = count * TD_GEOMETRY_STRIDE * sizeof(double);
     size_t sh = count * (size_t)store->sh_stride * sizeof(double);
     tides_status status = td_buffer_write(e->device, &e->object, store->object, count * sizeof *store->object, error);
-    if (status == TIDES_OK) status = td_buffer_write(e->device, &e->geometry, store->geometry, geometry, error);
+    if (status == TIDES_OK) status = td_buffer_lend(e->device, &e->geometry, store->geometry, geometry, error);
     if (status == TIDES_OK)
         status = td_buffer_write(e->device, &e->rates, store->rates ? store->rates : none,
                                  store->rates ? geometry : sizeof none, error);

@@ -2,6 +2,7 @@
  * once, in double, widened to the strides of kernels/layout.h. */
 #include "motion/td_activate.h"
 #include "motion/td_motion.h"
+#include "td_launch.h"
 #include "td_renderer.h"
 
 #include <limits.h>
@@ -103,12 +104,22 @@ static tides_status add_object(const tides_scene *scene, const store_plan *plan,
     return status == TIDES_OK ? status : td_fail_within(error, status, "motion of object %d", which);
 }
 
+/* Zeros that a device may read where they are (td_buffer_lend): from a line of memory on, and so much behind the end. */
+static void *allocate_shared(size_t count, size_t size, tides_error *error) {
+    void *memory = NULL;
+    if (count > (SIZE_MAX - TD_BUFFER_SLACK) / size || posix_memalign(&memory, 64, count * size + TD_BUFFER_SLACK) != 0) {
+        td_fail(error, TIDES_NO_MEMORY, "out of memory: %zu items of %zu bytes were asked for", count, size);
+        return NULL;
+    }
+    return memset(memory, 0, count * size + TD_BUFFER_SLACK);
+}
+
 static tides_status allocate(td_store *store, tides_error *error) {
     size_t count = (size_t)store->count, objects = (size_t)store->objects;
     store->object = td_alloc(count, sizeof *store->object, error);
     store->number = td_alloc(count, sizeof *store->number, error);
-    store->geometry = td_alloc(count * TD_GEOMETRY_STRIDE, sizeof *store->geometry, error);
-    store->sh = td_alloc(count * (size_t)store->sh_stride, sizeof *store->sh, error);
+    store->geometry = allocate_shared(count * TD_GEOMETRY_STRIDE, sizeof *store->geometry, error);
+    store->sh = allocate_shared(count * (size_t)store->sh_stride, sizeof *store->sh, error);
     store->scene_object = td_alloc(objects, sizeof *store->scene_object, error);
     store->mover = td_alloc(objects, sizeof *store->mover, error);
     int all = store->object && store->number && store->geometry && store->sh && store->scene_object && store->mover;

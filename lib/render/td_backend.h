@@ -54,7 +54,7 @@ typedef struct td_movers {
 /* All Gaussians of a scene at one state, activated; objects padded to TD_PAD with Gaussians of opacity 0. Exactly one of `sh`
  * and `sh_wide` is set; rates are NULL unless every Gaussian has them. Where only some of a scene's object move by themselves
  * it makes two objects here, first those at rest, then the others, whose rows have opacity 0: what they are at a time goes to
- * dynamic rows behind all of these. Borrowed by the backend while it is created. */
+ * dynamic rows behind all of these. It outlives its backend: a device that shares memory with the host reads SH in place. */
 typedef struct td_store {
     int count;      /* padded: a multiple of TD_PAD */
     int real_count; /* Gaussians without the padding */

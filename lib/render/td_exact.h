@@ -23,7 +23,8 @@ struct td_exact {
     size_t moved_capacity;
 };
 
-/* A copy of the store: on `device` where that has double precision (td_device_has_double), else in the twin. */
+/* A copy of the store: on `device` where that has double precision (td_device_has_double), else in the twin. The store outlives
+ * it: a device that shares memory with the host reads its geometry and SH in place. */
 tides_status td_exact_create(tides_device *device, const td_store *store, const td_image_numbers *image, td_exact **exact,
                              tides_error *error);
 void td_exact_destroy(td_exact *exact);

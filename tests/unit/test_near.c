@@ -86,6 +86,39 @@ static double *render(tides_device *device, const random_scene *scene) {
     return plane;
 }
 
+/* What is lent is read in place where memory is shared, and left as it is by a buffer that grows and is then written to. */
+static void lend_buffer(tides_device *device, int near) {
+    enum { SLACK = TD_BUFFER_SLACK / sizeof(int) };
+    int from[COUNT + SLACK], kept[COUNT], to[COUNT];
+    const int none[PART] = {0};
+    td_buffer buffer = {NULL, 0, NULL};
+    tides_error error = {0, ""};
+    for (int i = 0; i < COUNT + SLACK; i++) from[i] = 5 * i + 2;
+    memcpy(kept, from, sizeof kept);
+    device->near = near;
+    scene_expect_ok(td_buffer_lend(device, &buffer, from, sizeof kept, &error), &error);
+    assert_int_equal(buffer.near == from, near);
+    scene_expect_ok(td_buffer_read(device, &buffer, to, sizeof to, &error), &error);
+    assert_memory_equal(to, kept, sizeof kept);
+    scene_expect_ok(td_buffer_grow(device, &buffer, 2 * sizeof kept, &error), &error);
+    assert_ptr_not_equal(buffer.near, from);
+    scene_expect_ok(td_buffer_read(device, &buffer, to, sizeof to, &error), &error);
+    assert_memory_equal(to, kept, sizeof kept);
+    scene_expect_ok(td_buffer_write_at(device, &buffer, 0, none, sizeof none, &error), &error);
+    assert_memory_equal(from, kept, sizeof kept);
+    td_buffer_release(&buffer);
+    assert_memory_equal(from, kept, sizeof kept);
+}
+
+static void test_a_lent_buffer_is_read_in_place(void **state) {
+    tides_device *device = open_device();
+    const int near = device->near;
+    (void)state;
+    lend_buffer(device, 0);
+    if (near) lend_buffer(device, 1);
+    tides_device_close(device);
+}
+
 static void test_images_are_the_same(void **state) {
     tides_device *device = open_device();
     random_recipe recipe = random_recipe_defaults(8);
@@ -191,7 +224,8 @@ static void test_runs_are_the_same(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_a_buffer_is_a_buffer), cmocka_unit_test(test_images_are_the_same),
-                                       cmocka_unit_test(test_runs_are_the_same)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_a_buffer_is_a_buffer),
+                                       cmocka_unit_test(test_a_lent_buffer_is_read_in_place),
+                                       cmocka_unit_test(test_images_are_the_same), cmocka_unit_test(test_runs_are_the_same)};
     return cmocka_run_group_tests_name("near", tests, NULL, NULL);
 }
