@@ -63,7 +63,7 @@ tides_status td_npy_writer_open(const char *path, int zipped, td_npy_writer **wr
     if (!w) return TIDES_NO_MEMORY;
     w->zipped = zipped;
     tides_status status = (w->path = td_strdup(path, error)) ? td_part_name(path, 0, &w->part, error) : TIDES_NO_MEMORY;
-    if (!status && !(w->file = fopen(w->part, "wb")))
+    if (!status && !(w->file = td_part_open(w->part, w->path)))
         status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", w->part, strerror(errno));
     if (status)
         free_writer(w);

@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -78,10 +79,48 @@ int td_sync(int descriptor) {
     return failed == EINVAL || failed == ENOTSUP || failed == ENOSYS ? 0 : failed; /* nothing there to be asked */
 }
 
+/* Where two runs are told to write one file, the second stops before it ruins the first one's .part. 0, or EBUSY. */
+static int lock_part(int descriptor) {
+    return flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK ? EBUSY : 0; /* not all file systems have locks */
+}
+
+/* 1: what is open is what is at `path`, not what was put in its place meanwhile. */
+static int is_still_at(int descriptor, const char *path) {
+    struct stat own, there;
+    return fstat(descriptor, &own) == 0 && stat(path, &there) == 0 && own.st_dev == there.st_dev && own.st_ino == there.st_ino;
+}
+
+static int claim_part(const char *part) {
+    for (;;) {
+        const int descriptor = open(part, O_RDWR | O_CREAT, 0666);
+        if (descriptor < 0) return -1;
+        int failed = lock_part(descriptor);
+        const int is_there = failed || is_still_at(descriptor, part);
+        if (!failed && is_there && ftruncate(descriptor, 0) != 0 && errno != EINVAL) failed = errno; /* EINVAL: a device */
+        if (!failed && is_there) return descriptor;
+        close(descriptor);
+        errno = failed;
+        if (failed) return -1;
+    }
+}
+
+FILE *td_part_open(const char *part, const char *path) {
+    if (strcmp(part, path) == 0) return fopen(part, "wb"); /* a device or FIFO */
+    const int descriptor = claim_part(part);
+    FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "r+b");
+    if (descriptor >= 0 && !file) {
+        const int failed = errno;
+        close(descriptor);
+        errno = failed;
+    }
+    return file;
+}
+
 static int sync_path(const char *path, int flags) {
     int descriptor = open(path, flags);
     if (descriptor < 0) return errno;
-    int failed = td_sync(descriptor);
+    int failed = flags & O_DIRECTORY ? 0 : lock_part(descriptor);
+    if (!failed) failed = td_sync(descriptor);
     if (close(descriptor) != 0 && !failed) failed = errno;
     return failed;
 }
@@ -117,7 +156,7 @@ static tides_status commit(const char *part, const char *path, int keep, tides_e
     else if ((failed = sync_folder_of(target)) != 0)
         status = td_fail(error, TIDES_WRITE_FAILED, "%s: is written, but its folder can't be put on the disk: %s", path,
                          strerror(failed));
-    if (status != TIDES_OK && !keep) td_remove_part(part, path);
+    if (status != TIDES_OK && !keep && failed != EBUSY) td_remove_part(part, path);
     free(target);
     return status;
 }
@@ -129,9 +168,7 @@ tides_status td_commit_or_keep(const char *part, const char *path, tides_error *
 /* ---- whole files ---- */
 
 /* 0 or errno. */
-static int write_bytes(const char *part, const void *bytes, size_t size) {
-    FILE *file = fopen(part, "wb");
-    if (!file) return errno;
+static int write_bytes(FILE *file, const void *bytes, size_t size) {
     errno = 0;
     int failed = size == 0 || fwrite(bytes, 1, size, file) == size ? 0 : errno ? errno : EIO;
     if (fclose(file) != 0 && !failed) failed = errno; /* a full disk may show no earlier */
@@ -157,10 +194,11 @@ tides_status tides_file_write(const char *path, const void *bytes, size_t size, 
     char *part = NULL;
     tides_status status = td_part_name(path, 1, &part, error);
     if (status != TIDES_OK || !part) return status;
-    int failed = write_bytes(part, bytes, size);
+    FILE *file = td_part_open(part, path);
+    const int failed = file ? write_bytes(file, bytes, size) : errno;
     if (failed) {
         status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path, strerror(failed));
-        td_remove_part(part, path);
+        if (file) td_remove_part(part, path);
     } else {
         status = td_commit_file(part, path, error);
     }

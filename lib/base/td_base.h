@@ -55,6 +55,10 @@ tides_status td_read_file(const char *path, size_t limit, char **data, size_t *b
  * are written from beginning to end (`streams`) can be sent to. */
 tides_status td_part_name(const char *path, int streams, char **part, tides_error *error);
 
+/* The file at `part` emptied for writing, locked while it is open; NULL and errno, EBUSY where another run writes it, of which
+ * nothing is touched. */
+FILE *td_part_open(const char *part, const char *path);
+
 /* Puts a .part that is closed into its place, and both on the disk; a failure removes it. `_or_keep` leaves it where it is
  * then, and says so: for what took hours. */
 tides_status td_commit_file(const char *part, const char *path, tides_error *error);

@@ -25,7 +25,7 @@ tides_status td_text_open(td_text *text, const char *path, tides_error *error) {
     tides_status status = text->path ? td_part_name(path, 1, &text->part, error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK) {
         text->plain = plain_locale();
-        text->file = text->plain ? fopen(text->part, "wb") : NULL;
+        text->file = text->plain ? td_part_open(text->part, text->path) : NULL;
         if (!text->file) status = fail_write(text, errno, error);
     }
     if (status != TIDES_OK) free_text(text);

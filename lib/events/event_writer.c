@@ -5,11 +5,9 @@
 #include "td_event_h5.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 struct tides_event_writer {
@@ -61,25 +59,14 @@ static tides_status check_file(const char *path, const td_event_format *format, 
     return TIDES_OK;
 }
 
-/* Locked while it is written, so that two runs told to write the same file don't ruin each other. */
 static tides_status open_part(td_event_sink *sink, tides_error *error) {
-    if (strcmp(sink->part, sink->path) == 0) { /* a device or FIFO: the format writes from beginning to end */
-        sink->file = fopen(sink->part, "wb");
-        return sink->file ? TIDES_OK
-                          : td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", sink->part, strerror(errno));
-    }
-    int descriptor = open(sink->part, O_RDWR | O_CREAT, 0666);
-    if (descriptor < 0) return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", sink->part, strerror(errno));
-    if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-        close(descriptor);
+    sink->file = td_part_open(sink->part, sink->path);
+    if (sink->file) return TIDES_OK;
+    if (errno == EBUSY)
         return td_fail(error, TIDES_WRITE_FAILED, "%s: is being written by another run: wait for it, or name another file",
                        sink->part);
-    }
-    sink->file = ftruncate(descriptor, 0) == 0 ? fdopen(descriptor, "r+b") : NULL;
-    if (sink->file) return TIDES_OK;
-    td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", sink->part, strerror(errno));
-    close(descriptor);
-    return TIDES_WRITE_FAILED;
+    const char *what = strcmp(sink->part, sink->path) == 0 ? "written" : "created"; /* a device or FIFO is there */
+    return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be %s: %s", sink->part, what, strerror(errno));
 }
 
 static void free_writer(tides_event_writer *writer) {

@@ -77,7 +77,7 @@ static tides_status open_part(tides_animation *a, tides_error *error) {
     char *part = NULL;
     const tides_status named = td_part_name(a->path, a->format == &td_animation_y4m, &part, error); /* an APNG counts first */
     if (named != TIDES_OK) return named;
-    a->file = fopen(part, "wb");
+    a->file = td_part_open(part, a->path);
     if (a->file) {
         a->part = part;
         return TIDES_OK;

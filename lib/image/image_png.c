@@ -76,7 +76,7 @@ tides_status td_png_encode(const char *path, FILE *file, int32_t width, int32_t 
 }
 
 static tides_status write_part(png_job *job, const char *path, const char *part, tides_error *error) {
-    job->file = fopen(part, "wb");
+    job->file = td_part_open(part, path);
     if (!job->file) return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", path, strerror(errno));
     tides_status status = encode(job, path, error);
     if (fclose(job->file) != 0 && status == TIDES_OK) /* what was buffered may find no room */

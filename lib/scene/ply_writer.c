@@ -93,7 +93,7 @@ tides_status td_ply_write(const char *path, const td_gaussians *gaussians, doubl
         free(part);
         return status;
     }
-    FILE *out = fopen(part, "wb");
+    FILE *out = td_part_open(part, path);
     if (!out) {
         status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", part, strerror(errno));
         goto done;

@@ -42,3 +42,19 @@ ls elsewhere ./*.part 2>/dev/null | grep -q '\.part' && fail "a .part is left"
 tides --help >/dev/full 2>err
 [ $? = 1 ] || fail "a full stdout is a failure"
 err "standard output"
+
+# Two runs that are told to write one file: at least one of them does, the other says so in one line, and the file is whole.
+for name in e.h5 e.raw; do
+    expect 0 tides simulate run.json -qo "once.$name"
+    rm -f "$name"
+    tides simulate run.json -qo "$name" 2>first.err &
+    first=$!
+    tides simulate run.json -qo "$name" 2>second.err
+    second=$?
+    wait $first
+    first=$?
+    [ $first = 0 ] || [ $second = 0 ] || fail "$name: neither was written"
+    for err in first.err second.err; do [ "$(wc -l <$err)" -le 1 ] || fail "$name: more than one line"; done
+    cmp -s "$name" "once.$name" || fail "$name: two runs ruined each other"
+    missing "$name.part"
+done

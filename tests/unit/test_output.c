@@ -11,12 +11,14 @@
 
 #include <cmocka.h>
 
+#include "td_base.h"
 #include "tests/support/scene_folder.h"
 #include "tests/support/scene_make.h"
 #include "tides.h"
 
 #include <fcntl.h>
 #include <pthread.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
 #include <unistd.h>
@@ -321,11 +323,63 @@ static void test_changed_meanwhile(void **state) {
     assert_int_equal(got, 1);
 }
 
+/* ---- two runs ---- */
+
+/* Of two that write one file the second is refused, and the first one's file is what it wrote. */
+static void try_two(void **state, const char *name) {
+    const tides_event_file facts = {.width = 8, .height = 8};
+    const tides_event event = {.t = 1000, .x = 1, .y = 2, .polarity = 1};
+    tides_event_writer *first = NULL, *second = NULL;
+    tides_error error = {TIDES_OK, ""};
+    tides_event found;
+    size_t got = 0;
+    char path[700];
+    snprintf(path, sizeof path, "%s", within(state, name));
+    assert_int_equal(tides_event_writer_open(path, &facts, &first, &error), TIDES_OK);
+    assert_int_equal(tides_event_writer_append(first, &event, 1, &error), TIDES_OK);
+    assert_int_equal(tides_event_writer_open(path, &facts, &second, &error), TIDES_WRITE_FAILED);
+    assert_null(second);
+    const int says = strstr(error.text, "is being written by another run") || strstr(error.text, "busy");
+    if (!says) fail_msg("%s: %s", name, error.text);
+    assert_int_equal(tides_event_writer_finish(first, 2000, &error), TIDES_OK);
+    assert_int_equal(tides_events_read(path, 0, 1, &found, &got, &error), TIDES_OK);
+    assert_int_equal(got, 1);
+    assert_int_equal(found.x, 1);
+}
+
+static void test_two_recordings(void **state) {
+    static const char *const names[] = {"two.h5", "two.raw", "two.dat", "two.csv", "two.npy", "two.npz", "two.ecf.hdf5"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) try_two(state, names[i]);
+}
+
+/* Whatever is written at once: another's .part is left alone, before and after it was written. */
+static void test_two_files(void **state) {
+    tides_error error = {TIDES_OK, ""};
+    const uint8_t rgb[3] = {1, 2, 3};
+    char part[700], path[700], held[8] = "";
+    snprintf(path, sizeof path, "%s", within(state, "a.png"));
+    snprintf(part, sizeof part, "%s", within(state, "a.png.part"));
+    const int other = open(part, O_RDWR | O_CREAT, 0600);
+    assert_true(other >= 0 && flock(other, LOCK_EX | LOCK_NB) == 0 && write(other, "other", 5) == 5);
+    assert_int_equal(tides_png_write(path, 1, 1, rgb, &error), TIDES_WRITE_FAILED);
+    assert_non_null(strstr(error.text, "busy"));
+    assert_int_equal(tides_file_write(path, "mine", 4, &error), TIDES_WRITE_FAILED);
+    assert_int_equal(td_commit_file(part, path, &error), TIDES_WRITE_FAILED); /* it began when this one had closed */
+    assert_int_equal(access(path, F_OK), -1);
+    assert_int_equal(pread(other, held, sizeof held, 0), 5);
+    assert_string_equal(held, "other");
+    assert_int_equal(kind_of(part), S_IFREG);
+    close(other);
+    assert_int_equal(tides_png_write(path, 1, 1, rgb, &error), TIDES_OK);
+    assert_int_equal(access(part, F_OK), -1);
+}
+
 #define CASE(name) cmocka_unit_test_setup_teardown(name, scene_folder_setup, scene_folder_teardown)
 
 int main(void) {
-    const struct CMUnitTest tests[] = {CASE(test_replaced), CASE(test_links),      CASE(test_circle),
-                                       CASE(test_folders),  CASE(test_fifos),      CASE(test_devices),
-                                       CASE(test_check),    CASE(test_part_names), CASE(test_changed_meanwhile)};
+    const struct CMUnitTest tests[] = {CASE(test_replaced),       CASE(test_links),      CASE(test_circle),
+                                       CASE(test_folders),        CASE(test_fifos),      CASE(test_devices),
+                                       CASE(test_check),          CASE(test_part_names), CASE(test_changed_meanwhile),
+                                       CASE(test_two_recordings), CASE(test_two_files)};
     return cmocka_run_group_tests_name("where outputs go", tests, NULL, NULL);
 }
