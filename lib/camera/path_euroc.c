@@ -141,6 +141,7 @@ static void mount(const sensor *s, tides_pose_sample *pose) {
 tides_status td_path_read_euroc(td_path_reader *reader) {
     sensor s = {.found = 0};
     size_t line = 1;
+    td_text_lines lines = {0};
     strcpy(reader->path.format, "euroc");
     tides_status status = load_sensor(reader, &s);
     for (const char *c = reader->text; *c && !status; line++) {
@@ -148,6 +149,7 @@ tides_status td_path_read_euroc(td_path_reader *reader) {
         if (!td_text_ends(data)) {
             td_path_sample *sample = td_path_append(reader, line);
             status = sample ? read_line(reader, line, data, sample) : TIDES_NO_MEMORY;
+            if (!status) status = td_text_take(&lines, reader, line, data);
             if (!status) mount(&s, &sample->pose);
         }
         c += strcspn(c, "\n");

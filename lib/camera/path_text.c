@@ -30,6 +30,36 @@ const char *td_text_number(const char *c, double *value) {
     return isfinite(*value) ? end : c;
 }
 
+static int columns_of(const char *data, const char *end) {
+    int columns = 1;
+    for (const char *c = data; c < end; c++) columns += *c == ',';
+    return columns;
+}
+
+static int decimals_of(const char *data, const char *end) {
+    while (end > data && strchr(" \t\r", end[-1])) end--;
+    const char *c = end;
+    while (c > data && c[-1] >= '0' && c[-1] <= '9') c--;
+    return c > data && c[-1] == '.' ? (int)(end - c) : 0;
+}
+
+tides_status td_text_take(td_text_lines *lines, const td_path_reader *reader, size_t line, const char *data) {
+    enum { ENOUGH = 2 /* lines that say what is usual */ };
+    const char *end = data + strcspn(data, "#\n");
+    const int columns = columns_of(data, end), decimals = decimals_of(data, end);
+    const int less = columns < lines->columns || (columns == lines->columns && decimals < lines->decimals);
+    if (lines->count >= ENOUGH && lines->alike && less && *end == '\0')
+        return td_fail(reader->error, TIDES_BAD_FILE,
+                       "%s:%zu: the file ends within this line, as it seems: those before it have %s; if it is whole, end it "
+                       "with "
+                       "a line break",
+                       reader->file, line, columns < lines->columns ? "more columns" : "more decimals");
+    if (lines->count == 0) *lines = (td_text_lines){0, columns, decimals, 1};
+    lines->alike &= columns == lines->columns && decimals == lines->decimals;
+    lines->count++;
+    return TIDES_OK;
+}
+
 static tides_status fail_column(const td_path_reader *reader, size_t line, int column, const char *at) {
     char word[TD_QUOTE];
     return td_fail(reader->error, TIDES_BAD_FILE, "%s:%zu: column %d (%s) must be a finite number, not \"%s\"", reader->file,
@@ -95,6 +125,7 @@ tides_status td_path_check_quaternion(const td_path_reader *reader, const char *
 tides_status td_path_read_text(td_path_reader *reader) {
     int commas = -1; /* known from the first line with data on */
     size_t line = 1;
+    td_text_lines lines = {0};
     char where[32];
     for (const char *c = reader->text; *c; line++) {
         const char *end = c + strcspn(c, "\n"), *data = td_text_skip(c);
@@ -104,6 +135,7 @@ tides_status td_path_read_text(td_path_reader *reader) {
             tides_status status = sample ? read_line(reader, data, commas, sample) : TIDES_NO_MEMORY;
             snprintf(where, sizeof where, ":%zu", line);
             if (status == TIDES_OK) status = td_path_check_quaternion(reader, where, sample->pose.quaternion, "qx qy qz qw");
+            if (status == TIDES_OK) status = td_text_take(&lines, reader, line, data);
             if (status != TIDES_OK) return status;
         }
         c = *end ? end + 1 : end;

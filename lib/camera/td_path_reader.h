@@ -93,6 +93,17 @@ tides_status td_path_refuse_cameras(td_path_reader *reader, int binary);
 const char *td_text_skip(const char *c); /* behind blanks */
 int td_text_ends(const char *c);         /* 1 where the line at `c` holds nothing more */
 
+/* What the lines of a text file have alike, so that a file which was cut within its last line is told: 0.7 of 0.7071 is a
+ * number, and eight columns of seventeen are a pose. */
+typedef struct td_text_lines {
+    size_t count;
+    int columns, decimals; /* of the first line: its commas, and what its last number has behind the point */
+    int alike;             /* 1: all have as many */
+} td_text_lines;
+
+/* Takes a line that holds numbers. TIDES_BAD_FILE where it is the last, nothing ends it, and it has less than all before it. */
+tides_status td_text_take(td_text_lines *lines, const td_path_reader *reader, size_t line, const char *data);
+
 /* Reads the finite number at `c`; returns what follows it, or `c` where there is none. */
 const char *td_text_number(const char *c, double *value);
 

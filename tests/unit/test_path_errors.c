@@ -78,6 +78,39 @@ static void tum_and_esim(void **state) {
     EXPECT_ALL(cases);
 }
 
+/* A file that ends anywhere within its last line; where the whole line is gone, or only its end, nothing is wrong. */
+static void try_cuts(const char *text, const char *words) {
+    const size_t bytes = strlen(text);
+    tides_path_options options;
+    tides_path path;
+    tides_error error = {0, ""};
+    char cut[512];
+    size_t last = bytes - 1;
+    tides_path_options_defaults(&options);
+    assert_true(bytes < sizeof cut);
+    while (text[last - 1] != '\n') last--;
+    for (size_t length = last; length < bytes; length++) {
+        memcpy(cut, text, length);
+        cut[length] = '\0';
+        if (length > last && length < bytes - 1) {
+            expect(cut, length, TIDES_BAD_FILE, words);
+            continue;
+        }
+        assert_int_equal(td_path_parse("F", cut, length, &options, &path, &error), TIDES_OK);
+        tides_trajectory_destroy(path.trajectory);
+    }
+}
+
+static void cut_files(void **state) {
+    (void)state;
+    try_cuts("0 1 2 3 0.0 0.0 0.7071 0.7071\n1 1 2 3 0.0 0.0 0.7071 0.7071\n2 1 2 3 0.0 0.0 0.7071 0.7071\n", "F:3");
+    try_cuts("0,1,2,3,0.000,0.000,0.000,1.000\n1000000,1,2,3,0.000,0.000,0.000,1.000\n2000000,1,2,3,0.000,0.000,0.000,1.000\n",
+             "F:3");
+    try_cuts("#q_RS_w\n0,1,2,3,0.7071,0.7071,0.0,0.0,0.25,0.125\n1000000,1,2,3,0.7071,0.7071,0.0,0.0,0.25,0.250\n"
+             "2000000,1,2,3,0.7071,0.7071,0.0,0.0,0.25,0.375\n",
+             "F:4");
+}
+
 static void json_in_general(void **state) {
     (void)state;
     static const bad_text cases[] = {
@@ -224,9 +257,9 @@ static void bad_calls(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(empty_and_binary), cmocka_unit_test(tum_and_esim), cmocka_unit_test(json_in_general),
-        cmocka_unit_test(cameras),          cmocka_unit_test(transforms),   cmocka_unit_test(tides_samples),
-        cmocka_unit_test(tides_generators), cmocka_unit_test(bad_calls),
+        cmocka_unit_test(empty_and_binary), cmocka_unit_test(tum_and_esim),     cmocka_unit_test(cut_files),
+        cmocka_unit_test(json_in_general),  cmocka_unit_test(cameras),          cmocka_unit_test(transforms),
+        cmocka_unit_test(tides_samples),    cmocka_unit_test(tides_generators), cmocka_unit_test(bad_calls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
