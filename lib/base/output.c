@@ -119,8 +119,7 @@ FILE *td_part_open(const char *part, const char *path) {
 static int sync_path(const char *path, int flags) {
     int descriptor = open(path, flags);
     if (descriptor < 0) return errno;
-    int failed = flags & O_DIRECTORY ? 0 : lock_part(descriptor);
-    if (!failed) failed = td_sync(descriptor);
+    int failed = td_sync(descriptor);
     if (close(descriptor) != 0 && !failed) failed = errno;
     return failed;
 }
@@ -156,7 +155,7 @@ static tides_status commit(const char *part, const char *path, int keep, tides_e
     else if ((failed = sync_folder_of(target)) != 0)
         status = td_fail(error, TIDES_WRITE_FAILED, "%s: is written, but its folder can't be put on the disk: %s", path,
                          strerror(failed));
-    if (status != TIDES_OK && !keep && failed != EBUSY) td_remove_part(part, path);
+    if (status != TIDES_OK && !keep) td_remove_part(part, path);
     free(target);
     return status;
 }
