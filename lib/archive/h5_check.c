@@ -99,26 +99,54 @@ static int check_layout(const unsigned char *message, size_t count) {
     return 1;
 }
 
+/* The types and layouts that a header holds itself. */
+static int check_message(int kind, int flags, const unsigned char *message, size_t length) {
+    enum { SHARED = 2, TYPE = 3, LAYOUT = 8 };
+    if (flags & SHARED) return 1;
+    return kind == TYPE ? check_type(message, length) : kind != LAYOUT || check_layout(message, length);
+}
+
 static int check_messages(const unsigned char *bytes, size_t count, size_t at) {
-    enum { HEAD = 8, SHARED = 2, TYPE = 3, LAYOUT = 8 };
+    enum { HEAD = 8 };
     while (at <= count && count - at >= HEAD) {
         const unsigned char *message = bytes + at;
-        const int kind = (int)td_le16(message), own = !(message[4] & SHARED);
         const size_t length = (size_t)td_le16(message + 2);
         if (length > count - at - HEAD) return 1; /* HDF5 reads all of it next, or says that it ends too soon */
-        if (own && kind == TYPE && !check_type(message + HEAD, length)) return 0;
-        if (own && kind == LAYOUT && !check_layout(message + HEAD, length)) return 0;
+        if (!check_message((int)td_le16(message), message[4], message + HEAD, length)) return 0;
         at += HEAD + length;
     }
     return 1;
 }
 
-/* Of version 1; version 2 has a checksum. What continues a header has messages only; where it begins with a dataspace, that
+/* Version 2 has a checksum, so that damage by chance is told; what was made to do harm has the right one. What continues such
+ * a header (OCHK) doesn't say how long its messages' heads are. */
+static int check_header_2(const unsigned char *bytes, size_t count) {
+    enum { FLAGS = 5, PREFIX = 6, TIMES = 16, PHASES = 4, ORDER = 2 };
+    if (count < PREFIX || bytes[4] != 2) return 1;
+    const int flags = bytes[FLAGS];
+    const size_t wide = (size_t)1 << (flags & 3), head = 4 + (flags & 4 ? ORDER : 0);
+    size_t at = PREFIX + (flags & 32 ? TIMES : 0) + (flags & 16 ? PHASES : 0);
+    if (count < at + wide) return 1;
+    const uint64_t size = td_le_number(bytes + at, wide);
+    at += wide;
+    const size_t end = size < count - at ? at + (size_t)size : count;
+    while (end - at >= head) {
+        const unsigned char *message = bytes + at;
+        const size_t length = (size_t)td_le16(message + 1);
+        if (length > end - at - head) return 1;
+        if (!check_message(message[0], message[3], message + head, length)) return 0;
+        at += head + length;
+    }
+    return 1;
+}
+
+/* Of version 1. What continues a header has messages only; where it begins with a dataspace, that
  * looks like a header but for the dataspace's version, 1 or 2, in place of a size in eights. HDF5 reads further than a header
  * goes: what lies there is something else's. */
 int td_h5_check_header(const unsigned char *bytes, size_t count) {
     enum { PREFIX = 16, SIZE = 8 };
-    if (count < PREFIX || memcmp(bytes, "OHDR", 4) == 0 || memcmp(bytes, "OCHK", 4) == 0) return 1;
+    if (count >= 4 && memcmp(bytes, "OHDR", 4) == 0) return check_header_2(bytes, count);
+    if (count < PREFIX || memcmp(bytes, "OCHK", 4) == 0) return 1;
     const uint64_t size = td_le_number(bytes + SIZE, 4);
     if (bytes[0] != 1 || bytes[1] != 0 || size % 8 != 0) return check_messages(bytes, count, 0);
     return check_messages(bytes, size < count - PREFIX ? PREFIX + (size_t)size : count, PREFIX);
