@@ -45,8 +45,9 @@ static tides_status choose_grid(tides_renderer *renderer, const tides_session_fa
     double *places = td_alloc(cells + 1, 2 * sizeof *places, error);
     if (!places) return TIDES_NO_MEMORY;
     for (size_t i = 0; i < cells; i++) {
-        places[2 * i] = ((double)(i % across) + 0.5) * width / (double)across;
-        places[2 * i + 1] = ((double)(i / across) + 0.5) * height / (double)down;
+        const size_t column = i % across, row = i / across;
+        places[2 * i] = ((double)column + 0.5) * width / (double)across;
+        places[2 * i + 1] = ((double)row + 0.5) * height / (double)down;
     }
     const tides_status status = pick(renderer, facts, time, places, cells, count, xy, points, chosen, error);
     free(places);
@@ -101,8 +102,9 @@ static void draw_places(const pixels_of *p, int32_t object, const tides_session_
         size_t which = (size_t)(td_random_uniform(&bits, 0) * (double)own);
         if (which >= own) which = own - 1;
         const size_t pixel = p->order[begin + which];
-        places[2 * i] = (double)(pixel % width) + 0.5;
-        places[2 * i + 1] = (double)(pixel / width) + 0.5;
+        const size_t column = pixel % width, row = pixel / width;
+        places[2 * i] = (double)column + 0.5;
+        places[2 * i + 1] = (double)row + 0.5;
     }
 }
 
@@ -117,6 +119,7 @@ static tides_status choose_instances(tides_renderer *renderer, const tides_sessi
     size_t found = 0, turn = 0;
     for (int32_t k = 0; k < p.objects && status == TIDES_OK; k++) {
         if (p.first[k + 1] == p.first[k]) continue;
+        /* NOLINTNEXTLINE(clang-analyzer-core.DivideZero): this object is seen */
         const size_t share = count * (turn + 1) / (size_t)p.seen - count * turn / (size_t)p.seen;
         size_t some = 0;
         turn++;

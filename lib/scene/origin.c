@@ -47,7 +47,7 @@ static void find_middle(const td_gaussians *g, double *values, double median[3],
     const size_t count = (size_t)((g->count + step - 1) / step);
     for (size_t i = 0; i < count; i++) {
         const float *s = g->log_scale + 3 * (int64_t)i * step;
-        values[i] = fmax(fmax(s[0], s[1]), s[2]);
+        values[i] = fmax(fmax((double)s[0], (double)s[1]), (double)s[2]);
     }
     qsort(values, count, sizeof *values, td_ascending);
     *spread = exp(values[count / 2]);

@@ -86,7 +86,8 @@ static void compare(const char *name, const precision *p, const seen *got, const
     tides_error error;
     scene_expect_ok(tides_trajectory_at(camera, time_now, &eye, &error), &error);
     for (int i = 0; i < PIXELS; i++) {
-        const double x = i % WIDTH + 0.5, y = i / WIDTH + 0.5;
+        const int column = i % WIDTH, row = i / WIDTH;
+        const double x = column + 0.5, y = row + 0.5;
         if (x < border || y < border || x > WIDTH - border || y > HEIGHT - border) continue;
         const expected e = form(x, y, &eye);
         assert_true(got->plane[TIDES_TRUTH_ALPHA][i] > 0.99);

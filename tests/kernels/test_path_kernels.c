@@ -123,7 +123,7 @@ static void compare_misfits(path_world *w, int level) {
     for (int i = count; i < padded; i++) first[i] = first[0];
     const td_path_request request = {first, padded, level, PIECES, lengths, 1e-4, 1e-6, 0x1p-22};
     for (int k = 0; k < 2; k++) {
-        misfits[k] = calloc((size_t)padded, sizeof *misfits[k]);
+        misfits[k] = calloc((size_t)padded + 1, sizeof *misfits[k]);
         assert_non_null(misfits[k]);
         td_backend *backend = w->pair.backend[k];
         scene_expect_ok(backend->type->path_misfits(backend, &request, misfits[k], &error), &error);

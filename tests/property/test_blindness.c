@@ -416,7 +416,7 @@ static judged_stream pulse_events(const judged *j) {
 /* Every pixel sees the same. */
 static judged_stream in_every_pixel(const judged *j, const judged_stream *one) {
     const int pixels = j->intrinsics.width * j->intrinsics.height;
-    judged_stream s = {calloc((size_t)pixels * one->count, sizeof(tides_event)), 0, (size_t)pixels * one->count};
+    judged_stream s = {calloc((size_t)pixels * one->count + 1, sizeof(tides_event)), 0, (size_t)pixels * one->count};
     assert_non_null(s.events);
     for (int i = 0; i < pixels; i++)
         for (size_t k = 0; k < one->count; k++) {
@@ -440,7 +440,7 @@ static void test_pulse(void **state) {
         if (i >= 8) judged_look_up(&j);
         judged_stream one = pulse_events(&j), exact = in_every_pixel(&j, &one);
         judged_verdict v = judged_against(&j, devices[i % 2], JUDGED_LIMIT_S, &exact);
-        const uint64_t pixels = (uint64_t)(j.intrinsics.width * j.intrinsics.height);
+        const uint64_t pixels = (uint64_t)j.intrinsics.width * (uint64_t)j.intrinsics.height;
         judged_print(&j, devices[i % 2], &v);
         assert_int_equal(one.count, 17);
         const int complete = v.match.missing == 0 && v.match.spurious <= (off == 0.2 ? pixels : 0);
