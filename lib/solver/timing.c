@@ -204,6 +204,7 @@ TD_WIDE static void find_turns(const td_timing *timing, const td_timed *timed, s
  * circuit the slope and the curvature of L stand in for those of S. */
 static void filter_turn(const td_timed *timed, int n, some *of) {
     const td_frontend *frontend = timed->frontend;
+    /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): set for each of `count` */
     const int32_t i = of->pixel[n];
     const td_model model = model_of(timed, i);
     const double L = td_model_value(&model, of->s[n]), L_dot = of->slope[n];
@@ -231,6 +232,7 @@ TD_WIDE static void find_reaches(some *restrict of) {
 static void add_some(td_timing *timing, const td_timed *timed, const some *of) {
     for (int n = 0; n < of->count; n++) {
         int touches = 0;
+        /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): as above; whole vectors are written */
         for (int k = 0; k < TD_PROBE_SHARES && of->weight[k][n] > 0; k++) {
             const double reach = of->reach[k][n];
             const int may_touch = of->touches[k][n] > 0 || (timed->is_last && of->s[n] + reach >= 1);

@@ -25,7 +25,8 @@ static const case_setting settings[] = {{{TIDES_RULES_SMOOTH, 0, 3}, 16, TD_OUT_
 /* Sets of all sizes; the first jobs' are one block each, and one is whole. */
 static void draw_sets(backend_pair *pair, uint64_t *state) {
     for (int i = 0; i < pair->job_count; i++) {
-        int blocks = (int)(scene_next(state) & scene_next(state) & TD_ALL_BLOCKS);
+        const uint64_t some = scene_next(state), others = scene_next(state);
+        int blocks = (int)(some & others & TD_ALL_BLOCKS);
         if (i < TD_TILE_BLOCKS || blocks == 0) blocks = 1 << (i & 15);
         pair->jobs[i].blocks = i == TD_TILE_BLOCKS ? TD_ALL_BLOCKS : blocks;
     }
