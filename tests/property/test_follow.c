@@ -35,7 +35,8 @@ static tides_scene *make_wall(void) {
     tides_error error;
     splat_set set = {0};
     for (int i = 0; i < 41 * 41; i++) {
-        splat one = {.mean = {(i % 41 - 20) / 8.0, (i / 41 - 20) / 8.0, plane_z}, .opacity = 0.9, .rgb = {0.5, 0.5, 0.5}};
+        const int column = i % 41 - 20, row = i / 41 - 20;
+        splat one = {.mean = {column / 8.0, row / 8.0, plane_z}, .opacity = 0.9, .rgb = {0.5, 0.5, 0.5}};
         one.sigma[0] = one.sigma[1] = 0.125, one.sigma[2] = exp(-20);
         splat_set_add(&set, &one);
     }
@@ -77,7 +78,8 @@ static void check_wall(const char *spec) {
     double worst = 0, largest = 0;
     int seen = 0, left = 0;
     for (int i = 0; i < PIXELS; i++) {
-        const double x = i % WIDTH + 0.5, y = i / WIDTH + 0.5;
+        const int row = i / WIDTH;
+        const double x = i % WIDTH + 0.5, y = row + 0.5;
         double u, v;
         carried(camera, first, second, x, y, &u, &v);
         worst = fmax(worst, fmax(fabs(there->u[i] - (u - x)), fabs(there->v[i] - (v - y))));
@@ -152,7 +154,8 @@ static void test_displacement_of_a_spinner(void **state) {
     int seen = 0;
     for (int i = 0; i < PIXELS; i++) {
         if (isnan(there->u[i])) continue;
-        const double x = i % WIDTH + 0.5, y = i / WIDTH + 0.5;
+        const int row = i / WIDTH;
+        const double x = i % WIDTH + 0.5, y = row + 0.5;
         const double X = (x - lens.cx) / lens.fx * plane_z - mean_at(0, first),
                      Y = (y - lens.cy) / lens.fy * plane_z - mean_at(1, first);
         const double u = lens.fx / plane_z * (mean_at(0, second) + cos(angle) * X - sin(angle) * Y) + lens.cx - x;
@@ -182,7 +185,10 @@ static void compare_flow(const char *name, tides_renderer *renderer, const tides
     assert_true(points && tracks[0] && tracks[1]);
     truth.plane[TIDES_TRUTH_FLOW_U] = flow[0];
     truth.plane[TIDES_TRUTH_FLOW_V] = flow[1];
-    for (int i = 0; i < PIXELS; i++) xy[2 * i] = i % WIDTH + 0.5, xy[2 * i + 1] = i / WIDTH + 0.5;
+    for (int i = 0; i < PIXELS; i++) {
+        const int row = i / WIDTH;
+        xy[2 * i] = i % WIDTH + 0.5, xy[2 * i + 1] = row + 0.5;
+    }
     scene_expect_ok(tides_renderer_truth(renderer, camera, t, &truth, &error), &error);
     scene_expect_ok(tides_renderer_pick(renderer, camera, t, xy, PIXELS, points, &error), &error);
     for (int k = 0; k < 2; k++)

@@ -88,7 +88,7 @@ static void test_alpha_is_the_images(void **state) {
 /* Twelve balls in a row, an object each, before a wall, which is the last one; the wall has a hole. */
 static void test_instances(void **state) {
     enum { BALLS = 12, LENS = 40 };
-    const tides_intrinsics lens = {WIDTH, HEIGHT, LENS, LENS, WIDTH / 2, HEIGHT / 2, {0}};
+    const tides_intrinsics lens = {WIDTH, HEIGHT, LENS, LENS, WIDTH / 2.0, HEIGHT / 2.0, {0}};
     const double origin[3] = {0}, ahead[4] = {1, 0, 0, 0};
     tides_scene *scene = NULL;
     tides_trajectory *camera = NULL;
@@ -102,15 +102,15 @@ static void test_instances(void **state) {
         world_add(scene, &ball, NULL);
     }
     splat_set wall = {0};
-    for (int i = 0; i < 40 * 40; i++)
-        if (i / 40 < 28) splat_set_ball(&wall, 0.25 * (i % 40 - 19.5), 0.25 * (i / 40 - 19.5), 6, 0.2, 0.9, 0.2);
+    for (int row = 0; row < 28; row++)
+        for (int i = 0; i < 40; i++) splat_set_ball(&wall, 0.25 * (i - 19.5), 0.25 * (row - 19.5), 6, 0.2, 0.9, 0.2);
     world_add(scene, &wall, NULL);
     tides_device *device = open_fast_device();
     tides_renderer *renderer = make_renderer(device, scene, &lens, TIDES_RULES_SMOOTH);
     planes *got = make_planes();
     take_truth(renderer, camera, 0, got);
     for (int i = 0; i < BALLS; i++) { /* the pixel of its middle */
-        const int at = HEIGHT / 2 * WIDTH + (int)(WIDTH / 2 + LENS * 0.4 * (i - 5.5) / 3);
+        const int at = HEIGHT / 2 * WIDTH + (int)(WIDTH / 2.0 + LENS * 0.4 * (i - 5.5) / 3);
         assert_true(got->truth[TIDES_TRUTH_INSTANCE][at] == i);
         assert_true(fabs(got->truth[TIDES_TRUTH_DEPTH_MEDIAN][at] - 3) < 0.03);
     }
@@ -132,7 +132,7 @@ static const double shift_px = 0.01;
 /* The image with its lens moved by (x, y) pixels. */
 static void take_shifted(const tides_scene *scene, const tides_trajectory *camera, tides_device *device, double x, double y,
                          planes *to) {
-    const tides_intrinsics lens = {WIDTH, HEIGHT, 80, 80, WIDTH / 2 + x, HEIGHT / 2 + y, {0}};
+    const tides_intrinsics lens = {WIDTH, HEIGHT, 80, 80, WIDTH / 2.0 + x, HEIGHT / 2.0 + y, {0}};
     tides_renderer *renderer = make_renderer(device, scene, &lens, TIDES_RULES_SMOOTH);
     take_image(renderer, camera, 0.5, to);
     if (x == 0 && y == 0) take_truth(renderer, camera, 0.5, to);

@@ -44,9 +44,10 @@ static void test_places_go_back(void **state) {
         for (int k = 0; k < WIDTH * HEIGHT; k++) {
             const double x = (map[2 * k] + 0.5 - flat.cx) / flat.fx, y = (map[2 * k + 1] + 0.5 - flat.cy) / flat.fy;
             const double back[3] = {i < 2 ? x : turn[0] * x + turn[6], y, i < 2 ? 1 : turn[2] * x + turn[8]};
+            const int column = k % WIDTH, row = k / WIDTH;
             double place[2];
             bend(raw, back[0] / back[2], back[1] / back[2], place);
-            most = fmax(most, hypot(place[0] - k % WIDTH, place[1] - k / WIDTH));
+            most = fmax(most, hypot(place[0] - column, place[1] - row));
         }
         print_message("lens %d%s: within %.2g px\n", i % 2 + 1, i < 2 ? "" : ", turned", most);
         assert_true(most < 1e-5); /* floats of 64 px: 4e-6 */
@@ -59,8 +60,9 @@ static void test_identity(void **state) {
     (void)state;
     scene_expect_ok(tides_rectify_map(&flat, &flat, NULL, map, &error), &error);
     for (int k = 0; k < WIDTH * HEIGHT; k++) {
-        assert_true(fabs((double)map[2 * k] - k % WIDTH) < 1e-5);
-        assert_true(fabs((double)map[2 * k + 1] - k / WIDTH) < 1e-5);
+        const int column = k % WIDTH, row = k / WIDTH;
+        assert_true(fabs((double)map[2 * k] - column) < 1e-5);
+        assert_true(fabs((double)map[2 * k + 1] - row) < 1e-5);
     }
 }
 
@@ -71,7 +73,8 @@ static void test_beyond_right_angles(void **state) {
     (void)state;
     scene_expect_ok(tides_rectify_map(&wide, &flat, NULL, map, &error), &error);
     for (int k = 0; k < WIDTH * HEIGHT; k++) {
-        const double theta = hypot(k % WIDTH + 0.5 - 32, k / WIDTH + 0.5 - 24) / 20;
+        const int column = k % WIDTH, row = k / WIDTH;
+        const double theta = hypot(column + 0.5 - 32, row + 0.5 - 24) / 20;
         if (fabs(theta - 1.5707963) < 2e-3) continue;
         assert_int_equal(isnan(map[2 * k]) != 0, theta > 1.5707963);
     }
