@@ -43,15 +43,25 @@ static size_t size_of(const td_param *row) {
     }
 }
 
+/* The last of a row's choices, or the first where the last is the default. */
+static void another_choice(const td_param *row, char choice[64]) {
+    const char *last = strrchr(row->choices, '|') + 1;
+    char written[66];
+    snprintf(choice, 64, "%s", last);
+    snprintf(written, sizeof written, "\"%s\"", choice);
+    if (strcmp(tides_params(NULL)[row - td_params].fallback, written) == 0)
+        snprintf(choice, 64, "%.*s", (int)strcspn(row->choices, "|"), row->choices);
+}
+
 /* Another value than the default, as "key=value". */
 static void another(const td_param *row, char text[160]) {
     const double middle =
         strncmp(row->key, "time.", 5) == 0 ? 0.5 : row->lower + 0.37109375 * (row->upper - row->lower); /* time.* */
-    const char *last = row->choices ? strrchr(row->choices, '|') + 1 : "";
-    char number[32], second[32];
+    char choice[64] = "", number[32], second[32];
+    if (row->choices) another_choice(row, choice);
     td_number_text(middle, number);
     td_number_text(row->lower + 0.75 * (row->upper - row->lower), second);
-    if (strcmp(row->key, "method") == 0) last = "iebcs"; /* ldati wants frames */
+    if (strcmp(row->key, "method") == 0) snprintf(choice, sizeof choice, "iebcs"); /* ldati wants frames */
     switch (row->type) {
         case TIDES_PARAM_NUMBER: snprintf(text, 160, "%s=%s", row->key, number); break;
         case TIDES_PARAM_INTEGER:
@@ -61,7 +71,7 @@ static void another(const td_param *row, char text[160]) {
             snprintf(text, 160, "%s=%s", row->key,
                      strcmp(tides_params(NULL)[row - td_params].fallback, "true") == 0 ? "false" : "true");
             break;
-        case TIDES_PARAM_CHOICE: snprintf(text, 160, "%s=%s", row->key, last); break;
+        case TIDES_PARAM_CHOICE: snprintf(text, 160, "%s=%s", row->key, choice); break;
         case TIDES_PARAM_VECTOR2: snprintf(text, 160, "%s=[%s,%s]", row->key, number, second); break;
         default: snprintf(text, 160, "%s=[%s,%s,%s]", row->key, number, second, second);
     }
