@@ -47,6 +47,9 @@ enum {
     TD_EXTENT_STRIDE = 16
 };
 
+/* Vectors of shared rows that a work-item makes where it has several lanes; else one. */
+enum { TD_SHARE_MANY = 16 };
+
 /* Planes of a tile's output, TD_TILE_PIXELS reals each, and how many there are. SIGNAL: the first two only. LUMINANCE: Y alone,
  * as the first, and no rates: methods that see frames are to be as fast as they can be. */
 enum {

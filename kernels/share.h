@@ -24,7 +24,7 @@ TD_INLINE td_index td_shared_rows(const td_shared *from, int shared, td_index ga
 /* -- once for all tiles ---------------------------------------------------------------------------------------------------- */
 
 /* Vectors that a work-item makes: drivers hand out work-groups one by one, and on a CPU each is one item. */
-enum { TD_SHARE_VECTORS = TD_LANES > 1 ? 16 : 1 };
+enum { TD_SHARE_VECTORS = TD_LANES > 1 ? TD_SHARE_MANY : 1 };
 
 /* To neighbouring rows. */
 TD_INLINE void td_store_asked(const td_asked *asked, td_lanes light, TD_GLOBAL td_real *extents) {

@@ -79,8 +79,7 @@ int td_sync(int descriptor) {
     return failed == EINVAL || failed == ENOTSUP || failed == ENOSYS ? 0 : failed; /* nothing there to be asked */
 }
 
-/* Where two runs are told to write one file, the second stops before it ruins the first one's .part. 0, or EBUSY. */
-static int lock_part(int descriptor) {
+int td_lock_alone(int descriptor) {
     return flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK ? EBUSY : 0; /* not all file systems have locks */
 }
 
@@ -94,7 +93,7 @@ static int claim_part(const char *part) {
     for (;;) {
         const int descriptor = open(part, O_RDWR | O_CREAT, 0666);
         if (descriptor < 0) return -1;
-        int failed = lock_part(descriptor);
+        int failed = td_lock_alone(descriptor);
         const int is_there = failed || is_still_at(descriptor, part);
         if (!failed && is_there && ftruncate(descriptor, 0) != 0 && errno != EINVAL) failed = errno; /* EINVAL: a device */
         if (!failed && is_there) return descriptor;

@@ -55,6 +55,10 @@ tides_status td_read_file(const char *path, size_t limit, char **data, size_t *b
  * are written from beginning to end (`streams`) can be sent to. */
 tides_status td_part_name(const char *path, int streams, char **part, tides_error *error);
 
+/* Locks an open file until it is closed, so that where two runs are told to write one file the second stops before it ruins the
+ * first one's. 0, or EBUSY: another has it. */
+int td_lock_alone(int descriptor);
+
 /* The file at `part` emptied for writing, locked while it is open; NULL and errno, EBUSY where another run writes it, of which
  * nothing is touched. */
 FILE *td_part_open(const char *part, const char *path);

@@ -16,7 +16,6 @@
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 const char *td_event_column_name(int column) {
@@ -121,7 +120,7 @@ tides_status td_event_store_claim(const char *path, int create, tides_error *err
         return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
     if (descriptor < 0)
         return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be %s: %s", path, create ? "created" : "written", strerror(errno));
-    int in_use = flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    const int in_use = td_lock_alone(descriptor);
     close(descriptor); /* and unlocks */
     if (!in_use) return TIDES_OK;
     return td_fail(error, TIDES_WRITE_FAILED, "%s: is being written by another run: wait for it, or name another file", path);

@@ -131,9 +131,6 @@ static tides_status cut(const tides_renderer *renderer, const tides_trajectory *
 
 static tides_status reserve_entries(td_point_nodes *nodes, size_t more, tides_error *error) {
     const size_t wanted = (size_t)nodes->entries + more;
-    if (wanted <= nodes->entry_capacity[0] && wanted <= nodes->entry_capacity[1] &&
-        (size_t)nodes->job_count < nodes->job_capacity)
-        return TIDES_OK;
     tides_status status = td_reserve((void **)&nodes->entry, &nodes->entry_capacity[0], wanted, sizeof *nodes->entry, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&nodes->at, &nodes->entry_capacity[1], wanted, sizeof *nodes->at, error);

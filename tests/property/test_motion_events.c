@@ -17,16 +17,6 @@
 
 static const uint64_t SEED = 31337;
 
-static moving_scene moving(uint64_t seed) {
-    random_recipe recipe = random_recipe_defaults(seed);
-    recipe.sh_degree = 1;
-    recipe.width = 43;
-    recipe.height = 37;
-    recipe.size = 0.2;
-    recipe.camera_speed = 0.5;
-    return moving_scene_make(&recipe, 1);
-}
-
 static const struct way {
     int mode, solve;
 } ways[] = {{TIDES_STEPPING_FIXED, TIDES_SOLVE_OFF},
@@ -65,7 +55,7 @@ static outcome run_cut(const job *j, int records, int rows) {
 static void test_same_events_however_it_is_run(void **state) {
     (void)state;
     for (int m = 0; m < WAYS; m++) {
-        moving_scene s = moving(SEED + (uint64_t)m);
+        moving_scene s = moving_scene_small(SEED + (uint64_t)m);
         job j = moving_job(&s, &ways[m]);
         outcome whole = run(&j);
         check_stream(&j, &whole);
@@ -97,7 +87,7 @@ static void test_resume_across_a_knot(void **state) {
     static const double cuts[] = {0.43, 0.4375, 0.4376, 0.46};
     const char *path = scene_in_folder(*state, "knot.checkpoint");
     for (int m = 0; m < 2; m++) {
-        moving_scene s = moving(SEED + 10 + (uint64_t)m);
+        moving_scene s = moving_scene_small(SEED + 10 + (uint64_t)m);
         job j = moving_job(&s, &ways[m]);
         outcome whole = run(&j);
         tides_device *device = open_device(j.device);
@@ -128,7 +118,7 @@ static void test_resume_across_a_knot(void **state) {
 /* What a motion model works out in single precision is looked up in double: as good as that, and reported so. */
 static void test_solved_events_are_honest(void **state) {
     (void)state;
-    moving_scene s = moving(SEED + 15);
+    moving_scene s = moving_scene_small(SEED + 15);
     job j = moving_job(&s, &ways[2]), exact = moving_job(&s, &ways[0]);
     j.stop_change = exact.stop_change = 1e-14;
     exact.device = "reference";
@@ -401,7 +391,7 @@ static void test_what_rests_costs_nothing(void **state) {
 
 static void test_time_out_of_range(void **state) {
     (void)state;
-    moving_scene s = moving(SEED + 40);
+    moving_scene s = moving_scene_small(SEED + 40);
     job j = moving_job(&s, &ways[1]);
     tides_device *device = open_device(j.device);
     tides_simulator *simulator = NULL;

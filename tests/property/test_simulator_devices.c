@@ -101,16 +101,6 @@ static void test_devices_agree(void **state) {
     skip_without_opencl();
 }
 
-static moving_scene make_moving(uint64_t seed) {
-    random_recipe recipe = random_recipe_defaults(seed);
-    recipe.sh_degree = 1;
-    recipe.width = 43;
-    recipe.height = 37;
-    recipe.size = 0.2;
-    recipe.camera_speed = 0.5;
-    return moving_scene_make(&recipe, 1);
-}
-
 /* What is wanted in double is worked out in C where a device has none: the default settings' events are its as well. */
 static void test_a_device_without_double(void **state) {
     (void)state;
@@ -118,7 +108,7 @@ static void test_a_device_without_double(void **state) {
     if (!cpu) skip();
     for (int moves = 0; moves < 2; moves++) {
         random_scene still = make_scene(SEED + 70);
-        moving_scene mover = make_moving(SEED + 71);
+        moving_scene mover = moving_scene_small(SEED + 71);
         const random_scene *scene = moves ? &mover.base : &still;
         job j = adaptive_job_of(scene, 1);
         if (moves) j.scene = mover.scene, j.start = 0.4, j.stop = 0.45;

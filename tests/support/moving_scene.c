@@ -162,6 +162,16 @@ moving_scene moving_scene_make(const random_recipe *recipe, double speed) {
     return made;
 }
 
+moving_scene moving_scene_small(uint64_t seed) {
+    random_recipe recipe = random_recipe_defaults(seed);
+    recipe.sh_degree = 1;
+    recipe.width = 43;
+    recipe.height = 37;
+    recipe.size = 0.2;
+    recipe.camera_speed = 0.5;
+    return moving_scene_make(&recipe, 1);
+}
+
 void moving_scene_free(moving_scene *scene) {
     tides_scene_destroy(scene->scene);
     random_scene_free(&scene->base);

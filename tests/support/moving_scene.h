@@ -21,6 +21,8 @@ typedef struct moving_scene {
 
 /* Objects 0 (at rest), 1 (polynomial, rigid motion), 2 (bent, rigid motion); all motions last 1 s. */
 moving_scene moving_scene_make(const random_recipe *recipe, double speed);
+/* A small one for runs: 43x37 px, a camera that moves, harmonics of degree 1, objects that go 1 in the motion's time. */
+moving_scene moving_scene_small(uint64_t seed);
 void moving_scene_free(moving_scene *scene);
 
 #endif
