@@ -212,7 +212,7 @@ check-asan: ## Run the test programs and the CLI tests with the address and unde
 # gcc 12's LeakSanitizer takes it for; its tracer then ends by signal 11.
 check-asan-built:
 	@ASAN_OPTIONS=detect_stack_use_after_return=1:use_sigaltstack=0:intercept_tls_get_addr=0:$$ASAN_OPTIONS \
-	    LSAN_OPTIONS=suppressions=$(CURDIR)/scripts/lsan.supp:print_suppressions=0 \
+	    LSAN_OPTIONS=suppressions=$(CURDIR)/scripts/lsan.supp:print_suppressions=0 TEST_TIMEOUT=3600 \
 	    $(RUN_TESTS) $(wildcard tests/cli/run.sh) $(GOLDEN) $(TESTS)
 # What several threads do at once: the tests that start some. The library starts none itself. PoCL and its LLVM aren't built for
 # the sanitiser, which would take their locks for none: what they call isn't looked at (ignore_noninstrumented_modules), what
