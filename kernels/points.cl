@@ -1,5 +1,6 @@
 /* Single pixels at single times (points.h), in double precision: the lists of tiles, and the points. */
 #include "bitonic.h"
+#include "job_turns.h"
 #include "path_node.h"
 #include "points.h"
 
@@ -209,39 +210,44 @@ __kernel void td_point_make_lists(__global const td_point_tile *tiles, __global 
     td_list_apart(tiles + number, &what, counts + number);
 }
 
-/* What points are asked of: an item's share of the chunks, and its own room for `entries`. */
+/* What points are asked of: chunks, and an item's own room for `entries`. */
 typedef struct td_values_to_find {
     __global const td_point_tile *tiles;
     __global const int *counts;
     __global const td_point_chunk *chunks;
     __global td_real *entries, *values;
-    td_share share;
+    int count;
     td_real backdrop, backdrop_dot;
 } td_values_to_find;
 
+/* Chunks by turns, neighbours together: the host may be at work on a core, too, and who has that one gets less done. */
+enum { TD_TURN_CHUNKS = TD_LANES > 1 ? 8 : 1 };
+TD_INLINE int td_next_chunks(volatile __global int *turn) { return atomic_inc(turn) * TD_TURN_CHUNKS; }
+
 TD_APART void td_values_apart(__constant const td_image *image_buffer, const td_point_paths *all_paths,
-                              const td_point_lists *all_lists, const td_point_arrays *all_points,
-                              const td_values_to_find *what) {
+                              const td_point_lists *all_lists, const td_point_arrays *all_points, const td_values_to_find *what,
+                              volatile __global int *turn) {
     const td_image image = *image_buffer;
     const td_point_paths paths = *all_paths;
     const td_point_lists lists = *all_lists;
     const td_point_arrays points = *all_points;
     const td_values_to_find of = *what;
-    for (int i = of.share.first; i < of.share.end; i += of.share.step) {
-        const td_point_chunk chunk = of.chunks[i];
-        const td_point_tile tile = of.tiles[chunk.tile];
-        td_point_chunk_values(&chunk, &tile, of.counts[chunk.tile], &paths, &lists, &points, &image, of.entries, of.backdrop,
-                              of.backdrop_dot, of.values);
-    }
+    for (int next; (next = td_next_chunks(turn)) < of.count;)
+        for (int i = next; i < of.count && i < next + TD_TURN_CHUNKS; i++) {
+            const td_point_chunk chunk = of.chunks[i];
+            const td_point_tile tile = of.tiles[chunk.tile];
+            td_point_chunk_values(&chunk, &tile, of.counts[chunk.tile], &paths, &lists, &points, &image, of.entries,
+                                  of.backdrop, of.backdrop_dot, of.values);
+        }
 }
 
-/* Each work-item works out its share of the chunks, in its own room for so many entries. */
+/* Work-items take chunks by turns, each in its own room for so many entries. */
 __kernel void td_point_values(__constant const td_image *image_buffer, __global const td_point_tile *tiles,
                               __global const int *counts, __global const td_real *curves, int pieces, int slices, int split,
                               int group, __global const int *listed, __global const float *tests,
                               __global const td_real *columns, int stride, __global const int *piece,
                               __global const td_point_chunk *chunks, int chunk_count, __global td_real *entries, int rows,
-                              td_real backdrop, td_real backdrop_dot, __global td_real *values) {
+                              td_real backdrop, td_real backdrop_dot, __global td_real *values, volatile __global int *turn) {
     const td_point_paths paths = td_paths_make(listed, curves, pieces, slices, split, group);
     td_point_lists lists;
     lists.path = listed;
@@ -258,8 +264,8 @@ __kernel void td_point_values(__constant const td_image *image_buffer, __global 
     what.chunks = chunks;
     what.entries = entries + (long)get_global_id(0) * rows * TD_POINT_ENTRY;
     what.values = values;
-    what.share = td_share_of(chunk_count);
+    what.count = chunk_count;
     what.backdrop = backdrop;
     what.backdrop_dot = backdrop_dot;
-    td_values_apart(image_buffer, &paths, &lists, &points, &what);
+    td_values_apart(image_buffer, &paths, &lists, &points, &what, turn);
 }

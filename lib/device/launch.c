@@ -137,6 +137,14 @@ done:
     return status;
 }
 
+tides_status td_flush(tides_device *device, tides_error *error) {
+    tides_status status = td_check_forked(error);
+    if (status != TIDES_OK) return status;
+    TD_CL(clFlush(device->queue));
+done:
+    return status;
+}
+
 double td_event_seconds(cl_event *event) {
     cl_ulong begun = 0, ended = 0;
     if (!*event) return 0;

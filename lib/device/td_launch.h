@@ -64,6 +64,9 @@ typedef struct td_argument {
 tides_status td_launch(tides_device *device, cl_kernel kernel, cl_uint dimensions, const size_t *global, const size_t *local,
                        const td_argument *arguments, cl_uint count, cl_event *event, tides_error *error);
 
+/* Has what was enqueued begin, where a driver would wait for more of it. */
+tides_status td_flush(tides_device *device, tides_error *error);
+
 /* Seconds that a finished event ran; releases it and sets it to NULL. */
 double td_event_seconds(cl_event *event);
 

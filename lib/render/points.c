@@ -1,7 +1,6 @@
-/* Pixels at times of their own, for the solver, which solves events on them. Unless they were asked to be exact: whole tiles
- * at as many times, of which one pixel each is taken. Exact ones are worked out one by one (kernels/points.h): rows of record
- * paths for the interval swept last when it is first asked for, lists of the tiles that points are in, and the points, tile by
- * tile.
+/* Pixels at times of their own, for the solver, which solves events on them. Unless they were asked to be exact: pixels of
+ * whole tiles (points_tiles.c). Exact ones are worked out one by one (kernels/points.h): rows of record paths for the interval
+ * swept last when it is first asked for, lists of the tiles that points are in, and the points, tile by tile.
  *
  * An instant that is kept has an engine of its own, with its curves and lists, beside the scene in double that all have in
  * common: when both had one engine, in turns, preparing the instant again for each interval cost as much as the points that
@@ -13,48 +12,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum {
-    TILES_AT_ONCE = 256,
-    POINTS_AT_ONCE = 1 << 16 /* in a launch: 5 MB with what goes with them */
-};
-
-/* -- whole tiles ----------------------------------------------------------------------------------------------------------- */
-
-/* Tiles at times, one for each of `count` points. */
-static void ask(const tides_renderer *renderer, const td_point *points, int count, double *times, td_request *requests) {
-    for (int i = 0; i < count; i++) {
-        times[i] = points[i].time;
-        requests[i].tile = points[i].y / TD_TILE * td_renderer_tiles_across(renderer) + points[i].x / TD_TILE;
-        requests[i].slot = i;
-        requests[i].blocks = 1 << (points[i].y % TD_TILE / TD_BLOCK * (TD_TILE / TD_BLOCK) + points[i].x % TD_TILE / TD_BLOCK);
-    }
-}
-
-/* One pixel of each. */
-static void take(const td_point *points, int count, const double *planes, td_point_value *values) {
-    for (int i = 0; i < count; i++) {
-        const double *tile = planes + (size_t)i * TD_OUT_SIGNAL * TD_TILE_PIXELS;
-        const int at = td_tile_pixel(points[i].x % TD_TILE, points[i].y % TD_TILE);
-        values[i] = (td_point_value){tile[TD_OUT_L * TD_TILE_PIXELS + at], tile[TD_OUT_L_DOT * TD_TILE_PIXELS + at]};
-    }
-}
-
-static tides_status points_of_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
-                                    size_t count, td_point_value *values, tides_error *error) {
-    double times[TILES_AT_ONCE];
-    td_request requests[TILES_AT_ONCE];
-    double *planes = td_alloc((size_t)TILES_AT_ONCE * TD_OUT_SIGNAL * TD_TILE_PIXELS, sizeof *planes, error);
-    tides_status status = planes ? TIDES_OK : TIDES_NO_MEMORY;
-    for (size_t from = 0; from < count && status == TIDES_OK; from += TILES_AT_ONCE) {
-        const int some = (int)(count - from < TILES_AT_ONCE ? count - from : TILES_AT_ONCE);
-        ask(renderer, points + from, some, times, requests);
-        const td_tile_batch batch = {times, some, TD_SIDE_BEGINS, requests, some, TD_OUT_SIGNAL};
-        status = td_renderer_tiles(renderer, camera, &batch, planes, error);
-        if (status == TIDES_OK) take(points + from, some, planes, values + from);
-    }
-    free(planes);
-    return status;
-}
+enum { POINTS_AT_ONCE = 1 << 16 }; /* in a launch: 5 MB with what goes with them */
 
 /* -- exact points ---------------------------------------------------------------------------------------------------------- */
 
@@ -63,6 +21,14 @@ typedef struct points_part {
     double start, stop;
     td_path_law law; /* what its paths do; nothing before it has had rows */
 } points_part;
+
+/* A launch that may be under way: points numbered order[0 .. count), all of them the caller's. */
+typedef struct points_away {
+    const td_point *points;
+    td_point_value *values;
+    const int *order;
+    int count; /* 0: there is none */
+} points_away;
 
 struct td_points {
     td_points_engine *engine;
@@ -79,14 +45,26 @@ struct td_points {
     int *wanted;               /* (tiles) lists to make */
     td_point_place *place;     /* of order_points */
     size_t place_capacity;
+    int *which; /* (2 x points asked for) of exact_points */
+    size_t which_capacity;
+    points_away away;
     double *column[TD_POINT_COLUMNS]; /* (points of a launch + TD_PAD) */
     int *piece;
     td_points_chunk *chunks;
     double *values;
 };
 
+/* Whatever came of it is nobody's. */
+static void drop_launch(td_points *p) {
+    if (p->away.count == 0) return;
+    tides_status ignored = p->engine->type->finish(p->engine, NULL);
+    (void)ignored;
+    p->away.count = 0;
+}
+
 void td_points_destroy(td_points *points) {
     if (!points) return;
+    drop_launch(points);
     if (points->engine) points->engine->type->destroy(points->engine);
     td_point_nodes_release(&points->nodes);
     for (int k = 0; k < TD_POINT_COLUMNS; k++) free(points->column[k]);
@@ -97,6 +75,7 @@ void td_points_destroy(td_points *points) {
     free(points->listed);
     free(points->wanted);
     free(points->place);
+    free(points->which);
     free(points->piece);
     free(points->chunks);
     free(points->values);
@@ -326,27 +305,39 @@ static int lay_launch(const tides_renderer *renderer, td_points *p, const td_poi
     return chunks;
 }
 
-static tides_status run_launch(tides_renderer *renderer, td_points *p, const td_point *points, const int *order, int count,
-                               td_point_value *values, tides_error *error) {
+/* Waits for the launch that is under way, if there is one. */
+static tides_status finish_launch(td_points *p, tides_error *error) {
+    const points_away away = p->away;
+    if (away.count == 0) return TIDES_OK;
+    p->away.count = 0;
+    tides_status status = p->engine->type->finish(p->engine, error);
+    for (int i = 0; i < away.count && status == TIDES_OK; i++) {
+        const td_point *point = &away.points[away.order[i]];
+        const double L = p->values[2 * i], L_dot = p->values[2 * i + 1];
+        away.values[away.order[i]] = (td_point_value){L, L_dot};
+        if (isfinite(L) && isfinite(L_dot)) continue;
+        status = td_fail(error, TIDES_BAD_ARGUMENT, "pixel (%d, %d) at %.9g s isn't finite: log_luminance %g, its rate %g",
+                         (int)point->x, (int)point->y, point->time, L, L_dot);
+    }
+    return status;
+}
+
+/* Begins the next launch, behind the one that is under way. */
+static tides_status begin_launch(const tides_renderer *renderer, td_points *p, const points_away *next, tides_error *error) {
     int wanted;
-    const int chunks = lay_launch(renderer, p, points, order, count, &wanted);
+    const int chunks = lay_launch(renderer, p, next->points, next->order, next->count, &wanted);
     const td_points_batch batch = {{p->column[0], p->column[1], p->column[2], p->column[3]},
                                    p->piece,
-                                   count,
+                                   next->count,
                                    p->chunks,
                                    chunks,
                                    renderer->backdrops[0].luminance,
                                    renderer->backdrops[0].luminance_dot};
-    tides_status status = p->engine->type->lists(p->engine, p->wanted, wanted, error);
+    tides_status status = finish_launch(p, error);
+    if (status == TIDES_OK) status = p->engine->type->lists(p->engine, p->wanted, wanted, error);
     if (status != TIDES_OK) p->begun = -1; /* which lists are there isn't known */
     if (status == TIDES_OK) status = p->engine->type->values(p->engine, &batch, p->values, error);
-    for (int i = 0; i < count && status == TIDES_OK; i++) {
-        const td_point *point = &points[order[i]];
-        values[order[i]] = (td_point_value){p->values[2 * i], p->values[2 * i + 1]};
-        if (isfinite(p->values[2 * i]) && isfinite(p->values[2 * i + 1])) continue;
-        status = td_fail(error, TIDES_BAD_ARGUMENT, "pixel (%d, %d) at %.9g s isn't finite: log_luminance %g, its rate %g",
-                         (int)point->x, (int)point->y, point->time, p->values[2 * i], p->values[2 * i + 1]);
-    }
+    if (status == TIDES_OK) p->away = *next;
     return status;
 }
 
@@ -355,9 +346,9 @@ static tides_status points_of_part(tides_renderer *renderer, td_points *p, const
                                    int *order, td_point_value *values, tides_error *error) {
     tides_status status = order_points(renderer, p, points, which, count, order, error);
     for (int from = 0; from < count && status == TIDES_OK; from += POINTS_AT_ONCE) {
-        const int some = count - from < POINTS_AT_ONCE ? count - from : POINTS_AT_ONCE;
+        const points_away next = {points, values, order + from, count - from < POINTS_AT_ONCE ? count - from : POINTS_AT_ONCE};
         status = td_renderer_heed(renderer, (double)from / count, error);
-        if (status == TIDES_OK) status = run_launch(renderer, p, points, order + from, some, values, error);
+        if (status == TIDES_OK) status = begin_launch(renderer, p, &next, error);
     }
     return status;
 }
@@ -377,34 +368,65 @@ static tides_status choose_part(tides_renderer *renderer, const tides_trajectory
     return status;
 }
 
-static tides_status exact_points(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
+/* The last launch is left under way. */
+static tides_status begin_points(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
                                  size_t count, td_point_value *values, tides_error *error) {
-    int *which = td_alloc(2 * count, sizeof *which, error), *order = which ? which + count : NULL;
-    tides_status status = which ? TIDES_OK : TIDES_NO_MEMORY;
+    tides_status status = td_renew((void **)&p->which, &p->which_capacity, 2 * count, sizeof *p->which, error);
     for (size_t i = 0; i < count && status == TIDES_OK; i++) status = check_point(renderer, &p->at, &points[i], error);
     if (status == TIDES_OK) status = begin_interval(p, error);
     for (int k = 0; k < p->parts && status == TIDES_OK; k++) {
         int some = 0;
-        status = choose_part(renderer, camera, p, k, points, (int)count, which, &some, error);
-        if (status == TIDES_OK && some > 0) status = points_of_part(renderer, p, points, which, some, order, values, error);
+        status = finish_launch(p, error); /* which has its points' numbers where the next part's go */
+        if (status == TIDES_OK) status = choose_part(renderer, camera, p, k, points, (int)count, p->which, &some, error);
+        if (status == TIDES_OK && some > 0)
+            status = points_of_part(renderer, p, points, p->which, some, p->which + count, values, error);
     }
-    free(which);
+    if (status != TIDES_OK) drop_launch(p);
     return status;
 }
 
-static tides_status swept_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
-                                 td_point_value *values, tides_error *error) {
+static tides_status exact_points(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
+                                 size_t count, td_point_value *values, tides_error *error) {
+    const tides_status status = begin_points(renderer, camera, p, points, count, values, error);
+    return status == TIDES_OK ? finish_launch(p, error) : status;
+}
+
+static td_points *of_swept(tides_renderer *renderer) {
     const td_candidates *lists = &renderer->candidates;
     const double start = renderer->swept[0], stop = renderer->swept[1];
     const double shortest = (stop - start) / (1 << td_dynamic_finest(&renderer->dynamic));
     renderer->points->at = (td_point_span){lists->first, lists->list, start, stop, shortest, lists->serial};
-    return exact_points(renderer, camera, renderer->points, points, count, values, error);
+    return renderer->points;
+}
+
+static tides_status swept_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
+                                 td_point_value *values, tides_error *error) {
+    return exact_points(renderer, camera, of_swept(renderer), points, count, values, error);
 }
 
 tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
                                 td_point_value *values, tides_error *error) {
     return renderer->points ? td_mosaic_points(renderer, swept_points, camera, points, count, values, error)
-                            : points_of_tiles(renderer, camera, points, count, values, error);
+                            : td_points_of_tiles(renderer, camera, points, count, values, error);
+}
+
+tides_status td_renderer_points_begin(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
+                                      size_t count, td_point_value *values, tides_error *error) {
+    if (!renderer->points || renderer->colour_filter) return td_renderer_points(renderer, camera, points, count, values, error);
+    return begin_points(renderer, camera, of_swept(renderer), points, count, values, error);
+}
+
+tides_status td_renderer_points_end(tides_renderer *renderer, tides_error *error) {
+    return renderer->points ? finish_launch(renderer->points, error) : TIDES_OK;
+}
+
+void td_renderer_points_drop(tides_renderer *renderer) {
+    if (renderer->points) drop_launch(renderer->points);
+}
+
+int td_renderer_points_go_on(const tides_renderer *renderer) {
+    const td_points *p = renderer->points;
+    return p && !renderer->colour_filter && p->engine->goes_on && p->parts <= 1;
 }
 
 static tides_status keep_instant(tides_renderer *renderer, tides_error *error) {

@@ -9,9 +9,8 @@ enum {
     ENTRY_REALS = 7,  /* TD_POINT_ENTRY of kernels/points.h, by lanes */
     CURVE_REALS = 32, /* TD_CURVE_REALS */
     TEST_REALS = 8,   /* TD_TEST_REALS */
-    /* Work-items: on a CPU enough for its threads to share out what's uneven; on a GPU as many as memory for their rooms has
+    /* Work-items: on a CPU one for each of its threads, which take turns; on a GPU as many as memory for their rooms has
      * room for, up to what fills a large one several times over. */
-    CPU_WORKERS_PER_UNIT = 8,
     CPU_EVEN = 64,
     GPU_WORKERS = 1 << 16,
     GPU_GROUP = 64
@@ -29,10 +28,12 @@ typedef struct opencl_points {
     td_buffer path, row, lengths, curves, candidates, tiles; /* an interval */
     td_buffer seen, depths, records;                         /* its splats */
     td_buffer wanted, keys, listed, tests, counts;           /* lists */
-    td_buffer columns, piece, chunks, values;                /* a batch */
+    td_buffer columns, piece, chunks, values, turn;          /* a batch */
     td_buffer entries;
     td_points_interval at;
     int longest; /* of the lists */
+    double *out; /* where values under way go */
+    size_t out_bytes;
 } opencl_points;
 
 static int on_gpu(const opencl_points *p) { return p->base.lanes == 1; }
@@ -157,7 +158,7 @@ static tides_status lists(td_points_engine *engine, const int *tiles, int count,
 static tides_status reserve_rooms(opencl_points *p, int chunks, size_t *items, int *rows, tides_error *error) {
     const size_t places = p->longest > 0 ? (size_t)p->longest : 1;
     const size_t room = places * ENTRY_REALS * (size_t)p->base.lanes * sizeof(cl_double);
-    size_t most = on_gpu(p) ? GPU_WORKERS : (size_t)CPU_WORKERS_PER_UNIT * (size_t)p->device->info.compute_units;
+    size_t most = on_gpu(p) ? GPU_WORKERS : (size_t)p->device->info.compute_units;
     if (most > room_limit / room) most = room_limit / room;
     if (most > (size_t)chunks) most = (size_t)chunks;
     *rows = (int)places;
@@ -168,6 +169,7 @@ static tides_status reserve_rooms(opencl_points *p, int chunks, size_t *items, i
 
 /* Points and chunks to the device; columns follow one another, `stride` apart. */
 static tides_status send_batch(opencl_points *p, const td_points_batch *batch, size_t stride, tides_error *error) {
+    static const cl_int nobody = 0;
     const size_t column = stride * sizeof(cl_double), used = (size_t)batch->count * sizeof(cl_double);
     tides_status status = td_buffer_reserve(p->device, &p->columns, TD_POINT_COLUMNS * column, error);
     for (size_t k = 0; k < TD_POINT_COLUMNS && batch->count > 0 && status == TIDES_OK; k++)
@@ -176,6 +178,7 @@ static tides_status send_batch(opencl_points *p, const td_points_batch *batch, s
     if (status == TIDES_OK)
         status =
             td_buffer_write(p->device, &p->chunks, batch->chunks, (size_t)batch->chunk_count * sizeof *batch->chunks, error);
+    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->turn, &nobody, sizeof nobody, error);
     if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->values, 2 * stride * sizeof(cl_double), error);
     return status;
 }
@@ -204,7 +207,8 @@ static tides_status launch_values(opencl_points *p, const td_points_batch *batch
                                      TD_VALUE_ARGUMENT(rows),
                                      TD_VALUE_ARGUMENT(backdrop),
                                      TD_VALUE_ARGUMENT(backdrop_dot),
-                                     TD_BUFFER_ARGUMENT(p->values)};
+                                     TD_BUFFER_ARGUMENT(p->values),
+                                     TD_BUFFER_ARGUMENT(p->turn)};
     return td_launch(p->device, p->value_kernel, 1, &items, &local, TD_ARGUMENTS(arguments), NULL, error);
 }
 
@@ -216,8 +220,15 @@ static tides_status values(td_points_engine *engine, const td_points_batch *batc
     tides_status status = reserve_rooms(p, batch->chunk_count, &items, &rows, error);
     if (status == TIDES_OK) status = send_batch(p, batch, stride, error);
     if (status == TIDES_OK) status = launch_values(p, batch, items, rows, (cl_int)stride, error);
-    if (status == TIDES_OK && batch->count > 0)
-        status = td_buffer_read(p->device, &p->values, out, 2 * (size_t)batch->count * sizeof *out, error);
+    if (status != TIDES_OK) return td_finish(p->device, status, error);
+    p->out = out;
+    p->out_bytes = 2 * (size_t)batch->count * sizeof *out;
+    return td_flush(p->device, error);
+}
+
+static tides_status finish(td_points_engine *engine, tides_error *error) {
+    opencl_points *p = (opencl_points *)engine;
+    const tides_status status = td_buffer_read(p->device, &p->values, p->out, p->out_bytes, error);
     return td_finish(p->device, status, error);
 }
 
@@ -226,7 +237,7 @@ static void destroy(td_points_engine *engine) {
     td_buffer *buffers[] = {&p->first,   &p->piece_lengths, &p->misfits, &p->image,   &p->path,   &p->row,
                             &p->curves,  &p->candidates,    &p->lengths, &p->tiles,   &p->wanted, &p->keys,
                             &p->listed,  &p->seen,          &p->depths,  &p->records, &p->tests,  &p->counts,
-                            &p->columns, &p->piece,         &p->chunks,  &p->values,  &p->entries};
+                            &p->columns, &p->piece,         &p->chunks,  &p->values,  &p->turn,   &p->entries};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     if (p->misfit_kernel) clReleaseKernel(p->misfit_kernel);
     if (p->splat_kernel) clReleaseKernel(p->splat_kernel);
@@ -235,7 +246,7 @@ static void destroy(td_points_engine *engine) {
     free(p);
 }
 
-static const td_points_class opencl_points_class = {misfits, begin, lists, values, destroy};
+static const td_points_class opencl_points_class = {misfits, begin, lists, values, finish, destroy};
 
 /* The image in double: reals, then ints. */
 static tides_status write_image(opencl_points *p, const td_image_numbers *image, tides_error *error) {
@@ -293,7 +304,8 @@ static tides_status warm_up(opencl_points *p, tides_error *error) {
     if (status == TIDES_OK) status = launch_misfits(p, &p->image, &nobody, error);
     if (status == TIDES_OK) status = lists(&p->base, none, 1, error);
     if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->chunks, sizeof(td_points_chunk), error);
-    return status == TIDES_OK ? values(&p->base, &batch, NULL, error) : status;
+    if (status == TIDES_OK) status = values(&p->base, &batch, NULL, error);
+    return status == TIDES_OK ? finish(&p->base, error) : status;
 }
 
 tides_status td_points_create_opencl(tides_device *device, const td_image_numbers *image, td_points_engine **engine,
@@ -302,6 +314,7 @@ tides_status td_points_create_opencl(tides_device *device, const td_image_number
     if (!p) return TIDES_NO_MEMORY;
     p->base.type = &opencl_points_class;
     p->base.lanes = td_double_lanes(device);
+    p->base.goes_on = 1;
     p->device = device;
     tides_status status = write_image(p, image, error);
     if (status == TIDES_OK) status = make_kernels(p, image, error);

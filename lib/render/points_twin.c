@@ -161,6 +161,11 @@ static tides_status values(td_points_engine *engine, const td_points_batch *batc
     return TIDES_OK;
 }
 
+static tides_status finish(td_points_engine *engine, tides_error *error) {
+    (void)engine, (void)error;
+    return TIDES_OK;
+}
+
 static void destroy(td_points_engine *engine) {
     twin *t = (twin *)engine;
     free(t->records);
@@ -174,7 +179,7 @@ static void destroy(td_points_engine *engine) {
     free(t);
 }
 
-static const td_points_class twin_class = {misfits, begin, lists, values, destroy};
+static const td_points_class twin_class = {misfits, begin, lists, values, finish, destroy};
 
 tides_status td_points_create_twin(const td_image_numbers *image, td_points_engine **engine, tides_error *error) {
     twin *t = td_alloc(1, sizeof *t, error);

@@ -82,14 +82,17 @@ typedef struct td_points_class {
     tides_status (*begin)(td_points_engine *engine, const td_points_interval *interval, tides_error *error);
     /* Makes the lists of these tiles of the interval: (count). */
     tides_status (*lists)(td_points_engine *engine, const int *tiles, int count, tides_error *error);
-    /* values: (2 x count) L and L_dot; lists of their tiles are made. */
+    /* values: (2 x count) L and L_dot, there once `finish` has been called; of the batch nothing is read any more after this.
+     * Lists of their tiles are made. */
     tides_status (*values)(td_points_engine *engine, const td_points_batch *batch, double *values, tides_error *error);
+    tides_status (*finish)(td_points_engine *engine, tides_error *error);
     void (*destroy)(td_points_engine *engine);
 } td_points_class;
 
 struct td_points_engine {
     const td_points_class *type;
-    int lanes; /* most points of a chunk */
+    int lanes;   /* most points of a chunk */
+    int goes_on; /* values are worked out while the host does something else */
 };
 
 /* On an OpenCL device with double precision; TIDES_UNSUPPORTED where it has none. The twin in C, wherever. */

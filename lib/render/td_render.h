@@ -120,6 +120,15 @@ typedef struct td_point_value {
 tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
                                 td_point_value *values, tides_error *error);
 
+/* The same in two calls, between which a device may be at work while the caller does something else: what it is given must
+ * stay as it is until `end`, or until `drop` where nobody wants the values any more. One lot at a time; whatever else the
+ * renderer is asked for in between waits for it. 1: `begin` does return before that, and many lots cost no more than one. */
+tides_status td_renderer_points_begin(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
+                                      size_t count, td_point_value *values, tides_error *error);
+tides_status td_renderer_points_end(tides_renderer *renderer, tides_error *error);
+void td_renderer_points_drop(tides_renderer *renderer);
+int td_renderer_points_go_on(const tides_renderer *renderer);
+
 /* From now on points are worked out one by one, in double precision whatever the renderer computes in, with every splat (no
  * stop rule), on the image that record paths make of the interval swept last (kernels/points.h). TIDES_UNSUPPORTED, saying
  * why, where that can't be had: then, as before, points are pixels of whole tiles. */

@@ -173,6 +173,10 @@ tides_status td_mosaic_create(tides_device *device, const tides_scene *scene, co
 void td_mosaic_release(tides_renderer *renderer);
 void td_mosaic_add_stats(const tides_renderer *renderer, tides_render_stats *stats);
 
+/* Pixels of whole tiles (points_tiles.c). */
+tides_status td_points_of_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
+                                td_point_value *values, tides_error *error);
+
 /* Points through `look_up`, each by the renderer of its own channel (mosaic.c). */
 typedef tides_status td_look_up(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
                                 td_point_value *values, tides_error *error);

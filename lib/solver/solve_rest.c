@@ -48,17 +48,17 @@ tides_status td_solve_refer(tides_simulator *s, tides_error *error) {
     td_solve *solve = &s->solve;
     const size_t count = solve->references;
     solve->references = 0;
-    tides_status status = td_renew((void **)&solve->value, &solve->value_capacity, count, sizeof *solve->value, error);
+    tides_status status = td_renew((void **)&solve->rest, &solve->rest_capacity, count, sizeof *solve->rest, error);
     if (status != TIDES_OK || count == 0) return status;
     const double begun = td_now();
-    status = begins(s) ? td_renderer_points(s->renderer, s->camera, solve->start, count, solve->value, error)
-                       : td_renderer_kept_points(s->renderer, s->camera, solve->start, count, solve->value, error);
+    status = begins(s) ? td_renderer_points(s->renderer, s->camera, solve->start, count, solve->rest, error)
+                       : td_renderer_kept_points(s->renderer, s->camera, solve->start, count, solve->rest, error);
     const double took = td_now() - begun;
     s->stats.time_look_up_s += took;
     s->stats.time_compare_s -= took;
     solve->lookups += count;
     for (size_t k = 0; k < count && status == TIDES_OK; k++) {
-        td_sensor_refer(&s->sensor, solve->wanted[k], solve->value[k].L);
+        td_sensor_refer(&s->sensor, solve->wanted[k], solve->rest[k].L);
         solve->known[solve->wanted[k]] = 1;
     }
     return status;
@@ -90,18 +90,19 @@ static tides_status ask_still(tides_simulator *s, int t, const td_step *span, do
 }
 
 tides_status td_solve_still(tides_simulator *s, const td_step *span, double start, tides_error *error) {
-    td_solve *solve = &s->solve;
+    const td_solve *solve = &s->solve;
+    const td_solve_batch *batch = td_solve_asking(&s->solve);
     tides_status status = TIDES_OK;
     if (!solve->known || !s->sensor.active_at_rest) return TIDES_OK;
-    solve->points = 0;
+    td_solve_clear_batches(s);
     for (int t = 0, moved = 0; t < s->tiles && status == TIDES_OK; t++) { /* both lists ascend */
         const int moves = moved < s->moving_count && s->moving[moved] == t;
         moved += moves;
         if (!moves) status = ask_still(s, t, span, start, error);
     }
     if (status == TIDES_OK) status = td_solve_refer(s, error);
-    if (status == TIDES_OK && solve->points > 0) status = td_solve_look_up(s, error);
-    for (size_t k = 0; k < solve->points && status == TIDES_OK; k++)
-        s->now.plane[TD_PLANE_S][solve->asked[k].looked] = solve->value[k].L;
+    if (status == TIDES_OK) status = td_solve_look_up(s, error);
+    for (size_t k = 0; k < batch->points && status == TIDES_OK; k++)
+        s->now.plane[TD_PLANE_S][batch->asked[k].looked] = batch->value[k].L;
     return status;
 }

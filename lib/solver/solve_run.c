@@ -194,8 +194,8 @@ static tides_status ask_ends(const visit *v, tides_error *error) {
 static tides_status judge(visit *v, int *asked, int *doubts, tides_error *error) {
     enum { MOST_TURNS = 16 };
     turn turns[MOST_TURNS];
-    const td_solve *solve = &v->s->solve;
-    const size_t before = solve->points;
+    const td_solve_batch *batch = td_solve_asking(&v->s->solve);
+    const size_t before = batch->points;
     const int may_ask = v->looked->looks < MOST_LOOKS;
     const int count = near_turns(v, turns, MOST_TURNS);
     tides_status status = may_ask ? ask_ends(v, error) : TIDES_OK;
@@ -209,7 +209,7 @@ static tides_status judge(visit *v, int *asked, int *doubts, tides_error *error)
         else
             ++*doubts;
     }
-    *asked = solve->points > before;
+    *asked = batch->points > before;
     if (!*asked) return status;
     v->looked->looks++;
     v->looked->state = state_of(v);

@@ -1,7 +1,8 @@
 /* Internal: events on the image itself. Before accepted steps count as compared, the places where their pixels' comparators do
  * something (events, ends of holds, noise), and those where the signal turns so near a level that the model's error decides,
- * are looked up in the image: single pixels at single times (td_renderer_points), in one batch for all tiles. What is found
- * become nodes of that pixel's model in that step (signal/td_pieces.h), and the comparator goes over the pixel again, until no
+ * are looked up in the image: single pixels at single times (td_renderer_points), in batches for many tiles: what one needs is
+ * found out, and what comes of it is gone on with, while the device is at the next (solve_batches.c). What is found become
+ * nodes of that pixel's model in that step (signal/td_pieces.h), and the comparator goes over the pixel again, until no
  * place is off by more than the time asked for, or than rounding.
  *
  * A piece that begins at a node is right there in value and rate, so that at a distance d from it little of the model's error
@@ -71,21 +72,33 @@ typedef struct td_asked {
     double s;
 } td_asked;
 
-typedef struct td_solve {
-    int32_t precision; /* TIDES_SOLVE_*, none of them AUTO */
-    int32_t unsolved;  /* TIDES_UNSOLVED_* */
-    int is_exact;      /* what is looked up is in double, all of it */
-    double target_s;   /* times that are as good as that are settled */
-    double samples;    /* what samples may be off by beside what is looked up [log units] */
-    uint64_t events;   /* that were looked up, */
-    uint64_t lookups;  /* and points for them */
-    double *known;     /* (pixels) 1 where the reference is one that was looked up; NULL in single precision */
-    int kept;          /* the renderer has kept the run's start (td_solve_keep_start) */
-    size_t *wanted;    /* pixels whose references are to be looked up, */
-    td_point *start;   /* and where they are */
-    size_t references, wanted_capacity, start_capacity;
-    td_solving *pixel; /* those that aren't settled */
+/* Points that are looked up together. */
+typedef struct td_solve_batch {
+    td_solving *pixel; /* those that asked, and aren't settled */
     size_t pixels, pixel_capacity;
+    td_point *point;
+    size_t points, point_capacity;
+    td_asked *asked; /* (points) */
+    size_t asked_capacity;
+    td_point_value *value; /* (points) once they are back */
+    size_t value_capacity;
+} td_solve_batch;
+enum { TD_SOLVE_BATCHES = 3 };
+
+typedef struct td_solve {
+    int32_t precision;    /* TIDES_SOLVE_*, none of them AUTO */
+    int32_t unsolved;     /* TIDES_UNSOLVED_* */
+    int is_exact;         /* what is looked up is in double, all of it */
+    double target_s;      /* times that are as good as that are settled */
+    double samples;       /* what samples may be off by beside what is looked up [log units] */
+    uint64_t events;      /* that were looked up, */
+    uint64_t lookups;     /* and points for them */
+    double *known;        /* (pixels) 1 where the reference is one that was looked up; NULL in single precision */
+    int kept;             /* the renderer has kept the run's start (td_solve_keep_start) */
+    size_t *wanted;       /* pixels whose references are to be looked up, */
+    td_point *start;      /* and where they are */
+    td_point_value *rest; /* (references) what is found there */
+    size_t references, wanted_capacity, start_capacity, rest_capacity;
     td_looked *looked;
     size_t looked_count, looked_capacity;
     td_found *found;
@@ -96,12 +109,10 @@ typedef struct td_solve {
     size_t reach_capacity;
     td_trust *trust; /* likewise: before anything is looked up */
     size_t trust_capacity;
-    td_point *point; /* to be looked up in this round */
-    size_t points, point_capacity;
-    td_asked *asked; /* (points) */
-    size_t asked_capacity;
-    td_point_value *value;
-    size_t value_capacity;
+    td_solve_batch
+        batch[TD_SOLVE_BATCHES]; /* one is filled, the one before it is away, the one before that was back (solve_batches.c) */
+    int asking;                  /* which is filled: td_solve_asking */
+    size_t enough;               /* points that are worth a batch, while a device is at the one before */
 } td_solve;
 
 /* What the parameters ask for (precision, unsolved), once the renderer has its PSF; TIDES_UNSUPPORTED where it can't be had.
@@ -123,12 +134,21 @@ TIDES_MUST_CHECK tides_status td_solve_still(tides_simulator *s, const td_step *
 
 /* -- parts of it ---------------------------------------------------------------------------------------------------------- */
 
-/* Looks up what is asked for: solve->point to solve->value. */
-TIDES_MUST_CHECK tides_status td_solve_look_up(tides_simulator *s, tides_error *error);
-
-/* Asks for a pixel of a unit at a time; `looked` and `s` are given back with what was found. */
+/* The batch that is being filled, and asking in it for a pixel of a unit at a time; `looked` and `s` are given back with what
+ * was found. */
+static inline td_solve_batch *td_solve_asking(td_solve *solve) { return &solve->batch[solve->asking]; }
 TIDES_MUST_CHECK tides_status td_solve_ask(tides_simulator *s, const td_tile *tile, int32_t local, double time,
                                            const td_asked *asked, tides_error *error);
+
+/* Looks up all that is asked for in it, to its values. */
+TIDES_MUST_CHECK tides_status td_solve_look_up(tides_simulator *s, tides_error *error);
+
+/* The batch that is filled goes to the device; of the one that was there pixels are run, which may ask again. Whether one is
+ * worth it; whether anything is asked for still, or there; and all forgotten. */
+TIDES_MUST_CHECK tides_status td_solve_turn(tides_simulator *s, tides_error *error);
+int td_solve_has_enough(const tides_simulator *s);
+int td_solve_is_busy(const td_solve *solve);
+void td_solve_clear_batches(tides_simulator *s);
 
 /* What the references of a unit's pixels may be off by, where they aren't known: (TD_TILE_PIXELS). Then: asks for that of a
  * pixel; looks up all that were asked for (solve_rest.c). */

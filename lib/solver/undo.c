@@ -93,6 +93,7 @@ void td_undo_stopped(tides_simulator *s, tides_status status) {
     td_sensor_resume(&s->sensor);
     if (s->surround.surround.on) td_surround_steps_resume(s);
     put_counts(s, undo);
-    s->events.count = s->solve.references = s->solve.points = 0;
+    s->events.count = 0;
+    td_solve_clear_batches(s);
     s->broken = 0;
 }

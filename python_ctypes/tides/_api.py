@@ -1589,7 +1589,7 @@ class tides_stats(Structure):
     double worst_deviation; /* the largest that a probe saw where a step rests on it [thresholds] */
     uint64_t events_solved; /* of `events`, those whose times were looked up in the image (stepping.solve), and */
     uint64_t points_looked_up; /* pixels at single times that were looked up for them */
-    double time_look_up_s; /* spent on that in double precision; in single it is part of the renderer's times */
+    double time_look_up_s; /* waiting for that in double precision; in single it is part of the renderer's times */
     uint64_t solve; /* TIDES_SOLVE_* that the run has: AUTO is OFF or DOUBLE; */
     uint64_t unsolved; /* TIDES_UNSOLVED_*: why it is OFF */
     uint64_t unit; /* TIDES_UNIT_* that the run has: TILE or BLOCK */

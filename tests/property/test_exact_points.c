@@ -225,6 +225,37 @@ static void test_bits_of_any_device_and_order(void **state) {
     }
 }
 
+/* Points that a device is at while the renderer is asked for something else; or nobody wants them, or not even the renderer. */
+static void test_in_two_calls(void **state) {
+    (void)state;
+    static td_point points[POINTS], others[POINTS];
+    static td_point_value all[POINTS], begun[POINTS], beside[POINTS];
+    double plane[TD_OUT_SIGNAL * TD_TILE_PIXELS], time = START;
+    td_request request = {.tile = 0, .slot = 0, .blocks = TD_ALL_BLOCKS};
+    const td_tile_batch tile = {&time, 1, TD_SIDE_BEGINS, &request, 1, TD_OUT_SIGNAL};
+    tides_error error;
+    const random_recipe recipe = recipe_of(1425);
+    point_world w = open_world(&recipe, "cpu", 0.005, 1e-4);
+    be_exact(&w);
+    scatter(&w, points);
+    for (int i = 0; i < POINTS; i++) others[i] = points[POINTS - 1 - i];
+    values_of(&w, points, POINTS, all);
+    assert_true(td_renderer_points_go_on(w.renderer));
+    scene_expect_ok(td_renderer_points_begin(w.renderer, w.scene.path, points, POINTS, begun, &error), &error);
+    scene_expect_ok(td_renderer_tiles(w.renderer, w.scene.path, &tile, plane, &error), &error);
+    scene_expect_ok(td_renderer_points_end(w.renderer, &error), &error);
+    assert_memory_equal(all, begun, sizeof all);
+    scene_expect_ok(td_renderer_points_begin(w.renderer, w.scene.path, others, POINTS, beside, &error), &error);
+    td_renderer_points_drop(w.renderer);
+    memset(begun, 0, sizeof begun);
+    scene_expect_ok(td_renderer_points_begin(w.renderer, w.scene.path, points, POINTS, begun, &error), &error);
+    scene_expect_ok(td_renderer_points_end(w.renderer, &error), &error);
+    scene_expect_ok(td_renderer_points_end(w.renderer, &error), &error); /* nothing is left */
+    assert_memory_equal(all, begun, sizeof all);
+    scene_expect_ok(td_renderer_points_begin(w.renderer, w.scene.path, points, POINTS, begun, &error), &error);
+    close_world(&w);
+}
+
 /* Where a stack of splats lets no light through, those behind it aren't looked at: nothing that counts is lost. */
 static void test_behind_what_is_opaque(void **state) {
     (void)state;
@@ -250,14 +281,11 @@ static void test_paths_with_corners(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_bits_of_any_device_and_order),
-                                       cmocka_unit_test(test_behind_what_is_opaque),
-                                       cmocka_unit_test(test_paths_with_corners),
-                                       cmocka_unit_test(test_pixels_of_the_double_reference),
-                                       cmocka_unit_test(test_paths_are_as_good_as_they_say),
-                                       cmocka_unit_test(test_rates_are_those_of_the_values),
-                                       cmocka_unit_test(test_depth_ties_and_empty_tiles),
-                                       cmocka_unit_test(test_images_that_jump_have_none),
-                                       cmocka_unit_test(test_points_outside_are_refused)};
+    const struct CMUnitTest tests[] =
+        {cmocka_unit_test(test_bits_of_any_device_and_order),   cmocka_unit_test(test_in_two_calls),
+         cmocka_unit_test(test_behind_what_is_opaque),          cmocka_unit_test(test_paths_with_corners),
+         cmocka_unit_test(test_pixels_of_the_double_reference), cmocka_unit_test(test_paths_are_as_good_as_they_say),
+         cmocka_unit_test(test_rates_are_those_of_the_values),  cmocka_unit_test(test_depth_ties_and_empty_tiles),
+         cmocka_unit_test(test_images_that_jump_have_none),     cmocka_unit_test(test_points_outside_are_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

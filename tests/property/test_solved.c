@@ -178,6 +178,45 @@ static void test_any_window_and_cut(void **state) {
     }
 }
 
+/* In batches of so many points. */
+static outcome run_in_batches(const job *j, size_t enough) {
+    outcome o = {0};
+    tides_error error;
+    tides_device *device = open_device(j->device);
+    tides_simulator *s = make_simulator(j, device);
+    s->solve.enough = enough;
+    begin(j, s, &o);
+    scene_expect_ok(tides_simulator_run(s, j->stop, collect, &o, NULL, NULL, &error), &error);
+    finish(s, &o);
+    tides_simulator_destroy(s);
+    tides_device_close(device);
+    return o;
+}
+
+/* A device is at one batch while the next is asked for. */
+static void test_any_batches(void **state) {
+    static const size_t enough[] = {1, 7, 100};
+    (void)state;
+    for (int trial = 0; trial < 4; trial++) {
+        world w = make_world(SEED + 10 + (uint64_t)trial, trial % KINDS);
+        job j = loose_job(&w);
+        j.device = "cpu";
+        if (trial >= 2) hold(&j.sensor);
+        if (trial == 3) j.stepping.unit = TIDES_UNIT_BLOCK;
+        outcome whole = run(&j);
+        assert_true(whole.stats.points_looked_up > 200);
+        for (size_t k = 0; k < sizeof enough / sizeof *enough; k++) {
+            outcome o = run_in_batches(&j, enough[k]);
+            expect_same(&whole, &o, "batches");
+            assert_true(whole.stats.points_looked_up == o.stats.points_looked_up);
+            assert_true(whole.stats.error_p95_s == o.stats.error_p95_s);
+            free_outcome(&o);
+        }
+        free_outcome(&whole);
+        free_world(&w);
+    }
+}
+
 /* -- references ----------------------------------------------------------------------------------------------------------- */
 
 /* What all pixels have at the run's start, in double; the worst that references in single precision are off by, as a share of
@@ -394,6 +433,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_exact_events),
                                        cmocka_unit_test(test_blocks),
                                        cmocka_unit_test(test_any_window_and_cut),
+                                       cmocka_unit_test(test_any_batches),
                                        cmocka_unit_test(test_references_in_time),
                                        cmocka_unit_test(test_single_precision),
                                        cmocka_unit_test(test_what_comes_back),

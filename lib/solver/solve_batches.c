@@ -1,0 +1,155 @@
+/* What is to be looked up, batch after batch. Three take turns: one is filled, the one before is with the device meanwhile, and
+ * of the one before that, which is back, pixels are run, which may ask for more. For solve.c.
+ *
+ * Which points make a batch decides about nothing but time: pixels don't depend on one another, and all that a pixel asks for
+ * at once is in one batch. */
+#include "td_simulator.h"
+#include "td_wide.h"
+
+/* Steps of a macro step are too many for caches, and are asked for so many pixels ahead. */
+enum { AHEAD = 6 };
+
+/* -- asking ---------------------------------------------------------------------------------------------------------------- */
+
+tides_status td_solve_ask(tides_simulator *s, const td_tile *tile, int32_t local, double time, const td_asked *asked,
+                          tides_error *error) {
+    td_solve_batch *batch = td_solve_asking(&s->solve);
+    const size_t k = batch->points;
+    tides_status status = td_reserve((void **)&batch->point, &batch->point_capacity, k + 1, sizeof *batch->point, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&batch->asked, &batch->asked_capacity, k + 1, sizeof *batch->asked, error);
+    if (status != TIDES_OK) return status;
+    batch->point[k] = (td_point){time, tile->x0 + local % tile->width, tile->y0 + local / tile->width};
+    batch->asked[k] = *asked;
+    batch->points++;
+    return TIDES_OK;
+}
+
+/* Looking up took so long, which the comparator has no part in. */
+static void note_time(tides_simulator *s, double took) {
+    if (s->solve.precision == TIDES_SOLVE_DOUBLE) s->stats.time_look_up_s += took;
+    s->stats.time_compare_s -= took;
+}
+
+/* Gives a batch to the renderer; its values are there when the renderer has ended. */
+static tides_status send(tides_simulator *s, td_solve_batch *batch, tides_error *error) {
+    tides_status status = td_renew((void **)&batch->value, &batch->value_capacity, batch->points, sizeof *batch->value, error);
+    if (status != TIDES_OK || batch->points == 0) return status;
+    const double begun = td_now();
+    s->solve.lookups += batch->points;
+    status = td_renderer_points_begin(s->renderer, s->camera, batch->point, batch->points, batch->value, error);
+    note_time(s, td_now() - begun);
+    return status;
+}
+
+static tides_status receive(tides_simulator *s, tides_error *error) {
+    const double begun = td_now();
+    const tides_status status = td_renderer_points_end(s->renderer, error);
+    note_time(s, td_now() - begun);
+    return status;
+}
+
+tides_status td_solve_look_up(tides_simulator *s, tides_error *error) {
+    tides_status status = send(s, td_solve_asking(&s->solve), error);
+    return status == TIDES_OK ? receive(s, error) : status;
+}
+
+/* -- what comes back ------------------------------------------------------------------------------------------------------- */
+
+static void soon(const td_looked *looked) {
+    TD_SOON(looked);
+    TD_SOON((const char *)(looked + 1) - 1);
+}
+
+/* What was found at an end of its step stands for the sample there; at the macro step's end it is what the next one begins
+ * with. */
+static void take_end(tides_simulator *s, const td_asked *asked, const td_point_value *value) {
+    td_looked *looked = &s->solve.looked[asked->looked];
+    const td_refine_step *step = &s->refine.step[looked->step];
+    if (asked->s > 0) {
+        looked->ends.S1 = value->L, looked->ends.S1_dot = value->L_dot;
+        looked->known_ends |= TD_KNOWS_END;
+    } else {
+        looked->ends.S0 = value->L, looked->ends.S0_dot = value->L_dot;
+        looked->known_ends |= TD_KNOWS_START;
+    }
+    if (!(asked->s > 0) || step->next >= 0) return;
+    double *sample = td_sample_at(&s->refine.samples, step->end) + asked->local;
+    sample[TD_PLANE_S * s->refine.samples.pixels] = value->L;
+    sample[TD_PLANE_S_DOT * s->refine.samples.pixels] = value->L_dot;
+}
+
+/* What was found becomes nodes. */
+static tides_status take(tides_simulator *s, const td_solve_batch *back, tides_error *error) {
+    td_solve *solve = &s->solve;
+    tides_status status = TIDES_OK;
+    for (size_t k = 0; k < back->points && status == TIDES_OK; k++) {
+        if (k + AHEAD < back->points) soon(&solve->looked[back->asked[k + AHEAD].looked]);
+        const td_asked *asked = &back->asked[k];
+        if (asked->s > 0 && asked->s < 1)
+            status = td_solve_insert(solve, &solve->looked[asked->looked], asked->s, &back->value[k], error);
+        else
+            take_end(s, asked, &back->value[k]);
+    }
+    return status;
+}
+
+/* Runs the pixels of a batch that is back; those that ask again go on with what they ask for. */
+static tides_status run_pixels(tides_simulator *s, td_solve_batch *back, tides_error *error) {
+    td_solve_batch *asking = td_solve_asking(&s->solve);
+    tides_status status = td_reserve((void **)&asking->pixel, &asking->pixel_capacity, asking->pixels + back->pixels,
+                                     sizeof *asking->pixel, error);
+    for (size_t k = 0; k < back->pixels && status == TIDES_OK; k++) {
+        td_solving *pixel = &back->pixel[k];
+        if (k + AHEAD < back->pixels) soon(&s->solve.looked[back->pixel[k + AHEAD].next]);
+        status = td_solve_run(s, pixel, error);
+        if (pixel->next < pixel->end) asking->pixel[asking->pixels++] = *pixel;
+    }
+    back->points = back->pixels = 0;
+    return status;
+}
+
+/* References that pixels of the batch wait for; nothing is away. */
+static tides_status refer(tides_simulator *s, td_solve_batch *batch, tides_error *error) {
+    size_t left = 0;
+    tides_status status = td_solve_refer(s, error);
+    for (size_t k = 0; k < batch->pixels && status == TIDES_OK; k++) {
+        td_solving *pixel = &batch->pixel[k];
+        if (pixel->waits) status = td_solve_run(s, pixel, error);
+        pixel->waits = 0;
+        if (pixel->next < pixel->end) batch->pixel[left++] = *pixel;
+    }
+    batch->pixels = left;
+    return status;
+}
+
+/* -- taking turns ---------------------------------------------------------------------------------------------------------- */
+
+int td_solve_is_busy(const td_solve *solve) {
+    size_t left = solve->references;
+    for (int k = 0; k < TD_SOLVE_BATCHES; k++) left += solve->batch[k].points;
+    return left > 0;
+}
+
+int td_solve_has_enough(const tides_simulator *s) {
+    const td_solve *solve = &s->solve;
+    return solve->batch[solve->asking].points >= solve->enough && td_renderer_points_go_on(s->renderer);
+}
+
+void td_solve_clear_batches(tides_simulator *s) {
+    td_renderer_points_drop(s->renderer);
+    for (int k = 0; k < TD_SOLVE_BATCHES; k++) s->solve.batch[k].points = s->solve.batch[k].pixels = 0;
+    s->solve.references = 0;
+}
+
+tides_status td_solve_turn(tides_simulator *s, tides_error *error) {
+    td_solve *solve = &s->solve;
+    td_solve_batch *full = td_solve_asking(solve),
+                   *back = &solve->batch[(solve->asking + TD_SOLVE_BATCHES - 1) % TD_SOLVE_BATCHES];
+    tides_status status = receive(s, error);
+    if (status == TIDES_OK && solve->references > 0) status = refer(s, full, error);
+    if (status == TIDES_OK) status = send(s, full, error);
+    solve->asking = (solve->asking + 1) % TD_SOLVE_BATCHES;
+    if (status == TIDES_OK) status = take(s, back, error);
+    return status == TIDES_OK ? run_pixels(s, back, error) : status;
+}
