@@ -36,7 +36,7 @@ typedef struct rig {
 } rig;
 
 static inline void *rig_alloc(size_t count, size_t size) {
-    void *memory = calloc(count, size);
+    void *memory = calloc(count ? count : 1, size);
     assert_non_null(memory);
     return memory;
 }

@@ -33,8 +33,7 @@ static size_t add_frame(unsigned char *to, size_t at, const sampling *s, int ful
     const double y = 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2], blue = (rgb[2] - y) / 1.772, red = (rgb[0] - y) / 1.402;
     const double luma = full ? top * y : unit * (16 + 219 * y), steps = full ? top : 224 * unit;
     const int chroma = ((WIDTH + (1 << s->across) - 1) >> s->across) * ((HEIGHT + (1 << s->down) - 1) >> s->down);
-    memcpy(to + at, "FRAME\n", 6);
-    at += 6;
+    for (const char *c = "FRAME\n"; *c; c++) to[at++] = (unsigned char)*c;
     for (int i = 0; i < PIXELS; i++) at = put(to, at, luma, s->depth);
     for (int i = 0; i < chroma && !s->grey; i++) at = put(to, at, 128 * unit + steps * blue, s->depth);
     for (int i = 0; i < chroma && !s->grey; i++) at = put(to, at, 128 * unit + steps * red, s->depth);
@@ -156,10 +155,11 @@ static void what_is_wrong_is_said(void **state) {
         {"YUV4MPEG2 W5 H3 F30:1 Cmono\nFRAME\n0123456789abcdeFRAME\n0123", "ends within frame 1"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) refused(state, bad[i][0], strlen(bad[i][0]), bad[i][1]);
+    static const char begins[] = "YUV4MPEG2 W5 ";
     char line[3000];
     memset(line, 'X', sizeof line);
-    memcpy(line, "YUV4MPEG2 W5 ", 13);
-    line[2999] = '\n';
+    for (size_t i = 0; i < strlen(begins); i++) line[i] = begins[i];
+    line[sizeof line - 1] = '\n';
     refused(state, line, sizeof line, "begins otherwise");
 }
 

@@ -73,7 +73,12 @@ static void test_keys_reach_their_fields(void **state) {
         if (!(found >= cases[i].value && found <= cases[i].value)) fail_msg("%s: %g", set, found);
         tides_run_destroy(run);
     }
-    tides_run *whole = NULL; /* a plain number, in the file and as an override */
+}
+
+/* All 64 bits: a plain number in the file, and as an override. */
+static void test_seeds(void **state) {
+    (void)state;
+    tides_run *whole = NULL;
     tides_run_values numbered;
     tides_error error = {TIDES_OK, ""};
     assert_int_equal(tides_run_parse("{\"scene\": {\"file\": \"a\"}, \"camera\": {\"file\": \"p\"}, \"seed\": "
@@ -166,7 +171,7 @@ static void test_who_wins(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_keys_reach_their_fields), cmocka_unit_test(test_presets),
-                                       cmocka_unit_test(test_who_wins)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_keys_reach_their_fields), cmocka_unit_test(test_seeds),
+                                       cmocka_unit_test(test_presets), cmocka_unit_test(test_who_wins)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
