@@ -167,6 +167,11 @@ typedef struct td_groups {
     int count;
 } td_groups;
 
+/* Lists of two kinds go to one device: the sweep's, and those that point at rows of what moves. No number is of both. */
+static inline uint64_t td_serial_of_sweep(uint64_t number) { return 2 * number; }
+static inline uint64_t td_serial_of_rows(uint64_t number) { return 2 * number + 1; }
+#define TD_SERIAL_OF_NOBODY UINT64_MAX
+
 static inline int td_sweep_times(int level) { return (2 << level) + 1; }
 
 /* Whole images that a batch's planes go to: `plane` (height x width) of each output, NULL where it isn't wanted. */
@@ -185,7 +190,7 @@ typedef struct td_batch {
     int job_count;
     const int *candidates; /* what the jobs point into */
     int candidate_count;
-    uint64_t candidates_serial; /* changes with the candidates: devices keep a copy */
+    uint64_t candidates_serial; /* changes with the candidates: devices keep a copy (td_serial_of_sweep, _of_rows) */
     int records;                /* records that the jobs use */
     int outputs;                /* TD_OUT_LUMINANCE .. _COLOUR, or _TRUTH for planes of ground truth in their place */
     int hint_count;             /* numbers in all hints, place 0 counted; they last until it changes */

@@ -153,7 +153,7 @@ static tides_status run_requests(tides_renderer *renderer, const tides_trajector
     batch.slots = asked->slots;
     batch.candidates = renderer->candidates.list;
     batch.candidate_count = renderer->candidates.first[renderer->stats.tiles];
-    batch.candidates_serial = renderer->candidates.serial;
+    batch.candidates_serial = td_serial_of_sweep(renderer->candidates.serial);
     batch.outputs = outputs;
     batch.hint_count = td_candidates_hint_count(&renderer->candidates);
     batch.in_order = renderer->in_order;

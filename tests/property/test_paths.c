@@ -214,6 +214,39 @@ static void test_moving_gaussians(void **state) {
     skip_without_opencl();
 }
 
+/* Intervals in which all that moves follows paths, and others in which some doesn't, in turns: jobs have lists of their own in
+ * these, which a device must not take for the sweep's. */
+static void test_intervals_of_both_kinds(void **state) {
+    enum { INTERVALS = 12 };
+    random_recipe recipe = recipe_of(SEED + 1);
+    moving_scene scene = moving_scene_make(&recipe, 0.5);
+    tides_device *reference = open_device("reference-f32"), *device = open_fast_device();
+    tides_renderer *exact = make_renderer(reference, scene.scene, &scene.base.camera, TIDES_RULES_SMOOTH);
+    tides_renderer *quick = make_renderer(device, scene.scene, &scene.base.camera, TIDES_RULES_SMOOTH);
+    const size_t bytes = (size_t)exact->stats.tiles * TD_OUT_SIGNAL * TD_TILE_PIXELS * sizeof(double);
+    int direct = 0;
+    tides_error error;
+    (void)state;
+    scene_expect_ok(td_renderer_paths(exact, 1e-4, 0, &error), &error);
+    scene_expect_ok(td_renderer_paths(quick, 1e-4, 0, &error), &error);
+    for (int k = 0; k < INTERVALS; k++) {
+        const double from = start + 0.01 * k, to = from + (k % 3 == 1 ? 1e-4 : 0.2), time = from + 0.3 * (to - from);
+        scene_expect_ok(td_renderer_sweep(exact, scene.base.path, from, to, &error), &error);
+        scene_expect_ok(td_renderer_sweep(quick, scene.base.path, from, to, &error), &error);
+        direct += exact->paths.direct_moves != 0;
+        double *expected = tiles_at(exact, scene.base.path, &time, 1), *planes = tiles_at(quick, scene.base.path, &time, 1);
+        if (memcmp(planes, expected, bytes) != 0) fail_msg("interval %d has other bits than the reference's", k);
+        free(expected);
+        free(planes);
+    }
+    assert_true(direct > 2 && direct < INTERVALS - 2);
+    tides_renderer_destroy(exact);
+    tides_renderer_destroy(quick);
+    moving_scene_free(&scene);
+    tides_device_close(reference);
+    tides_device_close(device);
+}
+
 /* The scene's camera, shaken to and fro 40 times within the interval. */
 static tides_trajectory *shaken(const random_scene *scene) {
     enum { SAMPLES = 81 };
@@ -268,7 +301,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_images_are_those_of_projections),
                                        cmocka_unit_test(test_rates_are_its_own),
                                        cmocka_unit_test(test_paths_depend_on_the_interval_alone),
-                                       cmocka_unit_test(test_moving_gaussians), cmocka_unit_test(test_nobody_has_one)};
+                                       cmocka_unit_test(test_moving_gaussians),
+                                       cmocka_unit_test(test_intervals_of_both_kinds),
+                                       cmocka_unit_test(test_nobody_has_one)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -152,7 +152,7 @@ static tides_status run_launch(tides_renderer *r, td_batch *batch, td_job *jobs,
     if (status != TIDES_OK) return status;
     batch->candidates = r->dynamic.list;
     batch->candidate_count = launch->rows;
-    batch->candidates_serial = ++r->dynamic.serial_of_list;
+    batch->candidates_serial = td_serial_of_rows(++r->dynamic.serial_of_list);
     batch->jobs = jobs;
     batch->job_count = count;
     batch->records = records;
