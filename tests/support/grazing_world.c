@@ -19,6 +19,8 @@ enum { WIDTH = 20, HEIGHT = 10 };
 #define FOCAL (1.25 * WIDTH)
 #define PX (2 / FOCAL) /* scene units of a pixel at depth 2, where things are */
 
+/* Numbers are picked one after the other in statements of their own: in which order arguments are worked out is the compiler's
+ * choice, and the worlds of two were others. */
 static double pick(uint64_t *seed, double lower, double upper) { return scene_between(seed, lower, upper); }
 static double pick_log(uint64_t *seed, double lower, double upper) { return world_between_log(seed, lower, upper); }
 static double sign(uint64_t *seed) { return scene_next(seed) % 2 ? 1 : -1; }
@@ -44,34 +46,46 @@ static void add_on_path(judged *j, splat_set *set, const shaking *s) {
 /* A ball that is in view for some of the time, at `pixels_per_s`. */
 static void add_ball(judged *j, uint64_t *seed, double pixels_per_s, double opacity) {
     const double angle = pick(seed, 0, 2 * WORLD_PI), speed = pixels_per_s * PX;
-    const shaking s = {.place = {pick(seed, -5, 5) * PX, pick(seed, -3, 3) * PX, 2},
-                       .velocity = {speed * cos(angle), speed * sin(angle), 0},
-                       .centre_time = pick(seed, 0, j->stop)};
+    const double x = pick(seed, -5, 5) * PX, y = pick(seed, -3, 3) * PX, time = pick(seed, 0, j->stop);
+    const shaking s = {.place = {x, y, 2}, .velocity = {speed * cos(angle), speed * sin(angle), 0}, .centre_time = time};
     splat_set set = {0};
-    splat_set_ball(&set, 0, 0, 0, PX * pick_log(seed, 0.7, 4), opacity, pick_log(seed, 0.02, 1));
+    const double grey = pick_log(seed, 0.02, 1), radius = PX * pick_log(seed, 0.7, 4);
+    splat_set_ball(&set, 0, 0, 0, radius, opacity, grey);
     add_on_path(j, &set, &s);
+}
+
+/* A ball that isn't quite opaque, from so slow on to so fast [px/s]. */
+static void add_any_ball(judged *j, uint64_t *seed, double slow, double fast) {
+    const double opacity = pick(seed, 0.2, 0.99), pixels_per_s = pick_log(seed, slow, fast);
+    add_ball(j, seed, pixels_per_s, opacity);
+}
+
+static double either_way(uint64_t *seed, double lower, double upper) {
+    const double way = sign(seed);
+    return way * pick_log(seed, lower, upper);
 }
 
 /* -- kinds ----------------------------------------------------------------------------------------------------------------- */
 
 static void ball(judged *j, uint64_t *seed) {
     flat_ground(j, seed);
-    add_ball(j, seed, pick_log(seed, 20, 3000), pick(seed, 0.2, 0.99));
+    add_any_ball(j, seed, 20, 3000);
 }
 
 static void balls(judged *j, uint64_t *seed) {
     flat_ground(j, seed);
-    for (int i = 0; i < 4; i++) add_ball(j, seed, pick_log(seed, 20, 1000), pick(seed, 0.2, 0.99));
+    for (int i = 0; i < 4; i++) add_any_ball(j, seed, 20, 1000);
 }
 
 /* Turning points: it comes, stops and goes back. */
 static void ball_that_turns(judged *j, uint64_t *seed) {
     flat_ground(j, seed);
-    const double hz = pick_log(seed, 5, 60);
-    const shaking s = {.place = {0, pick(seed, -1, 1) * PX, 2},
-                       .shift = {waves_one(pick(seed, 0.5, 6) * PX, hz, pick(seed, 0, 6))}};
+    const double hz = pick_log(seed, 5, 60), y = pick(seed, -1, 1) * PX, phase = pick(seed, 0, 6);
+    const double amplitude = pick(seed, 0.5, 6) * PX;
+    const shaking s = {.place = {0, y, 2}, .shift = {waves_one(amplitude, hz, phase)}};
     splat_set set = {0};
-    splat_set_ball(&set, 0, 0, 0, PX * pick_log(seed, 0.7, 4), pick(seed, 0.2, 0.99), pick_log(seed, 0.02, 1));
+    const double grey = pick_log(seed, 0.02, 1), opacity = pick(seed, 0.2, 0.99), radius = PX * pick_log(seed, 0.7, 4);
+    splat_set_ball(&set, 0, 0, 0, radius, opacity, grey);
     add_on_path(j, &set, &s);
 }
 
@@ -90,18 +104,18 @@ static void disc(judged *j, uint64_t *seed) {
         splat_set_ball(&set, radius * cos(angle), radius * sin(angle), 1e-3 * i, fill * radius, 0.95,
                        i % 2 ? 0.9 : pick_log(seed, 0.05, 0.5));
     }
-    const shaking s = {.place = {0, 0, 2}, .spin = {0, 0, sign(seed) * pick_log(seed, 1, 200)}};
+    const shaking s = {.place = {0, 0, 2}, .spin = {0, 0, either_way(seed, 1, 200)}};
     add_on_path(j, &set, &s);
 }
 
 static void needles(judged *j, uint64_t *seed) {
     flat_ground(j, seed);
     for (int i = 0; i < 3; i++) {
-        const double s = PX * pick_log(seed, 1, 5);
-        const splat needle = {{0, 0, 0}, {s, 0.1 * s, 0.1 * s}, {1, 0, 0, 0}, pick(seed, 0.3, 0.98), {0.9, 0.9, 0.9}};
-        const shaking path = {.place = {pick(seed, -5, 5) * PX, pick(seed, -3, 3) * PX, 2 + 0.1 * i},
-                              .velocity = {pick(seed, -200, 200) * PX, pick(seed, -200, 200) * PX, 0},
-                              .spin = {0, 0, pick(seed, -100, 100)}};
+        const double s = PX * pick_log(seed, 1, 5), opacity = pick(seed, 0.3, 0.98);
+        const splat needle = {{0, 0, 0}, {s, 0.1 * s, 0.1 * s}, {1, 0, 0, 0}, opacity, {0.9, 0.9, 0.9}};
+        const double x = pick(seed, -5, 5) * PX, y = pick(seed, -3, 3) * PX;
+        const double across = pick(seed, -200, 200) * PX, down = pick(seed, -200, 200) * PX, spin = pick(seed, -100, 100);
+        const shaking path = {.place = {x, y, 2 + 0.1 * i}, .velocity = {across, down, 0}, .spin = {0, 0, spin}};
         splat_set set = {0};
         splat_set_add(&set, &needle);
         add_on_path(j, &set, &path);
@@ -114,25 +128,32 @@ static void camera_over(judged *j, uint64_t *seed, const shaking *s) {
 }
 
 static void yaw(judged *j, uint64_t *seed) {
-    const shaking s = {.spin = {0, sign(seed) * pick_log(seed, 20, 2000) / FOCAL, 0}};
+    const shaking s = {.spin = {0, either_way(seed, 20, 2000) / FOCAL, 0}};
     camera_over(j, seed, &s);
 }
 
 static void slow_drift(judged *j, uint64_t *seed) {
-    const shaking s = {.velocity = {sign(seed) * pick_log(seed, 0.5, 20) * PX, sign(seed) * pick_log(seed, 0.5, 20) * PX, 0}};
+    const double across = either_way(seed, 0.5, 20) * PX, down = either_way(seed, 0.5, 20) * PX;
+    const shaking s = {.velocity = {across, down, 0}};
     camera_over(j, seed, &s);
 }
 
 static void dolly(judged *j, uint64_t *seed) {
-    const shaking s = {.velocity = {0, 0, sign(seed) * pick_log(seed, 0.2, 20)}};
+    const shaking s = {.velocity = {0, 0, either_way(seed, 0.2, 20)}};
     camera_over(j, seed, &s);
+}
+
+/* Of up to two pixels. */
+static waves pick_shaking(uint64_t *seed, double pixel) {
+    const double phase = pick(seed, 0, 6), hz = pick_log(seed, 2, 40), amplitude = pick(seed, 0, 2) * pixel;
+    return waves_one(amplitude, hz, phase);
 }
 
 static void handheld(judged *j, uint64_t *seed) {
     shaking s = {.place = {0, 0, 0}};
     for (int k = 0; k < 3; k++) {
-        s.turn[k] = waves_one(pick(seed, 0, 2) / FOCAL, pick_log(seed, 2, 40), pick(seed, 0, 6));
-        s.shift[k] = waves_one(pick(seed, 0, 2) * PX, pick_log(seed, 2, 40), pick(seed, 0, 6));
+        s.turn[k] = pick_shaking(seed, 1 / FOCAL);
+        s.shift[k] = pick_shaking(seed, PX);
     }
     camera_over(j, seed, &s);
 }
@@ -153,7 +174,7 @@ static void near_touch(judged *j, uint64_t *seed) {
     splat_set_ball(&wall, 0, 0, 2, 20, 0.9999, 0.5);
     splat_set_texture(&wall, seed, 4, 1.9, 0.8, 0.4, 0.2);
     const double on = j->sensor.threshold_on, levels = floor(pick(seed, 1, 5));
-    const double high = exp(on * levels * (1 + sign(seed) * pick_log(seed, 1e-6, 3e-2)));
+    const double high = exp(on * levels * (1 + either_way(seed, 1e-6, 3e-2)));
     const pulsing p = {.light = waves_one(high - 1, pick_log(seed, 10, 80), 0)};
     tides_motion *motion = pulsing_keyframes(&wall, &p, j->stop, 0.5e-3);
     j->image.log_eps = scene_next(seed) % 2 ? 1e-6 : 0.05; /* all pixels touch alike, or each by its own brightness */
@@ -163,8 +184,8 @@ static void near_touch(judged *j, uint64_t *seed) {
 static void flicker(judged *j, uint64_t *seed) {
     splat_set wall = {0};
     splat_set_texture(&wall, seed, 16, 3, 1.5, 0.9, 0.3);
-    const double hz = pick_log(seed, 10, 200);
-    const pulsing p = {.light = waves_one(pick(seed, 0.05, 0.7), hz, pick(seed, 0, 6))};
+    const double hz = pick_log(seed, 10, 200), phase = pick(seed, 0, 6), amplitude = pick(seed, 0.05, 0.7);
+    const pulsing p = {.light = waves_one(amplitude, hz, phase)};
     tides_motion *motion = pulsing_keyframes(&wall, &p, j->stop, 0.05 / hz);
     world_add_moving(j->scene, &wall, motion, 0);
 }
