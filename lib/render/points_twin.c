@@ -116,7 +116,7 @@ static void make_list(twin *t, int number) {
         const int gaussian = t->interval.candidates[i], path = gaussian < 0 ? -1 : t->interval.path[gaussian];
         if (path >= 0) t->keys[count++] = (twin_key){td_point_depth_key(&paths, path), i, path, gaussian};
     }
-    qsort(t->keys, (size_t)count, sizeof *t->keys, key_order);
+    if (count > 0) qsort(t->keys, (size_t)count, sizeof *t->keys, key_order); /* else there may be no keys at all */
     for (int i = 0; i < count; i++) t->listed[tile.first + i] = t->keys[i].path;
     const int groups = (count + TD_PAD - 1) / TD_PAD;
     for (int slice = 0; slice < paths.slices.count; slice++) {

@@ -100,7 +100,7 @@ static int is_sorted(const tides_event *events, size_t count) {
 
 /* -- by time --------------------------------------------------------------------------------------------------------------- */
 
-/* Bits of a time since `t`: those from `shift` on are a digit. */
+/* Bits of a time since `t`: those from `shift` on are a digit; fewer than 64. */
 typedef struct digit {
     int64_t t;
     int shift, bits;
@@ -156,10 +156,11 @@ static void sort_by_time(tides_event *events, tides_event *scratch, size_t count
     size_t end[TD_RADIX_DIGITS], begin = 0;
     int used = 0;
     while (used < lesser_of(times->bits, TD_RADIX_BITS) && count >> used > STRETCH) used++;
-    const digit stretches = {times->t, times->bits - used, used};
+    const int bits = times->bits - used;
+    const digit stretches = {times->t, used > 0 ? bits : 0, used};
     deal(&stretches, events, scratch, count, end);
     for (size_t k = 0; k < (size_t)1 << used; begin = end[k++])
-        sort_stretch(scratch + begin, events + begin, end[k] - begin, times->t, stretches.shift);
+        sort_stretch(scratch + begin, events + begin, end[k] - begin, times->t, bits);
 }
 
 void td_event_sort(tides_event *events, tides_event *scratch, size_t count) {

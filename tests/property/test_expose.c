@@ -187,6 +187,7 @@ static void nothing_passes_unseen(void **state) {
     tides_device_close(device);
     tides_scene_destroy(scene);
     tides_trajectory_destroy(still);
+    tides_trajectory_destroy(moves);
     splat_set_free(&set);
 }
 

@@ -41,6 +41,8 @@ def test_every_exported_symbol_is_bound():
     lines = subprocess.run(["nm", "-D", "--defined-only", path], check=True, capture_output=True, text=True).stdout
     linkers = {"_end", "_edata", "__bss_start"}  # gold and lld export what they say of sections
     exported = {line.split()[-1].split("@")[0] for line in lines.splitlines()} - linkers
+    if "__gcov_var" in exported:  # make coverage: gcc's own, which it can't hide
+        exported = {name for name in exported if not name.startswith("__gcov_") and name != "mangle_path"}
     assert exported == set(api.FUNCTIONS)
     assert all(hasattr(tides.lib, name) for name in exported)
 
