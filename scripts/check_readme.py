@@ -101,9 +101,9 @@ def environment(work):
     # A make inside a test has no share in the outer make's job server; its variables (CFLAGS=...) stay.
     values["MAKEFLAGS"] = re.sub(r" -j\d*| --jobserver-\S*", "", " " + values.get("MAKEFLAGS", ""))
     values.setdefault("POCL_CACHE_DIR", str(REPOSITORY / "build/pocl-cache"))
-    if QUICK:  # the wheel is slow: the package as it lies there
-        library = REPOSITORY / (os.environ.get("OUT") or "build/release") / "libtides.so"
-        values.update(TIDES_LIBRARY=str(library), PYTHONPATH=str(REPOSITORY / "python_ctypes"), PYTHONDONTWRITEBYTECODE="1")
+    # The package as it lies there, until a block installs the wheel.
+    library = REPOSITORY / (os.environ.get("OUT") or "build/release") / "libtides.so"
+    values.update(TIDES_LIBRARY=str(library), PYTHONPATH=str(REPOSITORY / "python_ctypes"), PYTHONDONTWRITEBYTECODE="1")
     return values
 
 
@@ -141,6 +141,9 @@ def bring_splats(name, work, values):
 def run_sh(block, work, values):
     if "splats" in block.marks:
         bring_splats(block.marks["splats"], work, values)
+    if "pip install" in block.text:
+        for name in ("TIDES_LIBRARY", "PYTHONPATH"):
+            values.pop(name, None)
     without = block.marks.get("without", "").split(",")[0]
     lines = [line for line in block.text.splitlines() if not (without and line.startswith(without))]
     run(["bash", "-euo", "pipefail", "-c", "\n".join(lines)], work, values)

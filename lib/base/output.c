@@ -109,6 +109,7 @@ FILE *td_part_open(const char *part, const char *path) {
     FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "r+b");
     if (descriptor >= 0 && !file) {
         const int failed = errno;
+        td_remove_part(part, path); /* while it is still ours alone */
         close(descriptor);
         errno = failed;
     }

@@ -58,7 +58,7 @@ static void describe(cl_platform_id platform, cl_device_id id, int32_t index, ti
     snprintf(info->driver, sizeof info->driver, "%.63s, driver %.54s", version, driver);
     clGetDeviceInfo(id, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
     clGetDeviceInfo(id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof memory, &memory, NULL);
-    info->compute_units = (int32_t)units;
+    info->compute_units = units > 0 ? (int32_t)units : 1; /* one that can't be asked has one at least */
     info->memory_bytes = memory;
 }
 
