@@ -4,6 +4,7 @@
 #include "fuzz.h"
 
 #include "bytes.h"
+#include "tides/motion.h"
 #include "tides/simulate.h"
 
 #include <math.h>
@@ -19,6 +20,7 @@ typedef struct world {
     tides_sensor sensor;
     tides_stepping stepping;
     double start, stop;
+    int bends; /* something moves by itself */
 } world;
 
 typedef struct stream {
@@ -57,7 +59,29 @@ static tides_trajectory *path_of(fuzz_bytes *b, double start, double stop, doubl
     return path;
 }
 
-static void add_splats(tides_scene *scene, fuzz_bytes *b, const tides_trajectory *path) {
+/* Cubics of time, in turn and opacity too. */
+static tides_motion *motion_of(fuzz_bytes *b, int count) {
+    float centre[SPLATS], width[SPLATS], bend[9 * SPLATS], turn[4 * SPLATS];
+    tides_motion *motion = NULL;
+    tides_error error = {TIDES_OK, ""};
+    for (int i = 0; i < count; i++) {
+        centre[i] = (float)fuzz_between(b, 0, 1);
+        width[i] = (float)fuzz_between(b, -3, 3);
+    }
+    for (int i = 0; i < 9 * count; i++) bend[i] = (float)fuzz_between(b, -0.5, 0.5);
+    for (int i = 0; i < 4 * count; i++) turn[i] = (float)fuzz_between(b, -1, 1);
+    const tides_polynomial_motion arrays = {.count = count,
+                                            .stop = 1,
+                                            .opacity_centre = centre,
+                                            .opacity_log_width = width,
+                                            .mean_coefficient = bend,
+                                            .quaternion_dot = turn};
+    if (tides_motion_create_polynomial(&arrays, &motion, &error) != TIDES_OK) abort();
+    return motion;
+}
+
+/* On a path, or bent in `duration` seconds. */
+static void add_splats(tides_scene *scene, fuzz_bytes *b, const tides_trajectory *path, double duration) {
     float mean[3 * SPLATS], log_scale[3 * SPLATS], quaternion[4 * SPLATS], logit[SPLATS], sh[3 * SPLATS];
     tides_error error = {TIDES_OK, ""};
     const int count = 1 + (int)fuzz_byte(b) % SPLATS;
@@ -70,12 +94,16 @@ static void add_splats(tides_scene *scene, fuzz_bytes *b, const tides_trajectory
     for (int i = 0; i < count; i++) logit[i] = (float)fuzz_between(b, -5, 5);
     const tides_gaussians g =
         {.count = count, .mean = mean, .log_scale = log_scale, .quaternion = quaternion, .opacity_logit = logit, .sh = sh};
-    if (tides_scene_add(scene, &g, path, 1, NULL, NULL, &error) != TIDES_OK) abort();
+    const tides_status status =
+        duration > 0 ? tides_scene_add_moving(scene, &g, motion_of(b, count), duration, path, 1, NULL, NULL, &error)
+                     : tides_scene_add(scene, &g, path, 1, NULL, NULL, &error);
+    if (status != TIDES_OK) abort();
 }
 
 /* Switches by bits, so that the device has few programs to build. */
 static void choose(world *w, fuzz_bytes *b) {
-    const uint32_t bits = fuzz_byte(b), noise = fuzz_byte(b);
+    static const double tolerances[] = {0.05, 0.005, 0.2, 1};
+    const uint32_t bits = fuzz_byte(b), noise = fuzz_byte(b), more = fuzz_byte(b);
     tides_sensor_defaults(&w->sensor);
     tides_stepping_defaults(&w->stepping);
     tides_image_params_defaults(&w->image);
@@ -86,7 +114,9 @@ static void choose(world *w, fuzz_bytes *b) {
     w->stepping.solve = bits & 8 && !(bits & 1) ? TIDES_SOLVE_DOUBLE : TIDES_SOLVE_OFF;
     w->stepping.paths = (bits >> 4) & 1;
     w->stepping.step_s = 2e-3;
-    w->stepping.tolerance = 0.05;
+    w->stepping.tolerance = tolerances[more >> 2 & 3];
+    w->stepping.interpolate_motion = (int32_t)(more >> 1) & 1;
+    w->bends = more & 1;
     w->sensor.threshold_on = fuzz_between(b, 0.05, 0.6);
     w->sensor.threshold_off = fuzz_between(b, 0.05, 0.6);
     w->sensor.refractory_law = (int32_t)(bits >> 5) % 3;
@@ -110,8 +140,9 @@ static void make(world *w, fuzz_bytes *b) {
     w->camera = path_of(b, w->start, w->stop, 3);
     tides_trajectory *path = path_of(b, w->start, w->stop, 0);
     if (tides_scene_create(&w->scene, &error) != TIDES_OK) abort();
-    add_splats(w->scene, b, NULL);
-    add_splats(w->scene, b, path);
+    add_splats(w->scene, b, NULL, 0);
+    add_splats(w->scene, b, path, 0);
+    if (w->bends) add_splats(w->scene, b, NULL, w->stop - w->start);
     tides_trajectory_destroy(path);
 }
 

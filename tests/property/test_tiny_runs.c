@@ -15,7 +15,7 @@
 #include "tests/fuzz/fuzz_runs.c"
 #include "tests/support/opencl.h"
 
-enum { INPUT_BYTES = 400, RUNS = 60 };
+enum { INPUT_BYTES = 700, RUNS = 60 };
 
 static uint64_t next(uint64_t *seed) {
     uint64_t x = *seed += UINT64_C(0x9e3779b97f4a7c15); /* splitmix64 (Steele, Lea, Flood 2014) */
