@@ -1,6 +1,5 @@
 /* Single pixels at single times (points.h), in double precision: the lists of tiles, and the points. */
 #include "bitonic.h"
-#include "job_turns.h"
 #include "path_node.h"
 #include "points.h"
 
@@ -16,19 +15,18 @@ typedef struct td_share {
     int first, end, step;
 } td_share;
 
-static td_share td_share_of(int count) {
+/* Groups of TD_LANES of `count`. */
+static td_share td_share_of_groups(int count) {
     const int me = (int)get_global_id(0), items = (int)get_global_size(0);
+    const int groups = (count + TD_LANES - 1) / TD_LANES;
     td_share share;
 #if TD_LANES == 1
-    share.first = me, share.end = count, share.step = items;
+    share.first = me, share.end = groups, share.step = items;
 #else /* neighbours: what they read lies together, as the tests of one tile */
-    share.first = (int)((long)count * me / items), share.end = (int)((long)count * (me + 1) / items), share.step = 1;
+    share.first = (int)((long)groups * me / items), share.end = (int)((long)groups * (me + 1) / items), share.step = 1;
 #endif
     return share;
 }
-
-/* Groups of TD_LANES of them. */
-static td_share td_share_of_groups(int count) { return td_share_of((count + TD_LANES - 1) / TD_LANES); }
 
 static td_point_paths td_paths_make(__global const int *path, __global const td_real *curves, int pieces, int slices, int split,
                                     int group) {

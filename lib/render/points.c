@@ -14,8 +14,6 @@
 
 enum { POINTS_AT_ONCE = 1 << 16 }; /* in a launch: 5 MB with what goes with them */
 
-/* -- exact points ---------------------------------------------------------------------------------------------------------- */
-
 /* A part of the interval that is asked for, with rows of its own. Most intervals are one. */
 typedef struct points_part {
     double start, stop;

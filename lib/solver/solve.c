@@ -9,9 +9,8 @@
 
 #include <stdlib.h>
 
-/* Points that are worth a launch: some 30 ms of a processor. With fewer than that, who is at work where changes so often that
- * caches cost what is gained (two cores, the demo: 2048 took 1.06 of the time of one batch, 8192 0.94, 16384 0.92, 32768 0.93).
- */
+/* Points that are worth a launch: some 30 ms of a processor. With fewer, who is at work where changes so often that caches cost
+ * what is gained (two cores, the demo: 2048 took 1.06 of the time of one batch, 8192 0.94, 16384 0.92, 32768 0.93). */
 enum { ENOUGH = 1 << 14 };
 
 /* Times that are settled where no tolerance is set [s]: ten units of event times, above which nothing that follows is felt. */
@@ -220,17 +219,14 @@ static tides_status begin_unit(tides_simulator *s, int t, double start, double s
 
 /* -- batch after batch ---------------------------------------------------------------------------------------------------- */
 
-static int is_in_another_tile(const tides_simulator *s, int t, int before) {
-    return s->tile[t].x0 / TD_TILE != s->tile[before].x0 / TD_TILE || s->tile[t].y0 / TD_TILE != s->tile[before].y0 / TD_TILE;
-}
-
 /* All units that move; a batch goes when it is worth it, with all points of its tiles, which go down a list together. */
 static tides_status begin_units(tides_simulator *s, double start, double stop, tides_error *error) {
     td_solve *solve = &s->solve;
     tides_status status = td_reserve((void **)&solve->step, &solve->step_capacity, s->refine.steps, sizeof *solve->step, error);
     for (int k = 0; k < s->moving_count && status == TIDES_OK; k++) {
         const int t = s->moving[k];
-        if (k > 0 && is_in_another_tile(s, t, s->moving[k - 1]) && td_solve_has_enough(s)) status = td_solve_turn(s, error);
+        const int begins_tile = k > 0 && td_units_tile(s, t) != td_units_tile(s, s->moving[k - 1]);
+        if (begins_tile && td_solve_has_enough(s)) status = td_solve_turn(s, error);
         if (status == TIDES_OK) status = begin_unit(s, t, start, stop, error);
     }
     return status;

@@ -25,10 +25,10 @@ tides_status td_solve_ask(tides_simulator *s, const td_tile *tile, int32_t local
     return TIDES_OK;
 }
 
-/* Looking up took so long, which the comparator has no part in. */
-static void note_time(tides_simulator *s, double took) {
+void td_solve_note_time(tides_simulator *s, double begun) {
+    const double took = td_now() - begun;
     if (s->solve.precision == TIDES_SOLVE_DOUBLE) s->stats.time_look_up_s += took;
-    s->stats.time_compare_s -= took;
+    s->stats.time_compare_s -= took; /* which it is no part of */
 }
 
 /* Gives a batch to the renderer; its values are there when the renderer has ended. */
@@ -38,14 +38,14 @@ static tides_status send(tides_simulator *s, td_solve_batch *batch, tides_error 
     const double begun = td_now();
     s->solve.lookups += batch->points;
     status = td_renderer_points_begin(s->renderer, s->camera, batch->point, batch->points, batch->value, error);
-    note_time(s, td_now() - begun);
+    td_solve_note_time(s, begun);
     return status;
 }
 
 static tides_status receive(tides_simulator *s, tides_error *error) {
     const double begun = td_now();
     const tides_status status = td_renderer_points_end(s->renderer, error);
-    note_time(s, td_now() - begun);
+    td_solve_note_time(s, begun);
     return status;
 }
 
@@ -94,32 +94,21 @@ static tides_status take(tides_simulator *s, const td_solve_batch *back, tides_e
     return status;
 }
 
-/* Runs the pixels of a batch that is back; those that ask again go on with what they ask for. */
-static tides_status run_pixels(tides_simulator *s, td_solve_batch *back, tides_error *error) {
+/* Runs those pixels of a batch that waited for their references, or that didn't, and goes on with all that aren't settled: with
+ * what they ask for they are of the batch that is filled, which may be the same. */
+static tides_status run_pixels(tides_simulator *s, td_solve_batch *from, int waited, tides_error *error) {
     td_solve_batch *asking = td_solve_asking(&s->solve);
-    tides_status status = td_reserve((void **)&asking->pixel, &asking->pixel_capacity, asking->pixels + back->pixels,
-                                     sizeof *asking->pixel, error);
-    for (size_t k = 0; k < back->pixels && status == TIDES_OK; k++) {
-        td_solving *pixel = &back->pixel[k];
-        if (k + AHEAD < back->pixels) soon(&s->solve.looked[back->pixel[k + AHEAD].next]);
-        status = td_solve_run(s, pixel, error);
+    const size_t count = from->pixels;
+    from->pixels = 0;
+    tides_status status =
+        td_reserve((void **)&asking->pixel, &asking->pixel_capacity, asking->pixels + count, sizeof *asking->pixel, error);
+    for (size_t k = 0; k < count && status == TIDES_OK; k++) {
+        td_solving *pixel = &from->pixel[k];
+        if (k + AHEAD < count) soon(&s->solve.looked[from->pixel[k + AHEAD].next]);
+        if (pixel->waits == waited) status = td_solve_run(s, pixel, error);
+        pixel->waits = 0;
         if (pixel->next < pixel->end) asking->pixel[asking->pixels++] = *pixel;
     }
-    back->points = back->pixels = 0;
-    return status;
-}
-
-/* References that pixels of the batch wait for; nothing is away. */
-static tides_status refer(tides_simulator *s, td_solve_batch *batch, tides_error *error) {
-    size_t left = 0;
-    tides_status status = td_solve_refer(s, error);
-    for (size_t k = 0; k < batch->pixels && status == TIDES_OK; k++) {
-        td_solving *pixel = &batch->pixel[k];
-        if (pixel->waits) status = td_solve_run(s, pixel, error);
-        pixel->waits = 0;
-        if (pixel->next < pixel->end) batch->pixel[left++] = *pixel;
-    }
-    batch->pixels = left;
     return status;
 }
 
@@ -147,9 +136,13 @@ tides_status td_solve_turn(tides_simulator *s, tides_error *error) {
     td_solve_batch *full = td_solve_asking(solve),
                    *back = &solve->batch[(solve->asking + TD_SOLVE_BATCHES - 1) % TD_SOLVE_BATCHES];
     tides_status status = receive(s, error);
-    if (status == TIDES_OK && solve->references > 0) status = refer(s, full, error);
+    if (status == TIDES_OK && solve->references > 0) { /* nothing is away now */
+        status = td_solve_refer(s, error);
+        if (status == TIDES_OK) status = run_pixels(s, full, 1, error);
+    }
     if (status == TIDES_OK) status = send(s, full, error);
     solve->asking = (solve->asking + 1) % TD_SOLVE_BATCHES;
     if (status == TIDES_OK) status = take(s, back, error);
-    return status == TIDES_OK ? run_pixels(s, back, error) : status;
+    back->points = 0;
+    return status == TIDES_OK ? run_pixels(s, back, 0, error) : status;
 }

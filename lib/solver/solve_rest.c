@@ -53,9 +53,7 @@ tides_status td_solve_refer(tides_simulator *s, tides_error *error) {
     const double begun = td_now();
     status = begins(s) ? td_renderer_points(s->renderer, s->camera, solve->start, count, solve->rest, error)
                        : td_renderer_kept_points(s->renderer, s->camera, solve->start, count, solve->rest, error);
-    const double took = td_now() - begun;
-    s->stats.time_look_up_s += took;
-    s->stats.time_compare_s -= took;
+    td_solve_note_time(s, begun);
     solve->lookups += count;
     for (size_t k = 0; k < count && status == TIDES_OK; k++) {
         td_sensor_refer(&s->sensor, solve->wanted[k], solve->rest[k].L);

@@ -109,10 +109,9 @@ typedef struct td_solve {
     size_t reach_capacity;
     td_trust *trust; /* likewise: before anything is looked up */
     size_t trust_capacity;
-    td_solve_batch
-        batch[TD_SOLVE_BATCHES]; /* one is filled, the one before it is away, the one before that was back (solve_batches.c) */
-    int asking;                  /* which is filled: td_solve_asking */
-    size_t enough;               /* points that are worth a batch, while a device is at the one before */
+    td_solve_batch batch[TD_SOLVE_BATCHES]; /* in turns (solve_batches.c) */
+    int asking;                             /* which is filled: td_solve_asking */
+    size_t enough;                          /* points that are worth a batch, while a device is at the one before */
 } td_solve;
 
 /* What the parameters ask for (precision, unsolved), once the renderer has its PSF; TIDES_UNSUPPORTED where it can't be had.
@@ -139,6 +138,9 @@ TIDES_MUST_CHECK tides_status td_solve_still(tides_simulator *s, const td_step *
 static inline td_solve_batch *td_solve_asking(td_solve *solve) { return &solve->batch[solve->asking]; }
 TIDES_MUST_CHECK tides_status td_solve_ask(tides_simulator *s, const td_tile *tile, int32_t local, double time,
                                            const td_asked *asked, tides_error *error);
+
+/* Looking up has taken the time since `begun` [s]. */
+void td_solve_note_time(tides_simulator *s, double begun);
 
 /* Looks up all that is asked for in it, to its values. */
 TIDES_MUST_CHECK tides_status td_solve_look_up(tides_simulator *s, tides_error *error);

@@ -94,6 +94,5 @@ void td_undo_stopped(tides_simulator *s, tides_status status) {
     if (s->surround.surround.on) td_surround_steps_resume(s);
     put_counts(s, undo);
     s->events.count = 0;
-    td_solve_clear_batches(s);
     s->broken = 0;
 }

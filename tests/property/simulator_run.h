@@ -105,17 +105,18 @@ static inline void finish(tides_simulator *s, outcome *o) {
     tides_simulator_stats(s, &o->stats);
 }
 
-/* The whole run in one call. */
-static inline outcome run_on(const job *j, tides_device *device) {
+/* The whole run in one call, of a simulator that was made for it and is destroyed. */
+static inline outcome run_made(const job *j, tides_simulator *s) {
     outcome o = {0};
     tides_error error;
-    tides_simulator *s = make_simulator(j, device);
     begin(j, s, &o);
     scene_expect_ok(tides_simulator_run(s, j->stop, collect, &o, NULL, NULL, &error), &error);
     finish(s, &o);
     tides_simulator_destroy(s);
     return o;
 }
+
+static inline outcome run_on(const job *j, tides_device *device) { return run_made(j, make_simulator(j, device)); }
 
 static inline outcome run(const job *j) {
     tides_device *device = open_device(j->device);

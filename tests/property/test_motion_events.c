@@ -35,8 +35,6 @@ static job moving_job(const moving_scene *s, const struct way *way) {
 }
 
 static outcome run_cut(const job *j, int records, int rows) {
-    outcome o = {0};
-    tides_error error;
     tides_device *device = open_device(j->device);
     tides_simulator *s = make_simulator(j, device);
     if (records) s->renderer->record_limit = records;
@@ -44,10 +42,7 @@ static outcome run_cut(const job *j, int records, int rows) {
         s->renderer->row_limit = rows;
         s->renderer->dynamic.cached_rows = 0;
     }
-    begin(j, s, &o);
-    scene_expect_ok(tides_simulator_run(s, j->stop, collect, &o, NULL, NULL, &error), &error);
-    finish(s, &o);
-    tides_simulator_destroy(s);
+    outcome o = run_made(j, s);
     tides_device_close(device);
     return o;
 }

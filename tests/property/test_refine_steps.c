@@ -227,8 +227,6 @@ static tides_scene *make_ball(double x, double y) {
 
 /* The whole run without the guard, and without the probes of error control, which see some of it. */
 static outcome run_blindly(const job *with_guard) {
-    outcome o = {0};
-    tides_error error;
     job blindfolded = *with_guard, *j = &blindfolded;
     j->stepping.mode = TIDES_STEPPING_RISK;
     j->stepping.risk.w_b = j->stepping.risk.w_c = j->stepping.risk.w_alpha = 0;
@@ -237,10 +235,7 @@ static outcome run_blindly(const job *with_guard) {
     blind_class blind = {*s->renderer->backend->type, s->renderer->backend->type};
     blind.type.sweep = sweep_blindly;
     s->renderer->backend->type = &blind.type;
-    begin(j, s, &o);
-    scene_expect_ok(tides_simulator_run(s, j->stop, collect, &o, NULL, NULL, &error), &error);
-    finish(s, &o);
-    tides_simulator_destroy(s);
+    outcome o = run_made(j, s);
     tides_device_close(device);
     return o;
 }

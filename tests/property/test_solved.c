@@ -180,15 +180,10 @@ static void test_any_window_and_cut(void **state) {
 
 /* In batches of so many points. */
 static outcome run_in_batches(const job *j, size_t enough) {
-    outcome o = {0};
-    tides_error error;
     tides_device *device = open_device(j->device);
     tides_simulator *s = make_simulator(j, device);
     s->solve.enough = enough;
-    begin(j, s, &o);
-    scene_expect_ok(tides_simulator_run(s, j->stop, collect, &o, NULL, NULL, &error), &error);
-    finish(s, &o);
-    tides_simulator_destroy(s);
+    outcome o = run_made(j, s);
     tides_device_close(device);
     return o;
 }
