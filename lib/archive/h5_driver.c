@@ -1,4 +1,5 @@
 /* A file driver of HDF5 whose failures to write stay between us and the system. Its files are those of HDF5's own driver. */
+#include "td_base.h"
 #include "td_h5_check.h"
 #include "td_h5_driver.h"
 
@@ -30,16 +31,23 @@ static void fail(const disk_file *f, int reason) {
     if (f->failed && !*f->failed) *f->failed = reason ? reason : EIO;
 }
 
+/* HDF5 asks for the lock of a file when it is open, and then what another run wrote would be gone. */
+static int open_descriptor(const char *name, unsigned flags) {
+    if (flags & H5F_ACC_TRUNC) return td_claim_file(name);
+    return open(name,
+                (flags & H5F_ACC_RDWR ? O_RDWR : O_RDONLY) | (flags & H5F_ACC_CREAT ? O_CREAT : 0) |
+                    (flags & H5F_ACC_EXCL ? O_EXCL : 0),
+                0666);
+}
+
 static H5FD_t *open_file(const char *name, unsigned flags, hid_t access, haddr_t most) {
-    int mode = (flags & H5F_ACC_RDWR ? O_RDWR : O_RDONLY) | (flags & H5F_ACC_CREAT ? O_CREAT : 0) |
-               (flags & H5F_ACC_TRUNC ? O_TRUNC : 0) | (flags & H5F_ACC_EXCL ? O_EXCL : 0);
     const disk_access *given = H5Pget_driver_info(access);
     struct stat facts;
     disk_file *f = given ? calloc(1, sizeof *f) : NULL;
     (void)most;
     if (!f) return NULL;
     f->failed = given->failed;
-    f->descriptor = open(name, mode, 0666);
+    f->descriptor = open_descriptor(name, flags);
     if (f->descriptor >= 0 && fstat(f->descriptor, &facts) == 0) {
         f->end = (haddr_t)facts.st_size;
         f->device = facts.st_dev;
@@ -159,9 +167,10 @@ static herr_t lock(H5FD_t *file, hbool_t alone) {
     return flock(f->descriptor, (alone ? LOCK_EX : LOCK_SH) | LOCK_NB) == 0 || errno == ENOSYS ? 0 : -1;
 }
 
+/* Closing unlocks, and not before the last of a file's duplicates is closed (td_keep_claim). */
 static herr_t unlock(H5FD_t *file) {
-    const disk_file *f = (const disk_file *)file;
-    return flock(f->descriptor, LOCK_UN) == 0 || errno == ENOSYS ? 0 : -1;
+    (void)file;
+    return 0;
 }
 
 static const H5FD_class_t disk_class = {

@@ -89,12 +89,12 @@ static int is_still_at(int descriptor, const char *path) {
     return fstat(descriptor, &own) == 0 && stat(path, &there) == 0 && own.st_dev == there.st_dev && own.st_ino == there.st_ino;
 }
 
-static int claim_part(const char *part) {
+int td_claim_file(const char *path) {
     for (;;) {
-        const int descriptor = open(part, O_RDWR | O_CREAT, 0666);
+        const int descriptor = open(path, O_RDWR | O_CREAT, 0666);
         if (descriptor < 0) return -1;
         int failed = td_lock_alone(descriptor);
-        const int is_there = failed || is_still_at(descriptor, part);
+        const int is_there = failed || is_still_at(descriptor, path);
         if (!failed && is_there && ftruncate(descriptor, 0) != 0 && errno != EINVAL) failed = errno; /* EINVAL: a device */
         if (!failed && is_there) return descriptor;
         close(descriptor);
@@ -103,9 +103,17 @@ static int claim_part(const char *part) {
     }
 }
 
+int td_keep_claim(int descriptor) { return descriptor < 0 ? -1 : fcntl(descriptor, F_DUPFD_CLOEXEC, 0); }
+
+void td_end_claim(int claim) {
+    if (claim < 0) return;
+    flock(claim, LOCK_UN); /* a process that was forked meanwhile has it, too */
+    close(claim);
+}
+
 FILE *td_part_open(const char *part, const char *path) {
     if (strcmp(part, path) == 0) return fopen(part, "wb"); /* a device or FIFO */
-    const int descriptor = claim_part(part);
+    const int descriptor = td_claim_file(part);
     FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "r+b");
     if (descriptor >= 0 && !file) {
         const int failed = errno;
@@ -210,8 +218,8 @@ static int try_part(const char *part, const char *path) {
     if (strcmp(part, path) == 0) return access(path, W_OK) == 0 ? 0 : errno;
     int made = open(part, O_WRONLY | O_CREAT | O_EXCL, 0666);
     if (made >= 0) {
+        if (td_lock_alone(made) == 0 && is_still_at(made, part)) unlink(part); /* else another run has begun to write it */
         close(made);
-        unlink(part);
         return 0;
     }
     made = errno == EEXIST ? open(part, O_WRONLY) : -1; /* one that was there is another run's, or waits to be gone on with */

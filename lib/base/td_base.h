@@ -59,6 +59,15 @@ tides_status td_part_name(const char *path, int streams, char **part, tides_erro
  * first one's. 0, or EBUSY: another has it. */
 int td_lock_alone(int descriptor);
 
+/* The file at `path`, made where there is none, emptied once it is locked: a descriptor for reading and writing; -1 and errno,
+ * EBUSY where another run writes it, of which nothing is touched. */
+int td_claim_file(const char *path);
+
+/* A claimed file is claimed on when it is closed, so that nobody empties it before it is in its place: what is to be given to
+ * td_end_claim then; -1: nothing (`descriptor` isn't one, or there is no other left). */
+int td_keep_claim(int descriptor);
+void td_end_claim(int claim);
+
 /* The file at `part` emptied for writing, locked while it is open; NULL and errno, EBUSY where another run writes it, of which
  * nothing is touched. */
 FILE *td_part_open(const char *part, const char *path);

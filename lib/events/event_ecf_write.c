@@ -8,6 +8,7 @@
 #include "td_event_store.h"
 
 #include <inttypes.h>
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -134,10 +135,11 @@ tides_status td_ecf_create(td_event_sink *sink, tides_error *error) {
     if (status != TIDES_OK) return status;
     if (create_all(sink, w) < 0 || w->failed) {
         status = write_failed(sink, error);
+        if (w->failed != EBUSY) td_remove_part(sink->part, sink->path); /* a shell is no use to anyone; still ours alone */
         close_all(w);
-        td_remove_part(sink->part, sink->path); /* a shell is no use to anyone */
         return status;
     }
+    sink->claim = td_keep_claim(td_h5_descriptor(w->file));
     w->pending[w->pending_count++] = (index_entry){0, -1}; /* before all events */
     return TIDES_OK;
 }

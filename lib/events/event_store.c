@@ -170,8 +170,8 @@ tides_status td_event_store_create(td_event_store *store, const char *path, cons
     if (create_all(store, path, facts) >= 0 && !store->failed) return TIDES_OK;
     td_h5_reason reason;
     td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", path, reason_of(store, &reason));
+    if (store->failed != EBUSY) unlink(path); /* a shell without datasets is no use to anyone; while it is still ours alone */
     td_event_store_drop(store);
-    unlink(path); /* a shell without datasets is no use to anyone */
     return TIDES_WRITE_FAILED;
 }
 

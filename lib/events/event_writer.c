@@ -61,6 +61,7 @@ static tides_status check_file(const char *path, const td_event_format *format, 
 
 static tides_status open_part(td_event_sink *sink, tides_error *error) {
     sink->file = td_part_open(sink->part, sink->path);
+    if (sink->file && strcmp(sink->part, sink->path) != 0) sink->claim = td_keep_claim(fileno(sink->file));
     if (sink->file) return TIDES_OK;
     if (errno == EBUSY)
         return td_fail(error, TIDES_WRITE_FAILED, "%s: is being written by another run: wait for it, or name another file",
@@ -73,6 +74,7 @@ static void free_writer(tides_event_writer *writer) {
     td_event_sink *sink = &writer->sink;
     if (writer->format->discard) writer->format->discard(sink);
     if (sink->file) fclose(sink->file);
+    td_end_claim(sink->claim);
     td_event_ticks_destroy(sink->ticks);
     free(sink->part);
     free(sink->path);
@@ -86,6 +88,7 @@ static tides_status make_writer(const char *path, const td_event_format *format,
     if (!made) return TIDES_NO_MEMORY;
     made->format = format;
     td_event_sink *sink = &made->sink;
+    sink->claim = -1;
     sink->width = file->width;
     sink->height = file->height;
     sink->run = file->run;

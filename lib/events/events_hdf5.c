@@ -21,6 +21,7 @@
  * A file grows as PATH.part; event_store.c says why it stays readable whatever happens to the process. In a .part, ms_to_idx
  * lags behind (whole chunks only), and the datasets may hold rows beyond `count` that mean nothing. What a flush finds after
  * the last whole chunk goes to PATH.part.tail (event_tail.c), from which an interrupted recording is resumed. */
+#include "archive/td_h5_driver.h"
 #include "td_base.h"
 #include "td_event_format.h"
 #include "td_event_store.h"
@@ -109,6 +110,7 @@ static tides_status create_hdf5(td_event_sink *sink, tides_error *error) {
     place(sink);
     char *checkpoint = td_format(error, "%s.checkpoint", sink->path);
     status = checkpoint ? td_event_store_create(&w->store, sink->part, &facts, w->offset, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) sink->claim = td_keep_claim(td_h5_descriptor(w->store.file));
     if (status == TIDES_OK) unlink(w->tail);                  /* of an earlier run, whose .part is gone now */
     if (status == TIDES_OK) td_remove_file(checkpoint, NULL); /* of that, or of the finished file that this one replaces */
     free(checkpoint);
@@ -259,6 +261,7 @@ static tides_status resume_hdf5(td_event_sink *sink, uint64_t count, const tides
     if (status == TIDES_OK) status = td_event_store_reopen(&w->store, sink->part, &facts, rows, error);
     if (status == TIDES_OK && w->placed && td_event_store_set_offset(&w->store, w->offset) < 0)
         status = write_failed(sink, TIDES_WRITE_FAILED, "t_offset", error);
+    if (status == TIDES_OK) sink->claim = td_keep_claim(td_h5_descriptor(w->store.file));
     sink->count = count;
     return status;
 }

@@ -78,6 +78,7 @@ typedef struct td_event_sink {
     FILE *file;  /* NULL for formats with `library` */
     uint64_t at; /* bytes given to `file` */
     int failed;  /* errno of the first failed write to `file`, or 0 */
+    int claim;   /* td_keep_claim's of the .part; formats with `library` have it made */
     void *state; /* the format's; freed by its discard */
     td_event_ticks *ticks;
     size_t

@@ -4,6 +4,7 @@
 #include "events/td_event_store.h"
 #include "td_array_sink.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -70,8 +71,8 @@ static void discard(td_array_sink *sink) {
     if (!h5) return;
     td_h5_quiet saved;
     td_h5_quiet_begin(&saved);
+    if (h5->ours && h5->failed != EBUSY) td_remove_part(sink->part, sink->path); /* while it is still ours alone */
     close_all(h5);
-    if (h5->ours) td_remove_part(sink->part, sink->path);
     td_h5_quiet_end(&saved);
     free(h5);
     sink->state = NULL;
