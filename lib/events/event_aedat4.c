@@ -190,6 +190,7 @@ static tides_status next_packet(td_event_stream *stream, tides_error *error) {
     state->events = state->taken = 0;
     while (state->events == 0 && stream->input.at < state->end) {
         unsigned char head[8];
+        if (state->end - stream->input.at < sizeof head) return td_event_cut_off(stream, error);
         tides_status status = td_input_copy(&stream->input, head, sizeof head, error);
         if (status != TIDES_OK) return status;
         uint64_t bytes = td_le32(head + 4);

@@ -221,8 +221,9 @@ static void test_vector_first(void **state) {
     }
 }
 
-/* Found by the fuzzer: a packet of no bytes. */
-static void test_empty_packet(void **state) {
+/* A recording of one packet without bytes, of a stream; where its table is said to be: so far behind the packet's start, or
+ * nowhere (-1). */
+static void try_empty_packet(void **state, int stream, int table) {
     char path[700], text[512];
     size_t bytes;
     tides_event read[4];
@@ -230,15 +231,23 @@ static void test_empty_packet(void **state) {
     write_all(path, &(tides_event_file){.width = 8, .height = 8}, NULL, 0, 0);
     char *data = slurp(path, &bytes);
     const size_t packets = 14 + 4 + ((unsigned char)data[14] | (size_t)(unsigned char)data[15] << 8);
-    char *longer = calloc(packets + 8, 1); /* stream 0, 0 bytes */
+    char *longer = calloc(packets + 8, 1);
     assert_non_null(longer);
     memcpy(longer, data, packets);
-    memset(longer + 14 + 36, 0xff, 8); /* no table of packets */
+    memset(longer + 14 + 36, table < 0 ? 0xff : 0, 8);
+    for (size_t i = 0; table >= 0 && i < 4; i++) longer[14 + 36 + i] = (char)((packets + (size_t)table) >> 8 * i);
+    longer[packets] = (char)stream;
     put_bytes(path, longer, packets + 8);
     assert_int_equal(read_all(path, read, 4, text), 0);
     assert_non_null(strstr(text, "cut off"));
     free(longer);
     free(data);
+}
+
+/* Found by the fuzzer: a packet of no bytes, and one whose head is in the table. */
+static void test_empty_packet(void **state) {
+    try_empty_packet(state, 0, -1);
+    try_empty_packet(state, 7, 4);
 }
 
 /* ---- compressed packets ---- */
