@@ -111,9 +111,17 @@ class Chromium:
             raise RuntimeError(got["exceptionDetails"].get("exception", {}).get("description", "exception"))
         return got["result"].get("value")
 
+    def _holds(self, condition):
+        try:
+            return self.do(f"Boolean({condition})")
+        except RuntimeError as error:  # asked as the page before it gives way: not yet
+            if "navigated or closed" not in str(error):
+                raise
+            return False
+
     def wait(self, condition):
         until = time.monotonic() + self.limit
-        while not self.do(f"Boolean({condition})"):
+        while not self._holds(condition):
             if time.monotonic() > until:
                 raise TimeoutError(f"{condition}: not within {self.limit} s; errors: {self.errors}")
             time.sleep(0.05)
