@@ -8,7 +8,6 @@ set -u
 logs=$1
 shift
 limit=${TEST_TIMEOUT:-600} # [s] for one program, which shares the machine
-cli_limit=$((3 * limit))    # for tests/cli/run.sh: some forty cases, which took 600 s on a slow machine that two checks shared
 jobs=${JOBS:-1}
 mkdir -p "$logs"
 
@@ -48,7 +47,7 @@ run_one() {
     name=${name#tests/}
     log=$logs/$(echo "$name" | tr '/' '_').log
     case $program in */*) command=$program ;; *) command=./$program ;; esac
-    case $program in *cli/run.sh) seconds=$cli_limit ;; esac
+    case $program in *cli/run.sh) seconds=$((3 * limit)) ;; esac # some forty cases in one: 600 s where two checks share 2 slow cores
     started=${EPOCHREALTIME/./}
     { # the braces keep bash's own word about a crash out of the report
         timeout --kill-after=10 "$seconds" "$command" >"$log" 2>&1 </dev/null
