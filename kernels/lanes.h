@@ -1,6 +1,6 @@
 /* The dialect: one spelling of scalars, lanes and masks for OpenCL C and for C.
  *
- * A td_lanes is TD_LANES reals that go through the same arithmetic: sixteen pixels (or Gaussians) on a CPU, eight of them in
+ * A td_lanes is TD_LANES reals that go through the same arithmetic: sixteen pixels (or Gaussians) on a CPU, eight or four in
  * double precision, one on a GPU, one in the scalar reference. Whoever includes this has declared the dialect:
  *   TD_OPENCL         set by the program's prelude, together with TD_LANES = 1, 4, 8 or 16
  *   TD_REAL_DOUBLE    double precision; in C with libm's functions (the reference), in OpenCL with those of exact.h

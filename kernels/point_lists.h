@@ -87,8 +87,9 @@ TD_INLINE td_lanes td_point_pick(const td_point_eight *x, int k) {
     return k < 6 ? (k == 4 ? x->e : x->f) : (k == 6 ? x->g : x->h);
 }
 
+#if TD_LANES > 1
+/* td_transpose without arrays, which would stay in memory (layout.h): of eight lanes a block of 8x8, of four two of 4x4. */
 #if TD_LANES == 8
-/* td_transpose without arrays, which would stay in memory (layout.h). */
 TD_INLINE td_point_eight td_point_zip(const td_point_eight *x) {
     td_point_eight y;
     y.a = TD_ZIP_LOWER(x->a, x->e), y.b = TD_ZIP_UPPER(x->a, x->e), y.c = TD_ZIP_LOWER(x->b, x->f);
@@ -100,25 +101,34 @@ TD_INLINE td_point_eight td_point_turn(const td_point_eight *x) {
     td_point_eight once = td_point_zip(x), twice = td_point_zip(&once);
     return td_point_zip(&twice);
 }
+#else
+TD_INLINE td_point_eight td_point_turn(const td_point_eight *x) {
+    td_point_eight t, y;
+    t.a = TD_TURN_LOWER(x->a, x->b), t.b = TD_TURN_UPPER(x->a, x->b), t.c = TD_TURN_LOWER(x->c, x->d);
+    t.d = TD_TURN_UPPER(x->c, x->d), t.e = TD_TURN_LOWER(x->e, x->f), t.f = TD_TURN_UPPER(x->e, x->f);
+    t.g = TD_TURN_LOWER(x->g, x->h), t.h = TD_TURN_UPPER(x->g, x->h);
+    y.a = TD_EVEN(t.a, t.c), y.b = TD_EVEN(t.b, t.d), y.c = TD_ODD(t.a, t.c), y.d = TD_ODD(t.b, t.d);
+    y.e = TD_EVEN(t.e, t.g), y.f = TD_EVEN(t.f, t.h), y.g = TD_ODD(t.e, t.g), y.h = TD_ODD(t.f, t.h);
+    return y;
+}
+#endif
+
+/* Where vector i, 0..7, is, of eight reals at each lane's place: lane by lane, or all first halves, then all second ones. */
+#define TD_POINT_PLACE(at, i) ((at)[(i) % TD_LANES] + (i) / TD_LANES * TD_LANES)
 #endif
 
 /* Eight reals at each of TD_LANES places: all the first, all the second, ... */
-#if TD_LANES == 4
-#define TD_POINT_EACH(array, at, k) (td_lanes)((array)[at[0] + k], (array)[at[1] + k], (array)[at[2] + k], (array)[at[3] + k])
-#else
-#define TD_POINT_EACH(array, at, k) td_splat((array)[at[0] + k])
-#endif
 TD_INLINE td_point_eight td_point_load_eight(TD_GLOBAL const td_real *array, const int at[TD_LANES]) {
     td_point_eight x;
-#if TD_LANES == 8
-    x.a = td_load_lanes(array + at[0]), x.b = td_load_lanes(array + at[1]), x.c = td_load_lanes(array + at[2]);
-    x.d = td_load_lanes(array + at[3]), x.e = td_load_lanes(array + at[4]), x.f = td_load_lanes(array + at[5]);
-    x.g = td_load_lanes(array + at[6]), x.h = td_load_lanes(array + at[7]);
+#if TD_LANES > 1
+#define TD_POINT_LOAD(i) td_load_lanes(array + TD_POINT_PLACE(at, i))
+    x.a = TD_POINT_LOAD(0), x.b = TD_POINT_LOAD(1), x.c = TD_POINT_LOAD(2), x.d = TD_POINT_LOAD(3);
+    x.e = TD_POINT_LOAD(4), x.f = TD_POINT_LOAD(5), x.g = TD_POINT_LOAD(6), x.h = TD_POINT_LOAD(7);
     return td_point_turn(&x);
 #else
-    x.a = TD_POINT_EACH(array, at, 0), x.b = TD_POINT_EACH(array, at, 1), x.c = TD_POINT_EACH(array, at, 2);
-    x.d = TD_POINT_EACH(array, at, 3), x.e = TD_POINT_EACH(array, at, 4), x.f = TD_POINT_EACH(array, at, 5);
-    x.g = TD_POINT_EACH(array, at, 6), x.h = TD_POINT_EACH(array, at, 7);
+    array += at[0];
+    x.a = array[0], x.b = array[1], x.c = array[2], x.d = array[3];
+    x.e = array[4], x.f = array[5], x.g = array[6], x.h = array[7];
     return x;
 #endif
 }

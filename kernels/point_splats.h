@@ -52,22 +52,17 @@ TD_INLINE void td_point_numbers_together(TD_GLOBAL const td_real *curve, const t
  * vector takes them all: two blocks are turned over, where turning the coefficients would be four. */
 TD_INLINE void td_point_numbers_apart(TD_GLOBAL const td_real *curves, const int *at, const td_real *way, td_point_eight *value,
                                       td_point_eight *slope) {
-#if TD_LANES == 8
+#if TD_LANES > 1
     td_point_eight v, d;
-#define TD_POINT_BLOCK(lane, block) td_load_lanes(curves + at[lane] + (block)*TD_PATH_NUMBERS)
-#define TD_POINT_ROW(lane, x)                                                                                          \
-    td_point_cubic(TD_POINT_BLOCK(lane, 0), TD_POINT_BLOCK(lane, 1), TD_POINT_BLOCK(lane, 2), TD_POINT_BLOCK(lane, 3), \
-                   td_splat(way[lane]), &v.x, &d.x)
+#define TD_POINT_BLOCK(i, block) td_load_lanes(curves + TD_POINT_PLACE(at, i) + (block)*TD_PATH_NUMBERS)
+#define TD_POINT_ROW(i, x)                                                                                 \
+    td_point_cubic(TD_POINT_BLOCK(i, 0), TD_POINT_BLOCK(i, 1), TD_POINT_BLOCK(i, 2), TD_POINT_BLOCK(i, 3), \
+                   td_splat(way[(i) % TD_LANES]), &v.x, &d.x)
     TD_POINT_ROW(0, a), TD_POINT_ROW(1, b), TD_POINT_ROW(2, c), TD_POINT_ROW(3, d);
     TD_POINT_ROW(4, e), TD_POINT_ROW(5, f), TD_POINT_ROW(6, g), TD_POINT_ROW(7, h);
     *value = td_point_turn(&v), *slope = td_point_turn(&d);
 #else
-    td_lanes s = td_collect(way);
-#define TD_POINT_TERM(block, k) TD_POINT_EACH(curves, at, (block)*TD_PATH_NUMBERS + (k))
-#define TD_POINT_NUMBER(k, x) \
-    td_point_cubic(TD_POINT_TERM(0, k), TD_POINT_TERM(1, k), TD_POINT_TERM(2, k), TD_POINT_TERM(3, k), s, &value->x, &slope->x)
-    TD_POINT_NUMBER(0, a), TD_POINT_NUMBER(1, b), TD_POINT_NUMBER(2, c), TD_POINT_NUMBER(3, d);
-    TD_POINT_NUMBER(4, e), TD_POINT_NUMBER(5, f), TD_POINT_NUMBER(6, g), TD_POINT_NUMBER(7, h);
+    td_point_numbers_together(curves + at[0], way, value, slope);
 #endif
 }
 

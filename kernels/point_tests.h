@@ -169,17 +169,13 @@ TD_INLINE td_point_ellipse td_point_hold(const td_point_bounds *of, td_lanes pow
 
 /* Eight numbers of each splat to its own place. */
 TD_INLINE void td_point_store_tests(TD_GLOBAL float *tests, const size_t at[TD_LANES], const td_point_eight *of) {
-#if TD_LANES == 8
+#if TD_LANES > 1
     td_point_eight row = td_point_turn(of);
-#define TD_POINT_STORE(lane, x) vstore8(convert_float8(row.x), 0, tests + at[lane])
+#define TD_POINT_STORE(i, x) TD_VECTOR(vstore)(TD_VECTOR(convert_float)(row.x), 0, tests + TD_POINT_PLACE(at, i))
     TD_POINT_STORE(0, a), TD_POINT_STORE(1, b), TD_POINT_STORE(2, c), TD_POINT_STORE(3, d);
     TD_POINT_STORE(4, e), TD_POINT_STORE(5, f), TD_POINT_STORE(6, g), TD_POINT_STORE(7, h);
 #else
-    td_real own[TD_LANES];
-    for (int k = 0; k < TD_TEST_REALS; k++) {
-        td_spread(td_point_pick(of, k), own);
-        for (int lane = 0; lane < TD_LANES; lane++) tests[at[lane] + k] = (float)own[lane];
-    }
+    for (int k = 0; k < TD_TEST_REALS; k++) tests[at[0] + (size_t)k] = (float)td_point_pick(of, k);
 #endif
 }
 

@@ -17,7 +17,8 @@ TD_INLINE void td_index_lanes(td_index index, int lane[TD_LANES]) {
 #endif
 }
 
-/* What processors have single instructions for, within 128 bits (pairs of LOWER and UPPER) and of whole 128 bits (EVEN, ODD).
+/* What processors have single instructions for, within 128 bits (pairs of LOWER and UPPER) and of whole 128 bits (EVEN, ODD);
+ * reals are floats where there are sixteen, else doubles.
  * LLVM keeps to it where it is asked for in this order; of a network that interleaved row i with row i + TD_LANES / 2 it made
  * 900 instructions for 16 rows instead of 150. */
 #if TD_LANES == 16
@@ -37,10 +38,10 @@ TD_INLINE void td_index_lanes(td_index index, int lane[TD_LANES]) {
 #define TD_ZIP_LOWER(a, b) (td_lanes)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3)
 #define TD_ZIP_UPPER(a, b) (td_lanes)(a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7)
 #elif TD_LANES == 4
-#define TD_TURN_LOWER(a, b) (td_lanes)(a.x, b.x, a.y, b.y)
-#define TD_TURN_UPPER(a, b) (td_lanes)(a.z, b.z, a.w, b.w)
-#define TD_PAIRS_LOWER(a, b) (td_lanes)(a.xy, b.xy)
-#define TD_PAIRS_UPPER(a, b) (td_lanes)(a.zw, b.zw)
+#define TD_TURN_LOWER(a, b) (td_lanes)(a.x, b.x, a.z, b.z)
+#define TD_TURN_UPPER(a, b) (td_lanes)(a.y, b.y, a.w, b.w)
+#define TD_EVEN(a, b) (td_lanes)(a.xy, b.xy)
+#define TD_ODD(a, b) (td_lanes)(a.zw, b.zw)
 #endif
 
 /* The rounds, of rows i and their neighbours. Written out, since what a loop goes through stays in memory (layout.h). */
@@ -75,7 +76,7 @@ TD_INLINE void td_transpose(td_lanes row[TD_LANES]) {
     TD_WHOLES(row, halves, 0), TD_WHOLES(row, halves, 1);
 #else
     TD_TURN_4(turned, row, 0);
-    TD_TURN_PAIRS(row, turned, 0);
+    TD_SPLIT(row, turned, 0, 2), TD_SPLIT(row, turned, 1, 2);
 #endif
 #endif
 }

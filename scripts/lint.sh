@@ -41,7 +41,7 @@ stage_kernels() {
     switches=$(grep -oh 'TD_BUILD_[A-Z_0-9]*' kernels/* | sort -u | sed 's/.*/-D&=1/')
     for program in kernels/*.cl; do
         dialects='1 16'
-        grep -qw float "$program" || dialects='1 16 1,-DTD_REAL_DOUBLE=1 8,-DTD_REAL_DOUBLE=1'
+        grep -qw float "$program" || dialects='1 16 1,-DTD_REAL_DOUBLE=1 4,-DTD_REAL_DOUBLE=1 8,-DTD_REAL_DOUBLE=1'
         for dialect in $dialects; do
             for declared in '-Xclang -finclude-default-header' "$own"; do
                 clang-14 -x cl -cl-std=CL1.2 $declared -fsyntax-only -Wall -Wextra -Werror -Ikernels -DTD_OPENCL=1 \

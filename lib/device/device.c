@@ -33,6 +33,14 @@ static int is_pocl(const tides_device_info *info) { return strcmp(info->platform
  * where a driver makes vectors of work-items itself, as rusticl does on llvmpipe. */
 static int32_t lanes_of(const tides_device_info *info) { return info->kind == TIDES_DEVICE_CPU && !is_rusticl(info) ? 16 : 1; }
 
+/* The same in double precision: what a register holds, eight with AVX-512, else four. Of eight where registers hold four each
+ * takes two of sixteen, and points (kernels/points.h) take 1.4 times as long: a third of that moves them to memory and back. */
+static int double_lanes_of(cl_device_id id) {
+    cl_uint width = 0;
+    clGetDeviceInfo(id, CL_DEVICE_NATIVE_VECTOR_WIDTH_DOUBLE, sizeof width, &width, NULL);
+    return width >= 8 ? 8 : 4;
+}
+
 /* Mesa puts a software fma() of some hundred instructions into the kernel for each call: on llvmpipe (Mesa 22.3) kernels
  * compiled for over three minutes without end, in 1.3 GB, and for twenty in 7 GB with sixteen lanes; unfused all of a run's
  * take 20 to 40 s and 0.4 GB, with events within 32 ns of the reference's. Others' software fma() is a call (PoCL's). */
@@ -198,6 +206,7 @@ static tides_status open_opencl(tides_device *device, const char *spec, tides_er
     clGetDeviceInfo(device->id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof rounding, &rounding, NULL);
     clGetDeviceInfo(device->id, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof wide, &wide, NULL);
     device->has_double = wide != 0;
+    device->double_lanes = double_lanes_of(device->id);
     device->near = td_near_is_had(device->id, device->info.kind);
     device->own_builtins = is_pocl(&device->info);
     device->correctly_rounded = (rounding & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;

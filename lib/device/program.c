@@ -65,7 +65,9 @@ typedef struct dialect {
     int is_double, lanes;
 } dialect;
 
-int td_double_lanes(const tides_device *device) { return device->info.lanes > 8 ? 8 : (int)device->info.lanes; }
+int td_double_lanes(const tides_device *device) {
+    return device->info.lanes > device->double_lanes ? device->double_lanes : (int)device->info.lanes;
+}
 
 /* The prelude owns the pragma: it only governs text after it, so it must be the first line of all. Vectors wider than the
  * device's registers never cross a program's border here: clang's note about their calling convention is noise. Intel's CPU

@@ -15,6 +15,7 @@ struct tides_device {
     int single_precision;  /* reference only: 1 for reference-f32 */
     int correctly_rounded; /* divide and sqrt can be asked to round correctly */
     int has_double;        /* OpenCL only: it has cl_khr_fp64 */
+    int double_lanes;      /* OpenCL only: at most so many lanes in double precision */
     int near;              /* OpenCL only: the host shares its buffers (td_near.h) */
     int own_builtins;      /* programs declare what they call of OpenCL C themselves (kernels/builtins.h) */
     cl_platform_id platform;
@@ -57,8 +58,7 @@ tides_status td_kernel_create(tides_device *device, const char *files, const cha
 tides_status td_kernel_create_double(tides_device *device, const char *files, const char *defines, const char *name,
                                      cl_kernel *kernel, tides_error *error);
 
-/* TD_LANES of kernels in double precision: of the sixteen that single precision has on a CPU, half, so that a vector is as
- * wide in bits. */
+/* TD_LANES of kernels in double precision. */
 int td_double_lanes(const tides_device *device);
 
 /* Releases every program of the table. */

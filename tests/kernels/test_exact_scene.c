@@ -30,6 +30,7 @@ static tides_device *open_cpu(int lanes) {
     }
     scene_expect_ok(status, &error);
     device->info.lanes = lanes;
+    device->double_lanes = lanes < 8 ? lanes : 8;
     return device;
 }
 

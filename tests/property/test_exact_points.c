@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "renderer_of.h"
+#include "td_device.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -35,12 +36,16 @@ static tides_renderer *renderer_of(tides_device *device, const random_scene *s, 
     return renderer;
 }
 
-static point_world open_world(const random_recipe *recipe, const char *device, double length, double soft_depth) {
+static point_world world_on(tides_device *device, const random_recipe *recipe, double length, double soft_depth) {
     tides_error error;
-    point_world w = {random_scene_make(recipe), open_device(device), NULL, length};
+    point_world w = {random_scene_make(recipe), device, NULL, length};
     w.renderer = renderer_of(w.device, &w.scene, soft_depth, recipe->seed % 2 == 1);
     scene_expect_ok(td_renderer_sweep(w.renderer, w.scene.path, START, START + length, &error), &error);
     return w;
+}
+
+static point_world open_world(const random_recipe *recipe, const char *device, double length, double soft_depth) {
+    return world_on(open_device(device), recipe, length, soft_depth);
 }
 
 static void close_world(point_world *w) {
@@ -191,26 +196,37 @@ static void test_points_outside_are_refused(void **state) {
     close_world(&w);
 }
 
-/* The same bits from both classes, however the points are asked for. */
-static void check_devices(const random_recipe *recipe, double length, double soft_depth) {
-    static td_point points[POINTS], turned[POINTS];
-    static td_point_value all[POINTS], back[POINTS], twin[POINTS];
-    point_world w = open_world(recipe, "cpu", length, soft_depth), c = open_world(recipe, "reference-f32", length, soft_depth);
-    scatter(&w, points);
+/* On kernels of `lanes`, however the points are asked for, the bits of the twin. */
+static void check_lanes(int lanes, const random_recipe *recipe, double length, double soft_depth, const td_point *points,
+                        const td_point_value *twin) {
+    static td_point turned[POINTS];
+    static td_point_value all[POINTS], back[POINTS];
+    tides_device *device = open_device("cpu");
+    device->info.lanes = device->double_lanes = lanes;
+    point_world w = world_on(device, recipe, length, soft_depth);
     for (int i = 0; i < POINTS; i++) turned[i] = points[POINTS - 1 - i];
     be_exact(&w);
-    be_exact(&c);
     values_of(&w, points, POINTS, all);
     for (int from = 0, some = 1; from < POINTS; from += some, some = some % 37 + 3)
         values_of(&w, turned + from, (size_t)(POINTS - from < some ? POINTS - from : some), back + from);
-    values_of(&c, points, POINTS, twin);
     for (int i = 0; i < POINTS; i++) {
         assert_memory_equal(&all[i], &back[POINTS - 1 - i], sizeof *all);
         if (memcmp(&all[i], &twin[i], sizeof *all) != 0)
-            fail_msg("point %d: %.17g, the twin has %.17g; %.17g and %.17g", i, all[i].L, twin[i].L, all[i].L_dot,
-                     twin[i].L_dot);
+            fail_msg("%d lanes, point %d: %.17g, the twin has %.17g; %.17g and %.17g", lanes, i, all[i].L, twin[i].L,
+                     all[i].L_dot, twin[i].L_dot);
     }
     close_world(&w);
+}
+
+static void check_devices(const random_recipe *recipe, double length, double soft_depth) {
+    static const int lanes[] = {8, 4, 1};
+    static td_point points[POINTS];
+    static td_point_value twin[POINTS];
+    point_world c = open_world(recipe, "reference-f32", length, soft_depth);
+    scatter(&c, points);
+    be_exact(&c);
+    values_of(&c, points, POINTS, twin);
+    for (size_t i = 0; i < sizeof lanes / sizeof *lanes; i++) check_lanes(lanes[i], recipe, length, soft_depth, points, twin);
     close_world(&c);
 }
 
