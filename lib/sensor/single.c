@@ -60,7 +60,7 @@ void td_sensor_find(const td_sensor *sensor, const td_step *step, const td_tile 
         const int32_t count = tile->count - i < BLOCK ? tile->count - i : BLOCK;
         double still[BLOCK];
         find_still(signals, h, i, count, widen, reference, on, off, still);
-        for (int32_t k = 0; k < count; k++) active[i + k] |= (uint8_t) !(still[k] > 0);
+        for (int32_t k = 0; k < count; k++) active[i + k] = (uint8_t)(active[i + k] | !(still[k] > 0));
     }
     if (!sensor->on) return;
     const double start = td_sensor_time(sensor, step->start_ns, step->start_fraction);
