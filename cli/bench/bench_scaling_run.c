@@ -1,8 +1,10 @@
 /* A point of an axis: its world made, its frames or its run timed, in a process of its own so that threads and memory are
  * too. */
+#define _GNU_SOURCE /* sched_setaffinity */
 #include "bench_scaling.h"
 
 #include <math.h>
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -65,10 +67,21 @@ static tides_status runs(bench *b, const scaling_world *w, scaling_result *r, ti
     return status;
 }
 
+/* On as many processors: the host's thread would have one to itself beside the device's one, which is two threads. */
+static void keep_processors(int32_t count) {
+    cpu_set_t allowed, kept;
+    if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return;
+    CPU_ZERO(&kept);
+    for (int i = 0; i < CPU_SETSIZE && CPU_COUNT(&kept) < count; i++)
+        if (CPU_ISSET(i, &allowed)) CPU_SET(i, &kept);
+    (void)sched_setaffinity(0, sizeof kept, &kept);
+}
+
 /* PoCL's names for it, of its versions before 4 and since. */
 static void set_threads(int32_t threads) {
     char text[16];
     if (threads < 1) return;
+    keep_processors(threads);
     snprintf(text, sizeof text, "%d", (int)threads);
     setenv("POCL_MAX_PTHREAD_COUNT", text, 1);
     setenv("POCL_CPU_MAX_CU_COUNT", text, 1);
