@@ -1,43 +1,59 @@
-/* Tile candidate lists: for each 16x16 tile the Gaussians whose swept box touches it, in index order. A counting sort: one
- * pass over the boxes, which lists what touches what, and one over that list. (Through the boxes' tiles once more: half as much
- * again, since how many tiles a box has is hard to guess.) */
+/* Tile candidate lists: for each 16x16 tile the Gaussians whose swept box touches it, in index order. A counting sort, object by
+ * object: one pass over the boxes finds who touches any tile, and how long lists will be; one over those puts them there. Who
+ * touches what is looked at in vectors, and a box of up to 2x2 tiles goes to its lists without a question, since how many tiles
+ * a box has is hard to guess. */
 #include "td_renderer.h"
+#include "td_wide.h"
 
 #include <limits.h>
 #include <stdlib.h>
 
-/* A tile's list while it is made. What is asked for with each Gaussian lies side by side. */
-struct td_tile_fill {
-    int end;    /* one behind its last Gaussian */
-    int object; /* of that one; -1: none yet */
-    int moves;
-    float travel;
+/* Tiles, or blocks, that a box touches, both ends included. */
+typedef struct range {
+    uint16_t x0, y0, x1, y1; /* images have some thousand at most (camera/lens.c) */
+} range;
+
+/* A Gaussian that touches a tile. */
+struct td_touch {
+    int gaussian;
+    range on;
 };
 
-/* A Gaussian, and a tile that it touches. */
-struct td_touched {
-    int gaussian, tile;
+/* An object's Gaussians that do. */
+struct td_touching {
+    size_t begin, end; /* of candidates->touches */
+    range on;          /* all of them */
+    int object;
 };
 
-/* Tiles, both ends included. */
-typedef struct tile_range {
-    int x0, y0, x1, y1;
-} tile_range;
+enum { MISSING = 3 }; /* tiles that aren't there (place_each) */
+
+/* Whole vectors of blocks, from a multiple of so many on: a store of one hands on to a load of the same. */
+enum { TOGETHER = 32 };
+
+static int blocks_stride(const td_candidates *candidates) {
+    return (candidates->tiles_x * (TD_TILE / TD_BLOCK) + TOGETHER - 1) / TOGETHER * TOGETHER;
+}
 
 tides_status td_candidates_create(int width, int height, td_candidates *candidates, tides_error *error) {
     memset(candidates, 0, sizeof *candidates);
     candidates->tiles_x = (width + TD_TILE - 1) / TD_TILE;
     candidates->tiles_y = (height + TD_TILE - 1) / TD_TILE;
-    size_t tiles = (size_t)candidates->tiles_x * candidates->tiles_y;
+    const size_t columns = (size_t)candidates->tiles_x, tiles = columns * (size_t)candidates->tiles_y;
     candidates->first = td_alloc(tiles + 1, sizeof *candidates->first, error);
-    candidates->fill = td_alloc(tiles, sizeof *candidates->fill, error);
-    candidates->travel = td_alloc(tiles, sizeof *candidates->travel, error);
+    candidates->end = td_alloc(tiles + MISSING, sizeof *candidates->end, error);
+    candidates->edges = td_alloc(tiles + columns + (size_t)candidates->tiles_y + 1, sizeof *candidates->edges, error);
+    candidates->column = td_alloc(columns, sizeof *candidates->column, error);
+    candidates->travel = td_alloc(tiles + MISSING, sizeof *candidates->travel, error);
     candidates->moving = td_alloc(tiles, sizeof *candidates->moving, error);
     candidates->hint = td_alloc(tiles, sizeof *candidates->hint, error);
     candidates->moving_blocks = td_alloc(tiles, sizeof *candidates->moving_blocks, error);
+    candidates->blocks = td_alloc((size_t)(blocks_stride(candidates) * TD_TILE / TD_BLOCK * candidates->tiles_y),
+                                  sizeof *candidates->blocks, error);
     candidates->block_travel = td_alloc(tiles * TD_TILE_BLOCKS, sizeof *candidates->block_travel, error);
-    if (candidates->first && candidates->fill && candidates->travel && candidates->moving && candidates->hint &&
-        candidates->moving_blocks && candidates->block_travel)
+    if (candidates->first && candidates->end && candidates->edges && candidates->column && candidates->travel &&
+        candidates->moving && candidates->hint && candidates->moving_blocks && candidates->blocks &&
+        candidates->block_travel)
         return TIDES_OK;
     td_candidates_release(candidates);
     return TIDES_NO_MEMORY;
@@ -46,77 +62,19 @@ tides_status td_candidates_create(int width, int height, td_candidates *candidat
 void td_candidates_release(td_candidates *candidates) {
     free(candidates->first);
     free(candidates->list);
-    free(candidates->fill);
-    free(candidates->touched);
+    free(candidates->end);
+    free(candidates->edges);
+    free(candidates->column);
+    free(candidates->touches);
+    free(candidates->touching);
     free(candidates->groups);
     free(candidates->travel);
     free(candidates->moving);
     free(candidates->hint);
     free(candidates->moving_blocks);
+    free(candidates->blocks);
     free(candidates->block_travel);
     memset(candidates, 0, sizeof *candidates);
-}
-
-/* Whether a box touches any. */
-static inline int touches(const td_candidates *candidates, const float *box, tile_range *on) {
-    const float limit_x = (float)(TD_TILE * candidates->tiles_x), limit_y = (float)(TD_TILE * candidates->tiles_y);
-    if (!(box[0] < limit_x && box[1] < limit_y && box[2] >= 0 && box[3] >= 0)) return 0;
-    on->x0 = box[0] > 0 ? (int)box[0] / TD_TILE : 0;
-    on->y0 = box[1] > 0 ? (int)box[1] / TD_TILE : 0;
-    on->x1 = box[2] < limit_x ? (int)box[2] / TD_TILE : candidates->tiles_x - 1;
-    on->y1 = box[3] < limit_y ? (int)box[3] / TD_TILE : candidates->tiles_y - 1;
-    return on->x0 <= on->x1 && on->y0 <= on->y1;
-}
-
-/* Adds a moving candidate of the tile at (x0, y0), which its box touches, to the blocks that it touches. */
-static void add_to_blocks(const float *box, float way, int x0, int y0, uint16_t *moving, float *travel) {
-    const int left = box[0] > (float)x0 ? ((int)box[0] - x0) / TD_BLOCK : 0;
-    const int top = box[1] > (float)y0 ? ((int)box[1] - y0) / TD_BLOCK : 0;
-    const int right = box[2] < (float)(x0 + TD_TILE) ? ((int)box[2] - x0) / TD_BLOCK : 3;
-    const int bottom = box[3] < (float)(y0 + TD_TILE) ? ((int)box[3] - y0) / TD_BLOCK : 3;
-    for (int row = top; row <= bottom; row++)
-        for (int k = 4 * row + left; k <= 4 * row + right; k++) {
-            *moving |= (uint16_t)(1 << k);
-            travel[k] = way > travel[k] ? way : travel[k];
-        }
-}
-
-/* What a Gaussian is to the tiles that it touches. */
-typedef struct touching {
-    const float *box;
-    float travel;
-    int gaussian, moves;
-} touching;
-
-/* Each object's share of a tile's list begins at a multiple of TD_PAD. */
-static int padded(int end) { return (end + TD_PAD - 1) / TD_PAD * TD_PAD; }
-
-/* Nobody up to there. */
-static void fill_up(td_candidates *candidates, struct td_tile_fill *fill, int end) {
-    while (fill->end < end) candidates->list[fill->end++] = TD_NO_GAUSSIAN;
-}
-
-/* Puts a Gaussian into a tile's list. What moves there, and how far at most, is noted on the way: lists are long, and to go
- * through them once more, Gaussian by Gaussian, took as long as to make them. */
-static void place(td_candidates *candidates, int tile, int object, const touching *it) {
-    struct td_tile_fill *fill = &candidates->fill[tile];
-    if (fill->object != object) {
-        fill_up(candidates, fill, padded(fill->end));
-        fill->object = object;
-    }
-    candidates->list[fill->end++] = it->gaussian;
-    if (!it->moves) return;
-    fill->moves = 1;
-    fill->travel = it->travel > fill->travel ? it->travel : fill->travel;
-    if (candidates->by_blocks)
-        add_to_blocks(it->box, it->travel, tile % candidates->tiles_x * TD_TILE, tile / candidates->tiles_x * TD_TILE,
-                      &candidates->moving_blocks[tile], candidates->block_travel + (size_t)tile * TD_TILE_BLOCKS);
-}
-
-/* Gaussians come in the store's order, and so do their groups. */
-static void add_group(td_candidates *candidates, int group) {
-    if (candidates->group_count == 0 || candidates->groups[candidates->group_count - 1] != group)
-        candidates->groups[candidates->group_count++] = group;
 }
 
 static tides_status fail_many(tides_error *error) {
@@ -126,68 +84,235 @@ static tides_status fail_many(tides_error *error) {
                    INT_MAX / TD_RECORD_STRIDE);
 }
 
-/* A Gaussian of an object touches these tiles. */
-static inline void touch(td_candidates *candidates, const tile_range *on, int gaussian, int object) {
-    const int tiles_x = candidates->tiles_x;
-    struct td_touched *touched = candidates->touched + candidates->touched_count;
-    for (int y = on->y0; y <= on->y1; y++)
-        for (int t = y * tiles_x + on->x0; t <= y * tiles_x + on->x1; t++) {
-            struct td_tile_fill *fill = &candidates->fill[t];
-            if (fill->object != object) fill->end = padded(fill->end);
-            fill->object = object;
-            fill->end++;
-            *touched++ = (struct td_touched){gaussian, t};
-        }
-    candidates->touched_count = (size_t)(touched - candidates->touched);
+/* -- who touches any tile -------------------------------------------------------------------------------------------------- */
+
+enum { LOOK = 16 * TD_PAD }; /* Gaussians looked at together */
+
+typedef struct look {
+    int32_t x0[LOOK], y0[LOOK], x1[LOOK], y1[LOOK]; /* the tiles; of one that touches none, some that there are */
+    int32_t any[LOOK];                              /* 1 where it touches one */
+} look;
+
+/* Of `count` boxes, a whole number of groups. NaN touches nothing. */
+TD_WIDE static void look_at(const float *restrict boxes, int count, int tiles_x, int tiles_y, look *restrict out) {
+    const float limit_x = (float)(TD_TILE * tiles_x), limit_y = (float)(TD_TILE * tiles_y);
+    for (int i = 0; i < count; i++) {
+        const float left = boxes[4 * i], top = boxes[4 * i + 1], right = boxes[4 * i + 2], bottom = boxes[4 * i + 3];
+        const int32_t there = (left < limit_x) & (top < limit_y) & (right >= 0) & (bottom >= 0);
+        float x0 = left > 0 ? left : 0, y0 = top > 0 ? top : 0, x1 = right > 0 ? right : 0, y1 = bottom > 0 ? bottom : 0;
+        x0 = x0 < limit_x ? x0 : 0, y0 = y0 < limit_y ? y0 : 0;
+        x1 = x1 < limit_x ? x1 : limit_x - 1, y1 = y1 < limit_y ? y1 : limit_y - 1;
+        const int32_t a = (int32_t)x0 / TD_TILE, b = (int32_t)y0 / TD_TILE, c = (int32_t)x1 / TD_TILE, d = (int32_t)y1 / TD_TILE;
+        out->x0[i] = a, out->y0[i] = b, out->x1[i] = c, out->y1[i] = d;
+        out->any[i] = there & (a <= c) & (b <= d);
+    }
 }
 
-/* Who touches which tiles, and how long their lists will be. */
-static tides_status count_all(td_candidates *candidates, const td_store *store, const float *boxes, tides_error *error) {
-    const size_t tiles = (size_t)candidates->tiles_x * (size_t)candidates->tiles_y;
-    for (size_t t = 0; t < tiles; t++) candidates->fill[t] = (struct td_tile_fill){.object = -1};
-    candidates->group_count = 0;
-    candidates->touched_count = 0;
-    for (int g = 0; g < store->count; g++) {
-        tile_range on;
-        if (!touches(candidates, boxes + 4 * (size_t)g, &on)) continue;
-        if (candidates->touched_count + tiles > candidates->touched_capacity) {
-            if (candidates->touched_count > INT_MAX / TD_RECORD_STRIDE) return fail_many(error);
-            tides_status status = td_reserve((void **)&candidates->touched, &candidates->touched_capacity,
-                                             candidates->touched_count + tiles, sizeof *candidates->touched, error);
-            if (status != TIDES_OK) return status;
-        }
-        add_group(candidates, g / TD_PAD);
-        touch(candidates, &on, g, store->object[g]);
+/* Which of TD_PAD neighbours do, to the list's end. */
+static void add_touches(td_candidates *candidates, const look *seen, int at, int first) {
+    struct td_touch *touch = candidates->touches + candidates->touch_count;
+    for (int i = at; i < at + TD_PAD; i++) {
+        touch->gaussian = first + i;
+        touch->on = (range){(uint16_t)seen->x0[i], (uint16_t)seen->y0[i], (uint16_t)seen->x1[i], (uint16_t)seen->y1[i]};
+        touch += seen->any[i];
+    }
+    candidates->touch_count = (size_t)(touch - candidates->touches);
+}
+
+static void add_group(td_candidates *candidates, const td_store *store, const look *seen, int at, int first) {
+    const int object = store->object[first + at];
+    int32_t any = 0;
+    for (int i = at; i < at + TD_PAD; i++) any |= seen->any[i];
+    if (!any) return;
+    struct td_touching *touching = candidates->touching + candidates->touching_count;
+    if (candidates->touching_count == 0 || touching[-1].object != object) {
+        *touching = (struct td_touching){.begin = candidates->touch_count, .object = object};
+        candidates->touching_count++;
+    }
+    candidates->groups[candidates->group_count++] = (first + at) / TD_PAD;
+    add_touches(candidates, seen, at, first);
+    candidates->touching[candidates->touching_count - 1].end = candidates->touch_count;
+}
+
+/* Gaussians come in the store's order, and so do their groups and objects. */
+static tides_status find_touches(td_candidates *candidates, const td_store *store, const float *boxes, tides_error *error) {
+    candidates->group_count = candidates->touching_count = 0;
+    candidates->touch_count = 0;
+    for (int first = 0; first < store->count; first += LOOK) {
+        const int count = store->count - first < LOOK ? store->count - first : LOOK;
+        look seen;
+        tides_status status = td_reserve((void **)&candidates->touches, &candidates->touches_capacity,
+                                         candidates->touch_count + LOOK + 1, sizeof *candidates->touches, error);
+        if (status != TIDES_OK) return status;
+        look_at(boxes + 4 * (size_t)first, count, candidates->tiles_x, candidates->tiles_y, &seen);
+        for (int at = 0; at < count; at += TD_PAD) add_group(candidates, store, &seen, at, first);
     }
     return TIDES_OK;
 }
 
-/* Lists begin anew, where they are to lie. */
-static void begin_lists(td_candidates *candidates) {
+/* -- how long lists are ---------------------------------------------------------------------------------------------------- */
+
+/* Each object's share of a tile's list begins at a multiple of TD_PAD. */
+static int padded(int end) { return (end + TD_PAD - 1) / TD_PAD * TD_PAD; }
+
+/* Where boxes begin and end, to `edges`, whose sums over rows and columns are how many there are; and which tiles are theirs. */
+static void mark_edges(td_candidates *candidates, struct td_touching *touching) {
+    const int stride = candidates->tiles_x + 1;
+    int *edges = candidates->edges;
+    range all = candidates->touches[touching->begin].on;
+    for (size_t i = touching->begin; i < touching->end; i++) {
+        const range on = candidates->touches[i].on;
+        int *top = edges + on.y0 * stride, *below = edges + (on.y1 + 1) * stride;
+        top[on.x0]++, top[on.x1 + 1]--;
+        below[on.x0]--, below[on.x1 + 1]++;
+        all.x0 = on.x0 < all.x0 ? on.x0 : all.x0, all.y0 = on.y0 < all.y0 ? on.y0 : all.y0;
+        all.x1 = on.x1 > all.x1 ? on.x1 : all.x1, all.y1 = on.y1 > all.y1 ? on.y1 : all.y1;
+    }
+    touching->on = all;
+}
+
+/* Adds an object's share to the lengths of lists, in candidates->end; `edges` is left empty, as it was found. */
+static void count_object(td_candidates *candidates, struct td_touching *touching) {
+    const int tiles_x = candidates->tiles_x;
+    int *column = candidates->column;
+    mark_edges(candidates, touching);
+    const range on = touching->on;
+    memset(column + on.x0, 0, (size_t)(on.x1 + 1 - on.x0) * sizeof *column);
+    for (int y = on.y0; y <= on.y1; y++) {
+        int *edge = candidates->edges + y * (tiles_x + 1), *end = candidates->end + y * tiles_x, row = 0;
+        for (int x = on.x0; x <= on.x1; x++) {
+            row += edge[x];
+            column[x] += row;
+            end[x] = padded(end[x] + column[x]);
+        }
+        memset(edge + on.x0, 0, (size_t)(on.x1 + 2 - on.x0) * sizeof *edge);
+    }
+    memset(candidates->edges + (on.y1 + 1) * (tiles_x + 1) + on.x0, 0, (size_t)(on.x1 + 2 - on.x0) * sizeof *column);
+}
+
+/* Where each list lies, and room for them. */
+static tides_status lay_lists(td_candidates *candidates, tides_error *error) {
+    const int tiles = candidates->tiles_x * candidates->tiles_y;
+    int64_t total = 0;
+    memset(candidates->end, 0, (size_t)tiles * sizeof *candidates->end);
+    for (int i = 0; i < candidates->touching_count; i++) count_object(candidates, &candidates->touching[i]);
+    for (int t = 0; t < tiles; t++) {
+        candidates->first[t] = (int)total;
+        total += candidates->end[t];
+        if (total > INT_MAX / TD_RECORD_STRIDE) return fail_many(error);
+    }
+    candidates->first[tiles] = (int)total;
+    return td_reserve((void **)&candidates->list, &candidates->capacity, (size_t)total + 1, sizeof *candidates->list, error);
+}
+
+/* -- who is in them -------------------------------------------------------------------------------------------------------- */
+
+/* Puts a Gaussian behind a tile's last; far: how far it travels. */
+static inline void place(td_candidates *candidates, int tile, int there, int gaussian, int moves, float far) {
+    candidates->list[candidates->end[tile]] = gaussian;
+    candidates->end[tile] += there;
+    if (moves) candidates->travel[tile] = far > candidates->travel[tile] ? far : candidates->travel[tile];
+}
+
+/* Of one object; what moves, and how far at most, is noted on the way. Tiles that aren't there take what isn't wanted: three, so
+ * that no number waits for itself more than once. */
+static inline void place_each(td_candidates *candidates, const struct td_touching *touching, const float *travel, int moves) {
+    const int tiles_x = candidates->tiles_x, none = tiles_x * candidates->tiles_y;
+    for (size_t i = touching->begin; i < touching->end; i++) {
+        const range on = candidates->touches[i].on;
+        const int g = candidates->touches[i].gaussian, tile = on.y0 * tiles_x + on.x0, wide = on.x1 - on.x0, high = on.y1 - on.y0;
+        const float far = moves && travel[g] > 0 ? travel[g] : 0;
+        if ((wide | high) > 1) {
+            for (int y = on.y0; y <= on.y1; y++)
+                for (int t = y * tiles_x + on.x0; t <= y * tiles_x + on.x1; t++) place(candidates, t, 1, g, moves, far);
+            continue;
+        }
+        place(candidates, tile, 1, g, moves, far);
+        place(candidates, wide ? tile + 1 : none, wide, g, moves, far);
+        place(candidates, high ? tile + tiles_x : none + 1, high, g, moves, far);
+        place(candidates, wide & high ? tile + tiles_x + 1 : none + 2, wide & high, g, moves, far);
+    }
+}
+
+/* Nobody, up to where the next object's share begins. */
+static void fill_up(td_candidates *candidates, const range *on) {
+    for (int y = on->y0; y <= on->y1; y++)
+        for (int t = y * candidates->tiles_x + on->x0; t <= y * candidates->tiles_x + on->x1; t++) {
+            const int end = padded(candidates->end[t]);
+            while (candidates->end[t] < end) candidates->list[candidates->end[t]++] = TD_NO_GAUSSIAN;
+        }
+}
+
+/* -- what moves, by blocks ------------------------------------------------------------------------------------------------- */
+
+/* A box that touches the blocks `on` of the TOGETHER columns from `at` on travels so far in them. */
+static inline void travel_in(float *restrict blocks, int stride, const range *on, int at, float far) {
+    float here[TOGETHER];
+    for (int k = 0; k < TOGETHER; k++) here[k] = (at + k < on->x0) | (at + k > on->x1) ? -1 : far;
+    for (int y = on->y0; y <= on->y1; y++) {
+        float *row = blocks + (size_t)y * (size_t)stride + at;
+        for (int k = 0; k < TOGETHER; k++) row[k] = here[k] > row[k] ? here[k] : row[k];
+    }
+}
+
+/* An object's to the blocks that they touch: rows x stride of what moves there at most, -1 where nothing does. */
+TD_WIDE static void place_blocks(const struct td_touch *restrict touches, size_t count, const float *restrict boxes,
+                                 const float *restrict travel, int last_x, int last_y, int stride, float *restrict blocks) {
+    const float end_x = (float)((last_x + 1) * TD_BLOCK), end_y = (float)((last_y + 1) * TD_BLOCK);
+    for (size_t i = 0; i < count; i++) {
+        const float *box = boxes + 4 * (size_t)touches[i].gaussian, way = travel[touches[i].gaussian], far = way > 0 ? way : 0;
+        range on;
+        on.x0 = (uint16_t)(box[0] > 0 ? (int)box[0] / TD_BLOCK : 0);
+        on.y0 = (uint16_t)(box[1] > 0 ? (int)box[1] / TD_BLOCK : 0);
+        on.x1 = (uint16_t)(box[2] < end_x ? (int)box[2] / TD_BLOCK : last_x);
+        on.y1 = (uint16_t)(box[3] < end_y ? (int)box[3] / TD_BLOCK : last_y);
+        for (int at = on.x0 & -TOGETHER; at <= on.x1; at += TOGETHER) travel_in(blocks, stride, &on, at, far);
+    }
+}
+
+/* Of all objects that move, to each tile's blocks. */
+static void find_blocks(td_candidates *candidates, const float *boxes, const float *travel, const uint8_t *object_moves) {
+    enum { SIDE = TD_TILE / TD_BLOCK };
+    const int stride = blocks_stride(candidates), rows = SIDE * candidates->tiles_y;
+    for (int i = 0; i < rows * stride; i++) candidates->blocks[i] = -1;
+    for (int i = 0; i < candidates->touching_count; i++) {
+        const struct td_touching *touching = &candidates->touching[i];
+        if (object_moves[touching->object])
+            place_blocks(candidates->touches + touching->begin, touching->end - touching->begin, boxes, travel,
+                         SIDE * candidates->tiles_x - 1, rows - 1, stride, candidates->blocks);
+    }
+    for (int t = 0; t < candidates->tiles_x * candidates->tiles_y; t++) {
+        const int x = SIDE * (t % candidates->tiles_x), y = SIDE * (t / candidates->tiles_x);
+        for (int k = 0; k < TD_TILE_BLOCKS; k++) {
+            const float way = candidates->blocks[(y + k / SIDE) * stride + x + k % SIDE];
+            candidates->moving_blocks[t] = (uint16_t)(candidates->moving_blocks[t] | (way >= 0) << k);
+            candidates->block_travel[(size_t)t * TD_TILE_BLOCKS + (size_t)k] = way >= 0 ? way : 0;
+        }
+    }
+}
+
+/* -------------------------------------------------------------------------------------------------------------------------- */
+
+static void place_all(td_candidates *candidates, const float *boxes, const float *travel, const uint8_t *object_moves) {
     const size_t tiles = (size_t)candidates->tiles_x * (size_t)candidates->tiles_y;
+    memcpy(candidates->end, candidates->first, tiles * sizeof *candidates->end);
+    for (size_t t = tiles; t < tiles + MISSING; t++) candidates->end[t] = candidates->first[tiles];
     memset(candidates->moving_blocks, 0, tiles * sizeof *candidates->moving_blocks);
     memset(candidates->block_travel, 0, tiles * TD_TILE_BLOCKS * sizeof *candidates->block_travel);
-    for (size_t t = 0; t < tiles; t++) candidates->fill[t] = (struct td_tile_fill){.end = candidates->first[t], .object = -1};
-}
-
-static void end_lists(td_candidates *candidates) {
-    for (int t = 0; t < candidates->tiles_x * candidates->tiles_y; t++) {
-        struct td_tile_fill *fill = &candidates->fill[t];
-        fill_up(candidates, fill, candidates->first[t + 1]);
-        candidates->moving[t] = (uint8_t)fill->moves;
-        candidates->travel[t] = fill->travel;
+    for (size_t t = 0; t < tiles + MISSING; t++) candidates->travel[t] = -1;
+    for (int i = 0; i < candidates->touching_count; i++) {
+        const struct td_touching *touching = &candidates->touching[i];
+        if (object_moves[touching->object])
+            place_each(candidates, touching, travel, 1);
+        else
+            place_each(candidates, touching, travel, 0);
+        fill_up(candidates, &touching->on);
     }
-}
-
-static void place_all(td_candidates *candidates, const td_store *store, const float *boxes, const float *travel,
-                      const uint8_t *object_moves) {
-    begin_lists(candidates);
-    for (size_t i = 0; i < candidates->touched_count; i++) {
-        const int g = candidates->touched[i].gaussian, object = store->object[g];
-        const touching it = {boxes + 4 * (size_t)g, travel[g], g, object_moves[object]};
-        place(candidates, candidates->touched[i].tile, object, &it);
+    for (size_t t = 0; t < tiles; t++) {
+        candidates->moving[t] = candidates->travel[t] >= 0;
+        candidates->travel[t] = candidates->moving[t] ? candidates->travel[t] : 0;
     }
-    end_lists(candidates);
+    if (candidates->by_blocks) find_blocks(candidates, boxes, travel, object_moves);
 }
 
 void td_candidates_blocks_as_tiles(td_candidates *candidates) {
@@ -198,74 +323,18 @@ void td_candidates_blocks_as_tiles(td_candidates *candidates) {
     }
 }
 
-/* What is known of a tile's depth order in this sweep. */
-enum {
-    HINT_WANTED, /* nothing yet: the next job leaves its order */
-    HINT_ASKED,  /* a job at work leaves it */
-    HINT_THERE,
-    HINT_USED,
-    HINT_UNFIT /* orders change within a sweep, or nothing asks for a second one */
-};
-
-/* Leaving an order costs more than it saves where it isn't found again (under a moving camera; frame by frame): tiles where
- * it wasn't are tried again only every so many sweeps, which makes a sixteenth of the cost. */
-enum { SWEEPS_TO_RETRY = 16 };
-
-static void renew_hints(td_candidates *candidates) {
-    int tiles = candidates->tiles_x * candidates->tiles_y, retry = candidates->serial % SWEEPS_TO_RETRY == 0;
-    for (int t = 0; t < tiles; t++) {
-        uint8_t *hint = &candidates->hint[t];
-        int unfit = *hint == HINT_UNFIT || *hint == HINT_THERE;
-        *hint = unfit && !retry ? HINT_UNFIT : HINT_WANTED;
-    }
-}
-
 tides_status td_candidates_build(td_candidates *candidates, const td_store *store, const float *boxes, const float *travel,
                                  const uint8_t *object_moves, tides_error *error) {
-    int tiles = candidates->tiles_x * candidates->tiles_y;
-    int64_t total = 0;
     tides_status status = td_reserve((void **)&candidates->groups, &candidates->groups_capacity,
                                      (size_t)(store->count / TD_PAD), sizeof *candidates->groups, error);
-    if (status == TIDES_OK) status = count_all(candidates, store, boxes, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&candidates->touching, &candidates->touching_capacity, (size_t)store->objects,
+                            sizeof *candidates->touching, error);
+    if (status == TIDES_OK) status = find_touches(candidates, store, boxes, error);
+    if (status == TIDES_OK) status = lay_lists(candidates, error);
     if (status != TIDES_OK) return status;
-    for (int t = 0; t < tiles; t++) {
-        candidates->first[t] = (int)total;
-        total += padded(candidates->fill[t].end);
-        if (total > INT_MAX / TD_RECORD_STRIDE) return fail_many(error);
-    }
-    candidates->first[tiles] = (int)total;
-    status = td_reserve((void **)&candidates->list, &candidates->capacity, total ? (size_t)total : 1, sizeof *candidates->list,
-                        error);
-    if (status != TIDES_OK) return status;
-    place_all(candidates, store, boxes, travel, object_moves);
+    place_all(candidates, boxes, travel, object_moves);
     candidates->serial++;
-    if (!candidates->instant) renew_hints(candidates);
+    if (!candidates->instant) td_candidates_renew_hints(candidates);
     return TIDES_OK;
-}
-
-int td_candidates_hint_count(const td_candidates *candidates) {
-    return 1 + candidates->first[candidates->tiles_x * candidates->tiles_y];
-}
-
-void td_candidates_give_hint(td_candidates *candidates, int tile, td_job *job) {
-    uint8_t *hint = &candidates->hint[tile];
-    int place = 1 + candidates->first[tile];
-    if (candidates->instant) return;
-    if (*hint == HINT_WANTED) {
-        job->new_hint = place;
-        *hint = HINT_ASKED;
-    } else if (*hint == HINT_THERE || *hint == HINT_USED) {
-        job->hint = place;
-        *hint = HINT_USED;
-    }
-}
-
-void td_candidates_take_hints(td_candidates *candidates, const td_job *jobs, int count, const uint8_t *in_order) {
-    for (int i = 0; i < count; i++) {
-        uint8_t *hint = &candidates->hint[jobs[i].y / TD_TILE * candidates->tiles_x + jobs[i].x / TD_TILE];
-        if (jobs[i].new_hint)
-            *hint = in_order ? HINT_THERE : HINT_WANTED;
-        else if (jobs[i].hint && in_order && !in_order[jobs[i].out])
-            *hint = HINT_UNFIT;
-    }
 }

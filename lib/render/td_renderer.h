@@ -6,6 +6,7 @@
  *   store.c, store_motion.c, decoder.c   the scene, activated
  *   view.c                               objects as the camera sees them
  *   sweep.c, candidates.c                which Gaussians a tile may see in an interval
+ *   candidate_hints.c                    depth order that one job of a tile leaves to the next
  *   paths.c, path_times.c                splats at a few times of an interval, cubics between (td_paths.h)
  *   tiles.c, psf.c, nonfinite.c          tiles at times: rendered, blurred, checked
  *   mosaic.c                             a colour filter: each pixel of the channel that it sees
@@ -72,23 +73,28 @@ tides_status td_view_at(const tides_scene *scene, int32_t object, const tides_tr
 /* Which Gaussians each tile may see during an interval (candidates.c). */
 typedef struct td_candidates {
     int tiles_x, tiles_y;
-    int *first;                 /* (tiles + 1) into `list`; multiples of TD_PAD */
-    int *list;                  /* Gaussian indices, ascending, each object's padded to TD_PAD with TD_NO_GAUSSIAN */
-    size_t capacity;            /* of `list` */
-    struct td_tile_fill *fill;  /* (tiles) scratch */
-    struct td_touched *touched; /* (touched_count) scratch */
-    size_t touched_capacity, touched_count;
-    int *groups; /* TD_PAD neighbours in the store with one in a list: their numbers, ascending */
+    int *first;              /* (tiles + 1) into `list`; multiples of TD_PAD */
+    int *list;               /* Gaussian indices, ascending, each object's padded to TD_PAD with TD_NO_GAUSSIAN */
+    size_t capacity;         /* of `list` */
+    int *groups;             /* TD_PAD neighbours in the store with one in a list: their numbers, ascending */
     size_t groups_capacity;
     int group_count;
-    float *travel;           /* (tiles) most diameters that one of its candidates travels in the interval */
+    float *travel;           /* (tiles + 3) most diameters that one of its candidates travels in the interval */
     uint8_t *moving;         /* (tiles) 1 if one of its candidates moves on the screen */
     int by_blocks;           /* 1: both are wanted of blocks too */
     uint16_t *moving_blocks; /* (tiles) those that a moving candidate's box touches */
     float *block_travel;     /* (tiles x TD_TILE_BLOCKS) */
-    uint8_t *hint;           /* (tiles) what is known of the depth order of their lists (candidates.c) */
+    uint8_t *hint;           /* (tiles) what is known of the depth order of their lists (candidate_hints.c) */
     int instant;             /* 1: of one time, where no order is asked for twice */
     uint64_t serial;
+    /* scratch */
+    struct td_touch *touches;     /* (touch_count) Gaussians that touch a tile, and which */
+    struct td_touching *touching; /* (touching_count) objects that have such */
+    size_t touches_capacity, touch_count, touching_capacity;
+    int touching_count;
+    int *end;                     /* (tiles + 3) one behind each list's last */
+    int *edges, *column;          /* (tiles_x + 1 x tiles_y + 1), all 0 in between, and (tiles_x) */
+    float *blocks;                /* (4 tiles_y x somewhat more than 4 tiles_x) how far what moves there travels */
 } td_candidates;
 tides_status td_candidates_create(int width, int height, td_candidates *candidates, tides_error *error);
 void td_candidates_release(td_candidates *candidates);
@@ -99,6 +105,9 @@ tides_status td_candidates_build(td_candidates *candidates, const td_store *stor
 
 /* Each block moves as its tile does: where boxes don't say what a splat touches, or where more than splats moves. */
 void td_candidates_blocks_as_tiles(td_candidates *candidates);
+
+/* What is known of the tiles' depth order begins anew, with lists that do (candidate_hints.c). */
+void td_candidates_renew_hints(td_candidates *candidates);
 
 /* Numbers in the hints of a sweep (td_job). */
 int td_candidates_hint_count(const td_candidates *candidates);
