@@ -1,4 +1,4 @@
-/* One work-item per TD_LANES Gaussians of [begin, end): the box that each stays within over an interval, and what it asks for
+/* One work-item per TD_LANES of `count` Gaussians, from `begin` on or, in_groups, those of `groups` of TD_PAD: the box that each stays within over an interval, and what it asks for
  * lest it goes unseen (sweep.h). */
 #include "sweep.h"
 
@@ -14,9 +14,11 @@ __kernel void td_sweep_gaussians(__constant const td_image *image_buffer, __glob
                                  __global const td_view *views, __global const td_stray *strays, __global const int *rows,
                                  __global const float *geometry, __global const float *rates, __global const float *sh,
                                  __global const float *sh_rates, __global const int *owners, int first_rate, int first_moved,
-                                 float duration, int level, int begin, int end, __global float *boxes, __global float *travel) {
-    int offset = (int)get_global_id(0) * TD_LANES, first = begin + offset;
-    if (first >= end) return;
+                                 float duration, int level, int begin, int count, int in_groups, __global const int *groups,
+                                 __global float *boxes, __global float *travel) {
+    int at = (int)get_global_id(0) * TD_LANES;
+    if (at >= count) return;
+    int first = in_groups ? groups[at / TD_PAD] * TD_PAD + at % TD_PAD : begin + at, offset = first - begin;
     td_interval interval;
     interval.views = views;
     interval.strays = strays;

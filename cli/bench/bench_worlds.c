@@ -66,21 +66,50 @@ static void paint(cloud *c, uint64_t *state) {
     for (size_t i = 0; i < each * (size_t)c->count; i++) c->sh[i] = (float)((i % each < 3 ? 1 : 0.1) * normal(state));
 }
 
-tides_status bench_add_random(tides_scene *scene, int64_t count, tides_error *error) {
-    return bench_add_random_at(scene, count, NULL, error);
+/* A cube of 2 about the origin; as dense whatever their number. */
+static int32_t make_random(cloud *c, int64_t count) {
+    uint64_t state = 1;
+    if (!make_cloud(c, count, 3)) return 0;
+    const double size = log(0.006) + log(1e5 / (double)count) / 3;
+    for (int64_t i = 0; i < 3 * count; i++) c->mean[i] = (float)(2 * uniform(&state) - 1);
+    for (int64_t i = 0; i < 3 * count; i++) c->scale[i] = (float)(size + 0.5 * normal(&state));
+    for (int64_t i = 0; i < 4 * count; i++) c->quaternion[i] = (float)normal(&state);
+    for (int64_t i = 0; i < count; i++) c->opacity[i] = (float)(2 * normal(&state));
+    paint(c, &state);
+    return 1;
 }
 
-tides_status bench_add_random_at(tides_scene *scene, int64_t count, const tides_trajectory *path, tides_error *error) {
-    uint64_t state = 1;
+tides_status bench_add_random(tides_scene *scene, int64_t count, tides_error *error) {
     cloud c;
-    if (!make_cloud(&c, count, 3)) return cli_error(error, TIDES_NO_MEMORY, "out of memory: %lld Gaussians", (long long)count);
-    const double size = log(0.006) + log(1e5 / (double)count) / 3; /* as dense whatever their number */
-    for (int64_t i = 0; i < 3 * count; i++) c.mean[i] = (float)(2 * uniform(&state) - 1);
-    for (int64_t i = 0; i < 3 * count; i++) c.scale[i] = (float)(size + 0.5 * normal(&state));
-    for (int64_t i = 0; i < 4 * count; i++) c.quaternion[i] = (float)normal(&state);
-    for (int64_t i = 0; i < count; i++) c.opacity[i] = (float)(2 * normal(&state));
-    paint(&c, &state);
-    return add_cloud(scene, &c, path, "random", error);
+    if (!make_random(&c, count)) return cli_error(error, TIDES_NO_MEMORY, "out of memory: %lld Gaussians", (long long)count);
+    return add_cloud(scene, &c, NULL, "random", error);
+}
+
+static void copy_one(const cloud *from, int64_t i, cloud *to, int64_t k) {
+    const size_t each = coefficients(from);
+    memcpy(to->mean + 3 * k, from->mean + 3 * i, 3 * sizeof *to->mean);
+    memcpy(to->scale + 3 * k, from->scale + 3 * i, 3 * sizeof *to->scale);
+    memcpy(to->quaternion + 4 * k, from->quaternion + 4 * i, 4 * sizeof *to->quaternion);
+    to->opacity[k] = from->opacity[i];
+    memcpy(to->sh + each * (size_t)k, from->sh + each * (size_t)i, each * sizeof *to->sh);
+}
+
+tides_status bench_add_random_apart(tides_scene *scene, int64_t count, int64_t others, const double at[3], tides_error *error) {
+    cloud here, there, all;
+    const int64_t total = count + others;
+    if (others == 0) return bench_add_random(scene, count, error);
+    const int32_t first = make_random(&here, count), second = make_random(&there, others), third = make_cloud(&all, total, 3);
+    for (int64_t i = 0; i < 3 * others && second; i++) there.mean[i] += (float)at[i % 3];
+    for (int64_t i = 0; i < total && first && second && third; i++) {
+        const int64_t before = i * count / total, next = (i + 1) * count / total;
+        copy_one(next > before ? &here : &there, next > before ? before : i - before, &all, i);
+    }
+    if (first) free_cloud(&here);
+    if (second) free_cloud(&there);
+    if (third && !(first && second)) free_cloud(&all);
+    if (!first || !second || !third)
+        return cli_error(error, TIDES_NO_MEMORY, "out of memory: %lld Gaussians", (long long)total);
+    return add_cloud(scene, &all, NULL, "random", error);
 }
 
 /* Flat on a sphere at `direction` from its middle: turned so that the third axis goes outwards. */

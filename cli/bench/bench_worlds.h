@@ -12,8 +12,8 @@ tides_status bench_world_make(const char *name, int32_t quick, bench_scene *scen
  * number. */
 tides_status bench_add_random(tides_scene *scene, int64_t count, tides_error *error);
 tides_status bench_add_surfaces(tides_scene *scene, int64_t count, tides_error *error);
-/* The former as an object on a path. */
-tides_status bench_add_random_at(tides_scene *scene, int64_t count, const tides_trajectory *path, tides_error *error);
+/* The former and `others` in a cube about `at`, as one object in which they come by turns, as they may in a file. */
+tides_status bench_add_random_apart(tides_scene *scene, int64_t count, int64_t others, const double at[3], tides_error *error);
 
 /* Textured rectangles side by side, which fill the view of a camera that faces them: splats in rows, or in several layers,
  * their rows shifted. */

@@ -134,20 +134,44 @@ static void add_group(td_candidates *candidates, const td_store *store, const lo
     candidates->touching[candidates->touching_count - 1].end = candidates->touch_count;
 }
 
+/* Gaussians [first, first + count), LOOK at most. */
+static tides_status look_for(td_candidates *candidates, const td_store *store, const float *boxes, int first, int count,
+                             tides_error *error) {
+    look seen;
+    tides_status status = td_reserve((void **)&candidates->touches, &candidates->touches_capacity,
+                                     candidates->touch_count + LOOK + 1, sizeof *candidates->touches, error);
+    if (status != TIDES_OK) return status;
+    look_at(boxes + 4 * (size_t)first, count, candidates->tiles_x, candidates->tiles_y, &seen);
+    for (int at = 0; at < count; at += TD_PAD) add_group(candidates, store, &seen, at, first);
+    return TIDES_OK;
+}
+
+/* Those that are neighbours of boxes->groups from number *at on, which becomes that of the first behind them. */
+static int next_run(const td_store *store, const td_boxes *boxes, int *at, int *first) {
+    if (!boxes->groups) {
+        const int left = store->count - *at * TD_PAD;
+        *first = *at * TD_PAD;
+        *at += LOOK / TD_PAD;
+        return left < LOOK ? left : LOOK;
+    }
+    const int *group = boxes->groups, from = *at;
+    *first = group[from] * TD_PAD;
+    do ++*at;
+    while (*at < boxes->group_count && *at - from < LOOK / TD_PAD && group[*at] == group[*at - 1] + 1);
+    return (*at - from) * TD_PAD;
+}
+
 /* Gaussians come in the store's order, and so do their groups and objects. */
-static tides_status find_touches(td_candidates *candidates, const td_store *store, const float *boxes, tides_error *error) {
+static tides_status find_touches(td_candidates *candidates, const td_store *store, const td_boxes *boxes, tides_error *error) {
+    const int groups = boxes->groups ? boxes->group_count : store->count / TD_PAD;
+    tides_status status = TIDES_OK;
     candidates->group_count = candidates->touching_count = 0;
     candidates->touch_count = 0;
-    for (int first = 0; first < store->count; first += LOOK) {
-        const int count = store->count - first < LOOK ? store->count - first : LOOK;
-        look seen;
-        tides_status status = td_reserve((void **)&candidates->touches, &candidates->touches_capacity,
-                                         candidates->touch_count + LOOK + 1, sizeof *candidates->touches, error);
-        if (status != TIDES_OK) return status;
-        look_at(boxes + 4 * (size_t)first, count, candidates->tiles_x, candidates->tiles_y, &seen);
-        for (int at = 0; at < count; at += TD_PAD) add_group(candidates, store, &seen, at, first);
+    for (int at = 0, first; at < groups && status == TIDES_OK;) {
+        const int count = next_run(store, boxes, &at, &first);
+        status = look_for(candidates, store, boxes->box, first, count, error);
     }
-    return TIDES_OK;
+    return status;
 }
 
 /* -- how long lists are ---------------------------------------------------------------------------------------------------- */
@@ -323,8 +347,7 @@ void td_candidates_blocks_as_tiles(td_candidates *candidates) {
     }
 }
 
-tides_status td_candidates_build(td_candidates *candidates, const td_store *store, const float *boxes, const float *travel,
-                                 const uint8_t *object_moves, tides_error *error) {
+tides_status td_candidates_build(td_candidates *candidates, const td_store *store, const td_boxes *boxes, tides_error *error) {
     tides_status status = td_reserve((void **)&candidates->groups, &candidates->groups_capacity,
                                      (size_t)(store->count / TD_PAD), sizeof *candidates->groups, error);
     if (status == TIDES_OK)
@@ -333,7 +356,7 @@ tides_status td_candidates_build(td_candidates *candidates, const td_store *stor
     if (status == TIDES_OK) status = find_touches(candidates, store, boxes, error);
     if (status == TIDES_OK) status = lay_lists(candidates, error);
     if (status != TIDES_OK) return status;
-    place_all(candidates, boxes, travel, object_moves);
+    place_all(candidates, boxes->box, boxes->travel, boxes->object_moves);
     candidates->serial++;
     if (!candidates->instant) td_candidates_renew_hints(candidates);
     return TIDES_OK;

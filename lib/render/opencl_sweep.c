@@ -16,10 +16,26 @@ static tides_status send_interval(opencl_backend *b, const td_sweep_request *req
     if (status == TIDES_OK)
         status = td_opencl_write_reals(b, &b->strays, request->strays ? request->strays : none, strays, error);
     if (status == TIDES_OK) status = td_buffer_write(b->device, &b->sweep_rows, rows, (size_t)times * sizeof *rows, error);
+    if (status == TIDES_OK)
+        status = td_buffer_write(b->device, &b->sweep_groups, request->groups ? request->groups : rows,
+                                 (size_t)(request->groups ? request->group_count : 1) * sizeof *rows, error);
     if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->boxes, 4 * bytes, error);
     if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->travel, bytes, error);
     free(none);
     free(rows);
+    return status;
+}
+
+/* What was swept to where it belongs on the host. */
+static tides_status read_boxes(const opencl_backend *b, const td_sweep_request *request, float *boxes, float *travel,
+                               tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (int run = 0, first, end; run < td_run_count(request) && status == TIDES_OK;) {
+        run = td_next_run(request, run, &first, &end);
+        const size_t from = (size_t)first * sizeof *boxes, bytes = (size_t)(end - first) * sizeof *boxes;
+        status = td_buffer_read_part(b->device, &b->boxes, boxes, 4 * from, 4 * bytes, error);
+        if (status == TIDES_OK) status = td_buffer_read_part(b->device, &b->travel, travel, from, bytes, error);
+    }
     return status;
 }
 
@@ -31,9 +47,11 @@ tides_status td_opencl_sweep(td_backend *backend, const td_sweep_request *reques
     if (status != TIDES_OK) return status;
     float seconds = (float)request->duration;
     cl_int begin = request->begin, end = request->end, level = request->level;
+    cl_int swept = request->groups ? request->group_count * TD_PAD : end - begin;
+    cl_int in_groups = request->groups != NULL;
     cl_int first_rate = b->first_rate, first_moved = b->gaussians;
     /* A local size is always given: left to itself PoCL takes a divisor of the count, and compiles anew for every scene. */
-    size_t local = td_opencl_group_size(b), groups = (size_t)((end - begin) / b->device->info.lanes);
+    size_t local = td_opencl_group_size(b), groups = (size_t)(swept / b->device->info.lanes);
     size_t global = (groups + local - 1) / local * local;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer),
                                      TD_BUFFER_ARGUMENT(b->object),
@@ -50,16 +68,13 @@ tides_status td_opencl_sweep(td_backend *backend, const td_sweep_request *reques
                                      TD_VALUE_ARGUMENT(seconds),
                                      TD_VALUE_ARGUMENT(level),
                                      TD_VALUE_ARGUMENT(begin),
-                                     TD_VALUE_ARGUMENT(end),
+                                     TD_VALUE_ARGUMENT(swept),
+                                     TD_VALUE_ARGUMENT(in_groups),
+                                     TD_BUFFER_ARGUMENT(b->sweep_groups),
                                      TD_BUFFER_ARGUMENT(b->boxes),
                                      TD_BUFFER_ARGUMENT(b->travel)};
     status = td_launch(b->device, b->sweep_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
-    if (status == TIDES_OK)
-        status = td_buffer_read_part(b->device, &b->boxes, boxes, 4 * (size_t)begin * sizeof *boxes,
-                                     4 * (size_t)(end - begin) * sizeof *boxes, error);
-    if (status == TIDES_OK)
-        status = td_buffer_read_part(b->device, &b->travel, travel, (size_t)begin * sizeof *travel,
-                                     (size_t)(end - begin) * sizeof *travel, error);
+    if (status == TIDES_OK) status = read_boxes(b, request, boxes, travel, error);
     backend->stats.sweeps++;
     backend->stats.time_sweep_s += td_now() - begun;
     return status;
@@ -70,7 +85,7 @@ tides_status td_opencl_warm_sweep(opencl_backend *b, tides_error *error) {
     double begun = td_now();
     double *views = td_alloc((size_t)3 * b->objects * TD_VIEW_REALS, sizeof *views, error);
     if (!views) return TIDES_NO_MEMORY;
-    const td_sweep_request request = {views, NULL, 0, 0, 0, TD_PAD, NULL};
+    const td_sweep_request request = {.views = views, .end = TD_PAD};
     tides_status status = td_opencl_sweep(&b->base, &request, boxes, travel, error);
     free(views);
     b->base.stats.sweeps = 0;

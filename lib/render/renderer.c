@@ -81,6 +81,7 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     if (status == TIDES_OK) status = td_store_create(scene, params->rules == TIDES_RULES_SMOOTH, &made->store, error);
     if (status == TIDES_OK) status = td_dynamic_create(scene, &made->store, made->row_limit, &made->dynamic, error);
     if (status == TIDES_OK) status = td_strays_create(&made->store, &made->strays, error);
+    if (status == TIDES_OK) status = td_clusters_create(&made->store, &made->clusters, error);
     if (status != TIDES_OK) goto done;
     made->image.objects = made->store.objects;
     made->image.sh_stride = made->store.sh_stride;
@@ -117,6 +118,7 @@ void tides_renderer_destroy(tides_renderer *renderer) {
     td_dynamic_release(&renderer->dynamic);
     td_paths_release(&renderer->paths);
     td_strays_release(&renderer->strays);
+    td_clusters_release(&renderer->clusters);
     free(renderer->sweep_time);
     td_psf_release(&renderer->psf);
     td_store_release(&renderer->store);

@@ -1,7 +1,8 @@
-/* The padded arrays of a whole scene, as backends read them: objects split into what rests and what moves, Gaussians activated
- * once, in double, widened to the strides of kernels/layout.h. */
+/* The padded arrays of a whole scene, as backends read them: objects split into what rests, in an order of its own (td_curve.h),
+ * and what moves, Gaussians activated once, in double, widened to the strides of kernels/layout.h. */
 #include "motion/td_activate.h"
 #include "motion/td_motion.h"
+#include "td_curve.h"
 #include "td_launch.h"
 #include "td_renderer.h"
 
@@ -61,13 +62,24 @@ static void free_plan(store_plan *plan) {
     free(plan->moving);
 }
 
+/* Of those of a part, which comes when: what rests along a curve, what moves by itself as it came. The caller's to free. */
+static tides_status order_part(const tides_gaussians *gaussians, const uint8_t *moving, const store_part *part, int64_t **order,
+                               tides_error *error) {
+    *order = td_alloc((size_t)part->count, sizeof **order, error);
+    if (!*order) return TIDES_NO_MEMORY;
+    if (!part->moving) return td_curve_order(gaussians->mean, moving, gaussians->count, *order, error);
+    for (int64_t i = 0, k = 0; i < gaussians->count; i++)
+        if (moving[i]) (*order)[k++] = i;
+    return TIDES_OK;
+}
+
 /* One part's Gaussians into the store. Coefficients of a lower degree than the scene's are padded with zeros. Those that move
  * stay invisible here. */
-static void add_part_rows(const tides_gaussians *gaussians, const uint8_t *moving, const store_part *part, int number,
+static void add_part_rows(const tides_gaussians *gaussians, const int64_t *order, const store_part *part, int number,
                           td_store *store) {
     int own = 3 * (gaussians->sh_degree + 1) * (gaussians->sh_degree + 1), g = part->first;
-    for (int64_t i = 0; i < gaussians->count; i++) {
-        if (moving[i] != part->moving) continue;
+    for (int64_t k = 0; k < part->count; k++) {
+        const int64_t i = order[k];
         double mean[3], log_scale[3], quaternion[4];
         widen(gaussians->mean + 3 * i, mean, 3);
         widen(gaussians->log_scale + 3 * i, log_scale, 3);
@@ -89,7 +101,10 @@ static tides_status add_object(const tides_scene *scene, const store_plan *plan,
     int which = plan->parts[first].object, still = -1, mover = -1;
     tides_status status = tides_scene_object(scene, which, &object, error);
     for (int p = first; p < plan->count && plan->parts[p].object == which && status == TIDES_OK; p++) {
-        add_part_rows(&object.gaussians, moving, &plan->parts[p], p, store);
+        int64_t *order = NULL;
+        status = order_part(&object.gaussians, moving, &plan->parts[p], &order, error);
+        if (status == TIDES_OK) add_part_rows(&object.gaussians, order, &plan->parts[p], p, store);
+        free(order);
         store->scene_object[p] = which;
         store->mover[p] = -1;
         if (plan->parts[p].moving)

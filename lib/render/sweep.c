@@ -35,17 +35,43 @@ tides_status td_renderer_sweep_views(tides_renderer *renderer, const tides_traje
     return status == TIDES_OK ? td_renderer_views(renderer, camera, renderer->sweep_time, times, error) : status;
 }
 
+/* Which of an object's clusters may be seen in the interval whose views the renderer has; those that may not any more have no
+ * boxes. */
+static void look_for(tides_renderer *renderer, int object, double start, double stop) {
+    td_clusters *clusters = &renderer->clusters;
+    const td_view *views = renderer->views + object;
+    const td_cluster_path path = {views, views + 2 * renderer->store.objects,
+                                  (const td_stray *)(const void *)(renderer->strays.bound + (size_t)object * TD_STRAY_REALS),
+                                  stop - start};
+    td_clusters_look(clusters, object, &renderer->image, &path);
+    for (int i = clusters->first[object]; i < clusters->first[object + 1]; i++) {
+        if (clusters->state[i] != TD_CLUSTER_LEFT) continue;
+        for (int g = clusters->of[i].begin; g < clusters->of[i].end; g++) {
+            float *box = renderer->boxes + 4 * (size_t)g;
+            box[0] = (float)(renderer->image.width + 1), box[1] = (float)(renderer->image.height + 1);
+            box[2] = box[3] = -1;
+            renderer->travel[g] = 0;
+        }
+        clusters->state[i] = TD_CLUSTER_GONE;
+    }
+}
+
 /* Boxes of the objects from `first` on, neighbours of one level, up to object `end`. */
 static tides_status sweep_objects(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                   int first, int end, tides_error *error) {
     int level = renderer->strays.level[first];
+    for (int i = first; i < end; i++) look_for(renderer, i, start, stop);
+    const int seen = td_clusters_list(&renderer->clusters, first, end, renderer->clusters.some);
+    if (seen == 0) return TIDES_OK;
     tides_status status = level > 0 ? td_renderer_sweep_views(renderer, camera, start, stop, level, error) : TIDES_OK;
     const td_sweep_request request = {.views = (const double *)renderer->views,
                                       .strays = renderer->strays.bound,
                                       .duration = stop - start,
                                       .level = level,
                                       .begin = renderer->object_first[first],
-                                      .end = renderer->object_first[end]};
+                                      .end = renderer->object_first[end],
+                                      .groups = renderer->clusters.some,
+                                      .group_count = seen};
     if (status == TIDES_OK)
         status = renderer->backend->type->sweep(renderer->backend, &request, renderer->boxes, renderer->travel, error);
     return status == TIDES_OK && level > 0 ? td_renderer_sweep_views(renderer, camera, start, stop, 0, error) : status;
@@ -89,8 +115,10 @@ static tides_status sweep_moved(tides_renderer *renderer, const tides_trajectory
 
 /* Lists of the boxes, with what else tells what moves, and where. */
 static tides_status make_lists(tides_renderer *renderer, tides_error *error) {
-    tides_status status = td_candidates_build(&renderer->candidates, &renderer->store, renderer->boxes, renderer->travel,
-                                              renderer->object_moves, error);
+    td_clusters *clusters = &renderer->clusters;
+    const td_boxes boxes = {renderer->boxes, renderer->travel, renderer->object_moves, clusters->all,
+                            td_clusters_list(clusters, 0, renderer->store.objects, clusters->all)};
+    tides_status status = td_candidates_build(&renderer->candidates, &renderer->store, &boxes, error);
     const int all_moves = renderer->image.decoder && renderer->object_moves[0]; /* what is behind everything moves too */
     if (status == TIDES_OK && all_moves) memset(renderer->candidates.moving, 1, (size_t)renderer->stats.tiles);
     if (status == TIDES_OK) status = td_psf_spread(&renderer->psf, &renderer->candidates, error);

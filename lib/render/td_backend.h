@@ -68,7 +68,7 @@ typedef struct td_store {
     double *sh_rates;  /* likewise, or NULL */
     int *scene_object; /* (objects) in the scene */
     int *mover;        /* (objects) that moves its Gaussians, or -1 */
-    int *number;       /* (count) of the Gaussian in its scene object; the last again in padding */
+    int *number;       /* (count) of the Gaussian in its scene object, in no order; the last again in padding */
     td_movers movers;
     double *decoder; /* (TD_DECODER_REALS) weights; NULL without a decoder */
 } td_store;
@@ -117,14 +117,31 @@ typedef struct td_misfit_request {
     double middle[TD_CUBIC_REALS];
 } td_misfit_request;
 
-/* An interval to sweep, in 2^level pieces, for Gaussians [begin, end), multiples of TD_PAD. */
+/* An interval to sweep, in 2^level pieces, for Gaussians [begin, end), multiples of TD_PAD, or `groups` of TD_PAD of them. */
 typedef struct td_sweep_request {
     const double *views;  /* (td_sweep_times x objects x TD_VIEW_REALS), times evenly spaced */
     const double *strays; /* (objects x TD_STRAY_REALS), a td_stray each; NULL: no path strays */
     double duration;      /* [s] */
     int level, begin, end;
     const int *rows; /* (td_sweep_times) where their rows begin; NULL: at `begin`, since they don't move by themselves */
+    const int *groups; /* (group_count) ascending; NULL: all of them. What is of others stays as it is */
+    int group_count;
 } td_sweep_request;
+
+/* Neighbours among ascending groups of TD_PAD from number `at` on: the Gaussians of the first of them, and one behind the last;
+ * returns the number of the next group. */
+static inline int td_next_run(const td_sweep_request *request, int at, int *first, int *end) {
+    if (!request->groups) {
+        *first = request->begin, *end = request->end;
+        return 1;
+    }
+    const int *group = request->groups;
+    int next = at + 1;
+    while (next < request->group_count && group[next] == group[next - 1] + 1) next++;
+    *first = group[at] * TD_PAD, *end = (group[next - 1] + 1) * TD_PAD;
+    return next;
+}
+static inline int td_run_count(const td_sweep_request *request) { return request->groups ? request->group_count : 1; }
 
 /* Gaussians to project at nodes of record paths, to their rows (kernels/path_node.h). Everything is borrowed for the call. */
 typedef struct td_node_request {

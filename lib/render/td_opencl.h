@@ -18,7 +18,7 @@ typedef struct opencl_backend {
     cl_kernel sweep_kernel, sort_kernel;
     cl_kernel project_kernel[TD_OUTPUT_KINDS], composite_kernel[TD_OUTPUT_KINDS]; /* by outputs; built when first wanted */
     td_buffer image_buffer, object, geometry, rates, sh, sh_rates;                /* the scene */
-    td_buffer views, strays, sweep_rows, backdrops, boxes, travel;                /* an interval */
+    td_buffer views, strays, sweep_rows, sweep_groups, backdrops, boxes, travel;  /* an interval */
     td_buffer candidates, jobs, asked, turns;                                     /* a batch */
     td_buffer records, colours, masks, keys, order, sorted_masks, words, counts, brightest, planes, blended, decoder, hints;
     td_buffer depths, lights;   /* of the records (td_sink) */

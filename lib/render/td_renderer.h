@@ -6,6 +6,7 @@
  *   store.c, store_motion.c, decoder.c   the scene, activated
  *   view.c                               objects as the camera sees them
  *   sweep.c, candidates.c                which Gaussians a tile may see in an interval
+ *   clusters.c, curve.c                  what of a scene is in view (td_clusters.h); neighbours in space made neighbours
  *   candidate_hints.c                    depth order that one job of a tile leaves to the next
  *   paths.c, path_times.c                splats at a few times of an interval, cubics between (td_paths.h)
  *   tiles.c, psf.c, nonfinite.c          tiles at times: rendered, blurred, checked
@@ -28,6 +29,7 @@
 #endif
 #include "render/dynamic/td_dynamic.h"
 #include "render/dynamic/td_stray.h"
+#include "td_clusters.h"
 #include "td_paths.h"
 #include "td_psf.h"
 #include "td_render.h"
@@ -99,9 +101,17 @@ typedef struct td_candidates {
 tides_status td_candidates_create(int width, int height, td_candidates *candidates, tides_error *error);
 void td_candidates_release(td_candidates *candidates);
 
-/* Lists from boxes (count x 4), travel (count) and which objects move against the camera (objects). */
-tides_status td_candidates_build(td_candidates *candidates, const td_store *store, const float *boxes, const float *travel,
-                                 const uint8_t *object_moves, tides_error *error);
+/* Boxes (count x 4) and travel (count) of the store's Gaussians, and which objects move against the camera (objects). Nothing
+ * but what is in `groups` counts: TD_PAD neighbours each, ascending; NULL: all do. */
+typedef struct td_boxes {
+    const float *box, *travel;
+    const uint8_t *object_moves;
+    const int *groups;
+    int group_count;
+} td_boxes;
+
+/* Lists of them. */
+tides_status td_candidates_build(td_candidates *candidates, const td_store *store, const td_boxes *boxes, tides_error *error);
 
 /* Each block moves as its tile does: where boxes don't say what a splat touches, or where more than splats moves. */
 void td_candidates_blocks_as_tiles(td_candidates *candidates);
@@ -138,6 +148,7 @@ struct tides_renderer {
     td_store store;
     td_backend *backend;
     td_candidates candidates;
+    td_clusters clusters;
     float *boxes;          /* (store.count x 4) */
     float *travel;         /* (store.count) */
     int *object_first;     /* (objects + 1) an object's Gaussians in the store */

@@ -146,7 +146,8 @@ static inline void pair_sweep(backend_pair *pair) {
     pair_check_instant(pair, &boxes);
     scene_expect_ok(td_candidates_create(pair->scene.camera.width, pair->scene.camera.height, &pair->candidates, &error),
                     &error);
-    scene_expect_ok(td_candidates_build(&pair->candidates, &pair->store, boxes.box, boxes.travel, moves, &error), &error);
+    const td_boxes all = {.box = boxes.box, .travel = boxes.travel, .object_moves = moves};
+    scene_expect_ok(td_candidates_build(&pair->candidates, &pair->store, &all, &error), &error);
     pair->groups = (td_groups){pair->candidates.groups, pair->candidates.group_count};
     free(moves);
     pair_boxes_free(&boxes);

@@ -215,9 +215,8 @@ static void test_lists_are_conservative(void **state) {
             box[2] = padding ? -1 : (float)renderer->image.width;
             box[3] = padding ? -1 : (float)renderer->image.height;
         }
-        scene_expect_ok(td_candidates_build(&renderer->candidates, &renderer->store, renderer->boxes, renderer->travel,
-                                            renderer->object_moves, &error),
-                        &error);
+        const td_boxes all = {.box = renderer->boxes, .travel = renderer->travel, .object_moves = renderer->object_moves};
+        scene_expect_ok(td_candidates_build(&renderer->candidates, &renderer->store, &all, &error), &error);
         assert_true(listed < renderer->candidates.first[renderer->stats.tiles]);
         double *full = render_tiles(renderer, s.base.path);
         expect_same(renderer, full, swept, "lists");

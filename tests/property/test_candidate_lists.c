@@ -17,6 +17,7 @@ enum { TRIALS = 400, MOST = 40 * TD_PAD, OBJECTS_MOST = 6 };
 
 typedef struct boxes {
     int width, height, count, objects, by_blocks;
+    int some, groups[MOST / TD_PAD], group_count; /* some: only these count */
     float box[4 * MOST], travel[MOST];
     int object[MOST];
     uint8_t moves[OBJECTS_MOST];
@@ -26,7 +27,8 @@ static int below(uint64_t *random, int limit) { return (int)(random_uniform(rand
 
 /* A number that a box may hold in place of one of its own. */
 static float odd_number(uint64_t *random, int side) {
-    const float odd[] = {NAN, INFINITY, -INFINITY, 3e38f, -3e38f, 0, -0.0f, (float)side, nextafterf((float)side, 0), 16, 15.999999f};
+    const float edge = (float)side;
+    const float odd[] = {NAN, INFINITY, -INFINITY, 3e38f, -3e38f, 0, -0.0f, edge, nextafterf(edge, 0), 16, 15.999999f};
     return odd[below(random, (int)(sizeof odd / sizeof *odd))];
 }
 
@@ -55,6 +57,9 @@ static void make_boxes(boxes *b, uint64_t *random) {
     }
     b->count = groups * TD_PAD;
     for (int i = 0; i < b->count; i++) make_box(b, i, size, random);
+    b->some = below(random, 2);
+    for (int g = 0; g < groups; g++)
+        if (!b->some || below(random, 3)) b->groups[b->group_count++] = g;
 }
 
 /* Whether a box touches squares of `side` pixels at (x, y), with nothing of how that is found. */
@@ -66,9 +71,16 @@ static int touches(const float *box, int x, int y, int side) {
 /* A box of which a tile may be asked. */
 static int is_box(const float *box) { return !isnan(box[0]) && !isnan(box[1]) && !isnan(box[2]) && !isnan(box[3]); }
 
+static int counts(const boxes *b, int i) {
+    for (int g = 0; g < b->group_count; g++)
+        if (b->groups[g] == i / TD_PAD) return 1;
+    return 0;
+}
+
 /* Inverted boxes touch a tile that holds both ends. */
-static int touches_tile(const float *box, int x, int y) {
-    return is_box(box) && touches(box, x, y, TD_TILE) && floorf(box[0] / TD_TILE) <= floorf(box[2] / TD_TILE) &&
+static int touches_tile(const boxes *b, int i, int x, int y) {
+    const float *box = b->box + 4 * i;
+    return counts(b, i) && is_box(box) && touches(box, x, y, TD_TILE) && floorf(box[0] / TD_TILE) <= floorf(box[2] / TD_TILE) &&
            floorf(box[1] / TD_TILE) <= floorf(box[3] / TD_TILE);
 }
 
@@ -87,7 +99,7 @@ static void expect_blocks(const td_candidates *made, const boxes *b, int tile, u
         int moving = 0;
         for (int i = 0; i < b->count; i++) {
             const float *box = b->box + 4 * i;
-            const int there = b->moves[b->object[i]] && touches_tile(box, x, y) && touches(box, bx, by, TD_BLOCK) &&
+            const int there = b->moves[b->object[i]] && touches_tile(b, i, x, y) && touches(box, bx, by, TD_BLOCK) &&
                               fmaxf(0, floorf(box[0] / TD_BLOCK)) <= floorf(box[2] / TD_BLOCK) &&
                               fmaxf(0, floorf(box[1] / TD_BLOCK)) <= floorf(box[3] / TD_BLOCK);
             moving |= there;
@@ -105,7 +117,7 @@ static void expect_tile(const td_candidates *made, const boxes *b, int tile, uin
     float far = 0;
     for (int o = 0; o < b->objects; o++) {
         for (int i = 0; i < b->count; i++) {
-            if (b->object[i] != o || !touches_tile(b->box + 4 * i, tile % made->tiles_x, tile / made->tiles_x)) continue;
+            if (b->object[i] != o || !touches_tile(b, i, tile % made->tiles_x, tile / made->tiles_x)) continue;
             expect_entry(made, &at, end, i, trial);
             listed[i / TD_PAD] = 1;
             moving |= b->moves[o];
@@ -145,7 +157,8 @@ static void test_lists_are_those_of_the_definition(void **state) {
         for (int again = 0; again < 2; again++) { /* what the first has left doesn't matter to the second */
             const td_store store = {.count = b.count, .objects = b.objects, .object = b.object};
             made.by_blocks = b.by_blocks;
-            if (td_candidates_build(&made, &store, b.box, b.travel, b.moves, &error) != TIDES_OK) fail_msg("%s", error.text);
+            const td_boxes of = {b.box, b.travel, b.moves, b.some ? b.groups : NULL, b.group_count};
+            if (td_candidates_build(&made, &store, &of, &error) != TIDES_OK) fail_msg("%s", error.text);
             expect_lists(&made, &b, trial);
             make_boxes(&b, &random);
             b.width = width, b.height = height;

@@ -49,9 +49,8 @@ static void list_everything(tides_renderer *renderer) {
         boxes[4 * (size_t)i + 2] = (float)renderer->image.width;
         boxes[4 * (size_t)i + 3] = (float)renderer->image.height;
     }
-    scene_expect_ok(td_candidates_build(&renderer->candidates, &renderer->store, boxes, renderer->travel,
-                                        renderer->object_moves, &error),
-                    &error);
+    const td_boxes all = {.box = boxes, .travel = renderer->travel, .object_moves = renderer->object_moves};
+    scene_expect_ok(td_candidates_build(&renderer->candidates, &renderer->store, &all, &error), &error);
     renderer->listed = 0; /* what the renderer has isn't of its boxes any more */
     free(boxes);
 }

@@ -48,7 +48,8 @@ static void find_candidates(td_backend *backend, const frame_input *input, int w
     scene_expect_ok(td_candidates_create(input->width, input->height, candidates, &error), &error);
     /* A backend keeps its copy of the candidates while their serial stays, and here every frame has its own lists. */
     candidates->serial = 2 * backend->stats.tile_jobs + (uint64_t)which;
-    scene_expect_ok(td_candidates_build(candidates, input->store, boxes, travel, moves, &error), &error);
+    const td_boxes all = {.box = boxes, .travel = travel, .object_moves = moves};
+    scene_expect_ok(td_candidates_build(candidates, input->store, &all, &error), &error);
     free(moves);
     free(travel);
     free(boxes);

@@ -76,7 +76,12 @@ static tides_status sweep_chunk(tides_renderer *r, const td_dynamic_object *obje
     td_dynamic *dynamic = &r->dynamic;
     int padded = (count + TD_PAD - 1) / TD_PAD * TD_PAD;
     tides_status status = move_chunk(r, object, gaussians, count, td_sweep_times(level), rows, error);
-    const td_sweep_request request = {(const double *)r->views, r->strays.bound, duration, level, 0, padded, rows};
+    const td_sweep_request request = {.views = (const double *)r->views,
+                                      .strays = r->strays.bound,
+                                      .duration = duration,
+                                      .level = level,
+                                      .end = padded,
+                                      .rows = rows};
     if (status == TIDES_OK)
         status = r->backend->type->sweep(r->backend, &request, dynamic->fine_box, dynamic->fine_travel, error);
     for (int k = 0; k < count && status == TIDES_OK; k++) {

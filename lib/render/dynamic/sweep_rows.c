@@ -84,7 +84,12 @@ static tides_status sweep_chunk(td_dynamic *dynamic, td_backend *backend, const 
     if (status == TIDES_OK) status = td_rows_send(dynamic, backend, error);
     if (status != TIDES_OK) return status;
     int begin = object->first + from;
-    const td_sweep_request request = {views, strays, time[2] - time[0], 0, begin, begin + length, row};
+    const td_sweep_request request = {.views = views,
+                                      .strays = strays,
+                                      .duration = time[2] - time[0],
+                                      .begin = begin,
+                                      .end = begin + length,
+                                      .rows = row};
     return backend->type->sweep(backend, &request, boxes, travel, error);
 }
 
@@ -104,8 +109,12 @@ tides_status td_dynamic_sweep_rows(td_dynamic *dynamic, td_backend *backend, con
         for (int from = 0; from < object->count && !dynamic->cached_rows && status == TIDES_OK; from += chunk)
             status = sweep_chunk(dynamic, backend, object, from, object->count - from < chunk ? object->count - from : chunk,
                                  views, strays, time, sides, boxes, travel, error);
-        const td_sweep_request request = {views, strays, stop - start, 0, object->first, object->first + padded(object->count),
-                                          rows};
+        const td_sweep_request request = {.views = views,
+                                          .strays = strays,
+                                          .duration = stop - start,
+                                          .begin = object->first,
+                                          .end = object->first + padded(object->count),
+                                          .rows = rows};
         if (dynamic->cached_rows && status == TIDES_OK) status = backend->type->sweep(backend, &request, boxes, travel, error);
         empty_padding(object, boxes);
     }

@@ -1,0 +1,188 @@
+/* What of a scene is in view: clusters of neighbours against the planes through the eye and the image's borders, in double on
+ * the host, whatever the device.
+ *
+ * A mean at (x, y, z) of the camera, z > 0, is seen at u = fx x / z + cx. Its splat reaches sigmas (fx / z) s sigma further,
+ * sigma its largest standard deviation and s = sqrt(1 + limit^2) what the Jacobian's slope, which is clamped, makes of it, and
+ * `blur` pixels that don't depend on z. So it is right of the image where
+ *   fx x - (width - cx + blur) z  >  sigmas fx s sigma,
+ * a plane, and likewise on the other sides; behind the camera where z < near. What is linear in the place is at most, over a
+ * cubic, what it is at the cubic's Bezier points; and over a ball, its radius times the plane's normal more. */
+#include "td_clusters.h"
+
+#include "td_renderer.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { POINTS_MOST = 4, PLANES_MOST = 5 };
+
+/* Beyond, singles can't be trusted to say where a splat is, or that they can't (shape.broken). */
+static const double size_most = 1e12;
+/* Share of reaches, and of coordinates, that rounding to singles may add, with much to spare. */
+static const double more = 1.01, rounding = 1e-5;
+
+/* -- making ---------------------------------------------------------------------------------------------------------------- */
+
+static const double *row_of(const td_store *store, int g) { return store->geometry + (size_t)g * TD_GEOMETRY_STRIDE; }
+
+static void bound(const td_store *store, td_cluster *cluster) {
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, sum = 0;
+    for (int g = cluster->begin; g < cluster->end; g++) {
+        const double *row = row_of(store, g);
+        double factor = 0;
+        for (int k = 0; k < 3; k++) {
+            low[k] = fmin(low[k], row[TD_G_MEAN + k]), high[k] = fmax(high[k], row[TD_G_MEAN + k]);
+            sum += row[TD_G_MEAN + k]; /* NaN, which fmin doesn't see, stays */
+        }
+        for (int k = 0; k < 9; k++) factor += row[TD_G_FACTOR + k] * row[TD_G_FACTOR + k];
+        cluster->axis = fmax(cluster->axis, sqrt(factor));
+        cluster->ratio = fmax(cluster->ratio, row[TD_G_OPACITY]);
+        sum += factor + row[TD_G_OPACITY];
+    }
+    for (int k = 0; k < 3; k++) cluster->centre[k] = 0.5 * (low[k] + high[k]);
+    for (int g = cluster->begin; g < cluster->end; g++) {
+        const double *mean = row_of(store, g) + TD_G_MEAN, *centre = cluster->centre;
+        cluster->radius = fmax(cluster->radius, hypot(hypot(mean[0] - centre[0], mean[1] - centre[1]), mean[2] - centre[2]));
+    }
+    const double size = cluster->radius + cluster->axis + fabs(low[0]) + fabs(low[1]) + fabs(low[2]);
+    if (!(sum - sum == 0) || !(size < size_most)) cluster->radius = INFINITY;
+}
+
+tides_status td_clusters_create(const td_store *store, td_clusters *clusters, tides_error *error) {
+    const size_t groups = (size_t)(store->count / TD_PAD);
+    memset(clusters, 0, sizeof *clusters);
+    clusters->of = td_alloc(groups, sizeof *clusters->of, error); /* objects are a group at least */
+    clusters->state = td_alloc(groups, sizeof *clusters->state, error);
+    clusters->first = td_alloc((size_t)store->objects + 1, sizeof *clusters->first, error);
+    clusters->some = td_alloc(groups, sizeof *clusters->some, error);
+    clusters->all = td_alloc(groups, sizeof *clusters->all, error);
+    if (!clusters->of || !clusters->state || !clusters->first || !clusters->some || !clusters->all) return TIDES_NO_MEMORY;
+    for (int g = 0; g < store->count;) {
+        const int object = store->object[g], moves = store->rates || store->mover[object] >= 0;
+        td_cluster *cluster = &clusters->of[clusters->count];
+        *cluster = (td_cluster){.begin = g};
+        while (g < store->count && store->object[g] == object && g - cluster->begin < TD_CLUSTER) g += TD_PAD;
+        cluster->end = g;
+        bound(store, cluster);
+        if (moves) cluster->radius = INFINITY; /* it isn't where its row says */
+        clusters->state[clusters->count++] = moves ? TD_CLUSTER_SEEN : TD_CLUSTER_LEFT;
+        clusters->first[object + 1] = clusters->count;
+    }
+    return TIDES_OK;
+}
+
+void td_clusters_release(td_clusters *clusters) {
+    free(clusters->of);
+    free(clusters->state);
+    free(clusters->first);
+    free(clusters->some);
+    free(clusters->all);
+    memset(clusters, 0, sizeof *clusters);
+}
+
+/* -- asking ---------------------------------------------------------------------------------------------------------------- */
+
+/* Nothing is seen of what stays where n . p > 0 by more than `blur` times a reach in the scene. */
+typedef struct plane {
+    double normal[3], length; /* of the normal */
+    double spread;            /* what a standard deviation counts, times sigmas; */
+    double behind;            /* and what n . p must exceed besides */
+} plane;
+
+/* An object in an interval: maps p = r c + t whose hull the centre's cubic is in, and what bounds the rest. */
+typedef struct outlook {
+    double r[POINTS_MOST][9], t[POINTS_MOST][3];
+    int points, planes;
+    plane plane[PLANES_MOST];
+    double scale, far; /* of the object; |t| at most */
+    const td_stray *stray;
+} outlook;
+
+static double norm3(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+static void set_points(const td_cluster_path *path, outlook *out) {
+    const td_view *ends[2] = {path->from, path->to};
+    const double third = path->duration / 3;
+    out->points = path->duration > 0 ? POINTS_MOST : 1;
+    for (int i = 0; i < out->points; i++) {
+        const td_view *end = ends[i / 2];
+        const double way = i == 1 ? third : i == 2 ? -third : 0;
+        for (int k = 0; k < 9; k++) out->r[i][k] = end->r[k] + way * end->r_dot[k];
+        for (int k = 0; k < 3; k++) out->t[i][k] = end->t[k] + way * end->t_dot[k];
+        out->far = fmax(out->far, norm3(out->t[i]));
+    }
+    out->scale = norm3(path->from->r);
+    out->stray = path->stray;
+}
+
+/* Of the side at which `axis` grows or falls with `sign`: `border` pixels from the principal point. */
+static void add_side(outlook *out, int axis, double sign, double focal, double limit, double border) {
+    plane *side = &out->plane[out->planes++];
+    *side = (plane){.spread = focal * sqrt(1 + limit * limit)};
+    side->normal[axis] = sign * focal;
+    side->normal[2] = -border;
+    side->length = norm3(side->normal);
+}
+
+static void set_planes(const td_image *image, double blur, outlook *out) {
+    const double limit_x = fmax(image->limit_x1, -image->limit_x0), limit_y = fmax(image->limit_y1, -image->limit_y0);
+    out->planes = 0;
+    plane *back = &out->plane[out->planes++];
+    *back = (plane){.normal = {0, 0, -1}, .length = 1, .behind = -image->near};
+    if (image->lens_model) return; /* what is beside the image, a lens may bend into it */
+    add_side(out, 0, 1, image->fx, limit_x, image->width - image->cx + blur);
+    add_side(out, 0, -1, image->fx, limit_x, image->cx + blur);
+    add_side(out, 1, 1, image->fy, limit_y, image->height - image->cy + blur);
+    add_side(out, 1, -1, image->fy, limit_y, image->cy + blur);
+}
+
+/* Whether a cluster stays beyond one of the planes. `sigmas`: where its splats are cut off. */
+static int is_out(const td_cluster *cluster, const outlook *out, double sigmas) {
+    double at[POINTS_MOST][3];
+    const double *c = cluster->centre, away[3] = {c[0] - out->stray->origin[0], c[1] - out->stray->origin[1],
+                                                  c[2] - out->stray->origin[2]};
+    for (int i = 0; i < out->points; i++)
+        for (int k = 0; k < 3; k++) {
+            const double *r = out->r[i] + 3 * k;
+            at[i][k] = r[0] * c[0] + r[1] * c[1] + r[2] * c[2] + out->t[i][k];
+        }
+    const double turn = out->stray->rotation[0];
+    const double reach = more * (out->scale * cluster->radius + out->stray->position[0] + turn * (norm3(away) + cluster->radius)) +
+                         rounding * (out->scale * norm3(c) + out->far);
+    const double wide = more * sigmas * (out->scale + turn) * cluster->axis;
+    for (int p = 0; p < out->planes; p++) {
+        const plane *side = &out->plane[p];
+        double least = INFINITY;
+        for (int i = 0; i < out->points; i++)
+            least = fmin(least, side->normal[0] * at[i][0] + side->normal[1] * at[i][1] + side->normal[2] * at[i][2]);
+        if (least > side->length * reach + side->spread * wide + side->behind) return 1;
+    }
+    return 0;
+}
+
+void td_clusters_look(td_clusters *clusters, int object, const td_image *image, const td_cluster_path *path) {
+    const double cut = td_cut_rule(image) == TD_CUT_NONE ? 1e-30 : image->cut;
+    outlook out = {.points = 0};
+    double ratio = -1, sigmas = 0;
+    set_points(path, &out);
+    for (int i = clusters->first[object]; i < clusters->first[object + 1]; i++) {
+        const td_cluster *cluster = &clusters->of[i];
+        if (cluster->ratio != ratio) {
+            ratio = cluster->ratio;
+            sigmas = more * sqrt(2 * log(fmax(ratio / cut, 1)));
+            set_planes(image, 1 + sigmas * sqrt(image->dilation), &out);
+        }
+        if (!is_out(cluster, &out, sigmas))
+            clusters->state[i] = TD_CLUSTER_SEEN;
+        else if (clusters->state[i] == TD_CLUSTER_SEEN)
+            clusters->state[i] = TD_CLUSTER_LEFT;
+    }
+}
+
+int td_clusters_list(const td_clusters *clusters, int first, int end, int *number) {
+    int count = 0;
+    for (int i = clusters->first[first]; i < clusters->first[end]; i++)
+        for (int g = clusters->of[i].begin; clusters->state[i] == TD_CLUSTER_SEEN && g < clusters->of[i].end; g += TD_PAD)
+            number[count++] = g / TD_PAD;
+    return count;
+}
