@@ -29,20 +29,24 @@ static void bound(const td_store *store, td_cluster *cluster) {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, sum = 0;
     for (int g = cluster->begin; g < cluster->end; g++) {
         const double *row = row_of(store, g);
-        double factor = 0;
+        double square = 0;
         for (int k = 0; k < 3; k++) {
             low[k] = fmin(low[k], row[TD_G_MEAN + k]), high[k] = fmax(high[k], row[TD_G_MEAN + k]);
             sum += row[TD_G_MEAN + k]; /* NaN, which fmin doesn't see, stays */
         }
-        for (int k = 0; k < 9; k++) factor += row[TD_G_FACTOR + k] * row[TD_G_FACTOR + k];
-        cluster->axis = fmax(cluster->axis, sqrt(factor));
+        for (int k = 0; k < 9; k++) square += row[TD_G_FACTOR + k] * row[TD_G_FACTOR + k];
+        cluster->axis = fmax(cluster->axis, sqrt(square));
         cluster->ratio = fmax(cluster->ratio, row[TD_G_OPACITY]);
-        sum += factor + row[TD_G_OPACITY];
+        sum += square + row[TD_G_OPACITY];
     }
     for (int k = 0; k < 3; k++) cluster->centre[k] = 0.5 * (low[k] + high[k]);
     for (int g = cluster->begin; g < cluster->end; g++) {
-        const double *mean = row_of(store, g) + TD_G_MEAN, *centre = cluster->centre;
-        cluster->radius = fmax(cluster->radius, hypot(hypot(mean[0] - centre[0], mean[1] - centre[1]), mean[2] - centre[2]));
+        double square = 0;
+        for (int k = 0; k < 3; k++) {
+            const double away = row_of(store, g)[TD_G_MEAN + k] - cluster->centre[k];
+            square += away * away;
+        }
+        cluster->radius = fmax(cluster->radius, sqrt(square));
     }
     const double size = cluster->radius + cluster->axis + fabs(low[0]) + fabs(low[1]) + fabs(low[2]);
     if (!(sum - sum == 0) || !(size < size_most)) cluster->radius = INFINITY;
