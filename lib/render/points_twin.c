@@ -116,7 +116,9 @@ static void make_list(twin *t, int number) {
         const int gaussian = t->interval.candidates[i], path = gaussian < 0 ? -1 : t->interval.path[gaussian];
         if (path >= 0) t->keys[count++] = (twin_key){td_point_depth_key(&paths, path), i, path, gaussian};
     }
-    if (count > 0) qsort(t->keys, (size_t)count, sizeof *t->keys, key_order); /* else there may be no keys at all */
+    t->count[number] = count;
+    if (count == 0) return; /* there may be neither keys nor tests at all */
+    qsort(t->keys, (size_t)count, sizeof *t->keys, key_order);
     for (int i = 0; i < count; i++) t->listed[tile.first + i] = t->keys[i].path;
     const int groups = (count + TD_PAD - 1) / TD_PAD;
     for (int slice = 0; slice < paths.slices.count; slice++) {
@@ -128,7 +130,6 @@ static void make_list(twin *t, int number) {
         for (int i = count; i < groups * TD_PAD; i++) td_point_place_nobody(tests + td_point_test_of(i));
         td_point_find_fronts(tests, groups);
     }
-    t->count[number] = count;
 }
 
 static tides_status lists(td_points_engine *engine, const int *tiles, int count, tides_error *error) {

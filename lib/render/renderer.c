@@ -78,7 +78,9 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     made->row_limit = ROW_LIMIT;
     made->told = (td_share){.width = 1, .stage = "rendering"};
     status = td_image_resolve(params, intrinsics, tides_scene_sh_degree(scene), &made->image, error);
-    if (status == TIDES_OK) status = td_store_create(scene, params->rules == TIDES_RULES_SMOOTH, &made->store, error);
+    /* Hard order blends splats of one depth in the scene's. */
+    if (status == TIDES_OK)
+        status = td_store_create(scene, params->rules == TIDES_RULES_SMOOTH, made->image.soft_order, &made->store, error);
     if (status == TIDES_OK) status = td_dynamic_create(scene, &made->store, made->row_limit, &made->dynamic, error);
     if (status == TIDES_OK) status = td_strays_create(&made->store, &made->strays, error);
     if (status == TIDES_OK) status = td_clusters_create(&made->store, &made->clusters, error);

@@ -1,5 +1,5 @@
-/* The padded arrays of a whole scene, as backends read them: objects split into what rests, in an order of its own (td_curve.h),
- * and what moves, Gaussians activated once, in double, widened to the strides of kernels/layout.h. */
+/* The padded arrays of a whole scene, as backends read them: objects split into what rests, in space's order where that may be
+ * (td_curve.h), and what moves, Gaussians activated once, in double, widened to the strides of kernels/layout.h. */
 #include "motion/td_activate.h"
 #include "motion/td_motion.h"
 #include "td_curve.h"
@@ -28,6 +28,7 @@ typedef struct store_plan {
     int count;
     uint8_t *moving; /* of every Gaussian of the scene, object by object */
     int64_t padded;
+    int fades, in_space; /* td_store_create's */
 } store_plan;
 
 static void add_part(store_plan *plan, int object, int moving, int64_t count) {
@@ -62,14 +63,15 @@ static void free_plan(store_plan *plan) {
     free(plan->moving);
 }
 
-/* Of those of a part, which comes when: what rests along a curve, what moves by itself as it came. The caller's to free. */
-static tides_status order_part(const tides_gaussians *gaussians, const uint8_t *moving, const store_part *part, int64_t **order,
-                               tides_error *error) {
+/* Of those of a part, which comes when: what rests along a curve, where that is asked for; else as they came. The caller's to
+ * free. */
+static tides_status order_part(const tides_gaussians *gaussians, const uint8_t *moving, const store_part *part, int in_space,
+                               int64_t **order, tides_error *error) {
     *order = td_alloc((size_t)part->count, sizeof **order, error);
     if (!*order) return TIDES_NO_MEMORY;
-    if (!part->moving) return td_curve_order(gaussians->mean, moving, gaussians->count, *order, error);
+    if (in_space && !part->moving) return td_curve_order(gaussians->mean, moving, gaussians->count, *order, error);
     for (int64_t i = 0, k = 0; i < gaussians->count; i++)
-        if (moving[i]) (*order)[k++] = i;
+        if (moving[i] == part->moving) (*order)[k++] = i;
     return TIDES_OK;
 }
 
@@ -95,14 +97,14 @@ static void add_part_rows(const tides_gaussians *gaussians, const int64_t *order
 }
 
 /* An object's parts, from number `first` on, and its motion. */
-static tides_status add_object(const tides_scene *scene, const store_plan *plan, int first, const uint8_t *moving, int fades,
+static tides_status add_object(const tides_scene *scene, const store_plan *plan, int first, const uint8_t *moving,
                                td_store *store, tides_error *error) {
     tides_object object;
     int which = plan->parts[first].object, still = -1, mover = -1;
     tides_status status = tides_scene_object(scene, which, &object, error);
     for (int p = first; p < plan->count && plan->parts[p].object == which && status == TIDES_OK; p++) {
         int64_t *order = NULL;
-        status = order_part(&object.gaussians, moving, &plan->parts[p], &order, error);
+        status = order_part(&object.gaussians, moving, &plan->parts[p], plan->in_space, &order, error);
         if (status == TIDES_OK) add_part_rows(&object.gaussians, order, &plan->parts[p], p, store);
         free(order);
         store->scene_object[p] = which;
@@ -115,7 +117,7 @@ static tides_status add_object(const tides_scene *scene, const store_plan *plan,
     if (status != TIDES_OK || !object.motion) return status;
     td_resting resting = {0, 0};
     if (still >= 0) resting.first = plan->parts[still].first, resting.count = plan->parts[still].count;
-    status = td_store_add_motion(&object, &resting, mover, fades, store, error);
+    status = td_store_add_motion(&object, &resting, mover, plan->fades, store, error);
     return status == TIDES_OK ? status : td_fail_within(error, status, "motion of object %d", which);
 }
 
@@ -141,7 +143,7 @@ static tides_status allocate(td_store *store, tides_error *error) {
     return all ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
-static tides_status fill(const tides_scene *scene, const store_plan *plan, int fades, td_store *store, tides_error *error) {
+static tides_status fill(const tides_scene *scene, const store_plan *plan, td_store *store, tides_error *error) {
     int degree = tides_scene_sh_degree(scene);
     store->objects = plan->count;
     store->sh_stride = 3 * (degree + 1) * (degree + 1);
@@ -159,18 +161,18 @@ static tides_status fill(const tides_scene *scene, const store_plan *plan, int f
         int object = plan->parts[p].object, first = p;
         int64_t count = 0;
         for (; p < plan->count && plan->parts[p].object == object; p++) count += plan->parts[p].count;
-        status = add_object(scene, plan, first, moving, fades, store, error);
+        status = add_object(scene, plan, first, moving, store, error);
         moving += count;
     }
     return status;
 }
 
-tides_status td_store_create(const tides_scene *scene, int fades, td_store *store, tides_error *error) {
+tides_status td_store_create(const tides_scene *scene, int fades, int in_space, td_store *store, tides_error *error) {
     td_store made = {0};
-    store_plan plan = {0};
+    store_plan plan = {.fades = fades, .in_space = in_space};
     tides_status status = make_plan(scene, &plan, error);
     if (status == TIDES_OK) status = td_store_find_decoder(scene, &made, error);
-    if (status == TIDES_OK) status = fill(scene, &plan, fades, &made, error);
+    if (status == TIDES_OK) status = fill(scene, &plan, &made, error);
     free_plan(&plan);
     if (status == TIDES_OK)
         *store = made;

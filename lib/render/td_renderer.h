@@ -41,8 +41,9 @@ tides_status td_image_resolve(const tides_image_params *params, const tides_intr
 /* A td_image as numbers for any precision. */
 td_image_numbers td_image_pack(const td_image *image);
 
-/* The scene's Gaussians, activated, and its motions; `fades` is td_mover.fades (store.c). */
-tides_status td_store_create(const tides_scene *scene, int fades, td_store *store, tides_error *error);
+/* The scene's Gaussians, activated, and its motions; `fades` is td_mover.fades; in_space: what rests is in an order of its own
+ * (td_curve.h), not in the scene's (store.c). */
+tides_status td_store_create(const tides_scene *scene, int fades, int in_space, td_store *store, tides_error *error);
 
 /* Rows of the store. */
 typedef struct td_resting {

@@ -38,8 +38,16 @@ static void test_tiny_runs(void **state) {
     skip_without_opencl();
 }
 
+/* What the fuzzer found. */
+static void test_found(void **state) {
+    static const uint8_t no_splat_on_a_path[] = {0x2c, 0xbf, 0x3a, 0x97, 0xcd, 0xc4, 0x85, 0x74, 0x7c, 0x82, 0x00, 0x71, 0xe1, 0x16,
+                                                 0x7f, 0x0e, 0xe0, 0xb6, 0x48, 0xa7, 0xa5, 0x4e, 0x50, 0xfb, 0x67, 0xb5, 0x57, 0x67};
+    (void)state;
+    LLVMFuzzerTestOneInput(no_splat_on_a_path, sizeof no_splat_on_a_path); /* a list of nobody began at NULL */
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_tiny_runs)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_tiny_runs), cmocka_unit_test(test_found)};
     tides_device *device = NULL;
     if (tides_device_open("cpu", &device, NULL) == TIDES_OK) setenv("TIDES_FUZZ_DEVICE", "cpu", 1);
     tides_device_close(device);

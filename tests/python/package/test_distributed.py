@@ -123,7 +123,7 @@ def test_workers_that_die_of_a_run(client, tmp_path, monkeypatch):
     manifest = make_manifest(tmp_path, deadly={"seed": "666"})
     tool = tmp_path / "tides"
     tool.write_text(
-        f"#!/bin/sh\ncase $*:$* in *--parent*--only\\ deadly*) kill -KILL $PPID ;; esac\nexec {TOOL} \"$@\"\n"
+        f"#!/bin/sh\ncase $*:$* in *--parent*--only\\ deadly*) kill -KILL $PPID; sleep 20; exit 1 ;; esac\nexec {TOOL} \"$@\"\n"
     )
     tool.chmod(0o755)
     with pytest.warns(RuntimeWarning, match="1 of 5 runs failed: deadly: .*workers died"):
