@@ -39,6 +39,18 @@ static tides_status out_of_view(double x, scaling_world *w, tides_error *error) 
     return bench_add_random_apart(w->scene.scene, fewer(w, 100000), fewer(w, (int64_t)x), at, error);
 }
 
+/* A camera in their midst, which passes between them. */
+static tides_status around(double x, scaling_world *w, tides_error *error) {
+    const double speed = 1; /* [cube's half sides/s] */
+    const tides_pose_sample ends[2] = {{.time = 0, .quaternion = {1, 0, 0, 0}},
+                                       {.time = 0.1, .position = {0, 0, 0.1 * speed}, .quaternion = {1, 0, 0, 0}}};
+    tides_status status = random_world(w, fewer(w, (int64_t)x), ORBIT_RAD_S, error);
+    if (status != TIDES_OK) return status;
+    tides_trajectory_destroy(w->scene.camera);
+    w->scene.camera = NULL;
+    return tides_trajectory_create(ends, 2, &w->scene.camera, error);
+}
+
 static tides_status pixels(double x, scaling_world *w, tides_error *error) {
     tides_status status = random_world(w, fewer(w, STANDARD), ORBIT_RAD_S, error);
     const int32_t height = (int32_t)lround(sqrt(0.75 * x));
@@ -132,6 +144,15 @@ static const scaling_axis axes[] = {
      out_of_view,
      {0, 100000, 300000, 900000},
      0,
+     0,
+     2},
+    {"around",
+     "Gaussians",
+     "random Gaussians around a camera that passes between them; a run",
+     WORK_RUN,
+     around,
+     {30000, 100000, 300000, 1000000},
+     1.05,
      0,
      2},
     {"pixels", "px", "20 000 random Gaussians; a frame", WORK_FRAMES, pixels, {4800, 19200, 76800, 307200, 921600}, 1.05, 0, 2},
