@@ -202,12 +202,12 @@ static void destroy(td_backend *backend) {
     }
     for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
         if (kernels[i]) clReleaseKernel(kernels[i]);
-    td_buffer *buffers[] = {&b->image_buffer, &b->object,       &b->geometry,   &b->rates,     &b->sh,     &b->sh_rates,
-                            &b->views,        &b->strays,       &b->sweep_rows, &b->sweep_groups, &b->backdrops, &b->boxes,  &b->travel,
-                            &b->candidates,   &b->jobs,         &b->records,    &b->colours,   &b->masks,  &b->keys,
-                            &b->order,        &b->sorted_masks, &b->counts,     &b->brightest, &b->planes, &b->blended,
-                            &b->decoder,      &b->hints,        &b->asked,      &b->words,     &b->turns,  &b->depths,
-                            &b->lights};
+    td_buffer *buffers[] = {&b->image_buffer, &b->object,     &b->geometry,     &b->rates,        &b->sh,        &b->sh_rates,
+                            &b->views,        &b->strays,     &b->sweep_rows,   &b->sweep_groups, &b->backdrops, &b->boxes,
+                            &b->travel,       &b->candidates, &b->jobs,         &b->records,      &b->colours,   &b->masks,
+                            &b->keys,         &b->order,      &b->sorted_masks, &b->counts,       &b->brightest, &b->planes,
+                            &b->blended,      &b->decoder,    &b->hints,        &b->asked,        &b->words,     &b->turns,
+                            &b->depths,       &b->lights};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     td_opencl_motion_release(b);
     td_opencl_cubics_release(b);

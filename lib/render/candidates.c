@@ -52,8 +52,7 @@ tides_status td_candidates_create(int width, int height, td_candidates *candidat
                                   sizeof *candidates->blocks, error);
     candidates->block_travel = td_alloc(tiles * TD_TILE_BLOCKS, sizeof *candidates->block_travel, error);
     if (candidates->first && candidates->end && candidates->edges && candidates->column && candidates->travel &&
-        candidates->moving && candidates->hint && candidates->moving_blocks && candidates->blocks &&
-        candidates->block_travel)
+        candidates->moving && candidates->hint && candidates->moving_blocks && candidates->blocks && candidates->block_travel)
         return TIDES_OK;
     td_candidates_release(candidates);
     return TIDES_NO_MEMORY;
@@ -102,7 +101,8 @@ TD_WIDE static void look_at(const float *restrict boxes, int count, int tiles_x,
         float x0 = left > 0 ? left : 0, y0 = top > 0 ? top : 0, x1 = right > 0 ? right : 0, y1 = bottom > 0 ? bottom : 0;
         x0 = x0 < limit_x ? x0 : 0, y0 = y0 < limit_y ? y0 : 0;
         x1 = x1 < limit_x ? x1 : limit_x - 1, y1 = y1 < limit_y ? y1 : limit_y - 1;
-        const int32_t a = (int32_t)x0 / TD_TILE, b = (int32_t)y0 / TD_TILE, c = (int32_t)x1 / TD_TILE, d = (int32_t)y1 / TD_TILE;
+        const int32_t a = (int32_t)x0 / TD_TILE, b = (int32_t)y0 / TD_TILE, c = (int32_t)x1 / TD_TILE,
+                      d = (int32_t)y1 / TD_TILE;
         out->x0[i] = a, out->y0[i] = b, out->x1[i] = c, out->y1[i] = d;
         out->any[i] = there & (a <= c) & (b <= d);
     }
@@ -244,7 +244,8 @@ static inline void place_each(td_candidates *candidates, const struct td_touchin
     const int tiles_x = candidates->tiles_x, none = tiles_x * candidates->tiles_y;
     for (size_t i = touching->begin; i < touching->end; i++) {
         const range on = candidates->touches[i].on;
-        const int g = candidates->touches[i].gaussian, tile = on.y0 * tiles_x + on.x0, wide = on.x1 - on.x0, high = on.y1 - on.y0;
+        const int g = candidates->touches[i].gaussian, tile = on.y0 * tiles_x + on.x0, wide = on.x1 - on.x0,
+                  high = on.y1 - on.y0;
         const float far = moves && travel[g] > 0 ? travel[g] : 0;
         if ((wide | high) > 1) {
             for (int y = on.y0; y <= on.y1; y++)

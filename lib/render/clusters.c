@@ -143,16 +143,17 @@ static void set_planes(const td_image *image, double blur, outlook *out) {
 /* Whether a cluster stays beyond one of the planes. `sigmas`: where its splats are cut off. */
 static int is_out(const td_cluster *cluster, const outlook *out, double sigmas) {
     double at[POINTS_MOST][3];
-    const double *c = cluster->centre, away[3] = {c[0] - out->stray->origin[0], c[1] - out->stray->origin[1],
-                                                  c[2] - out->stray->origin[2]};
+    const double *c = cluster->centre,
+                 away[3] = {c[0] - out->stray->origin[0], c[1] - out->stray->origin[1], c[2] - out->stray->origin[2]};
     for (int i = 0; i < out->points; i++)
         for (int k = 0; k < 3; k++) {
             const double *r = out->r[i] + 3 * k;
             at[i][k] = r[0] * c[0] + r[1] * c[1] + r[2] * c[2] + out->t[i][k];
         }
     const double turn = out->stray->rotation[0];
-    const double reach = more * (out->scale * cluster->radius + out->stray->position[0] + turn * (norm3(away) + cluster->radius)) +
-                         rounding * (out->scale * norm3(c) + out->far);
+    const double reach =
+        more * (out->scale * cluster->radius + out->stray->position[0] + turn * (norm3(away) + cluster->radius)) +
+        rounding * (out->scale * norm3(c) + out->far);
     const double wide = more * sigmas * (out->scale + turn) * cluster->axis;
     for (int p = 0; p < out->planes; p++) {
         const plane *side = &out->plane[p];

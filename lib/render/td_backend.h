@@ -123,7 +123,7 @@ typedef struct td_sweep_request {
     const double *strays; /* (objects x TD_STRAY_REALS), a td_stray each; NULL: no path strays */
     double duration;      /* [s] */
     int level, begin, end;
-    const int *rows; /* (td_sweep_times) where their rows begin; NULL: at `begin`, since they don't move by themselves */
+    const int *rows;   /* (td_sweep_times) where their rows begin; NULL: at `begin`, since they don't move by themselves */
     const int *groups; /* (group_count) ascending; NULL: all of them. What is of others stays as it is */
     int group_count;
 } td_sweep_request;

@@ -22,9 +22,9 @@ enum { TD_CLUSTER_SEEN, TD_CLUSTER_LEFT, TD_CLUSTER_GONE };
 typedef struct td_clusters {
     int count;
     td_cluster *of;
-    int *first;          /* (objects + 1) into `of` */
-    uint8_t *state;      /* (count) TD_CLUSTER_*, in the interval that was asked for last */
-    int *some, *all;     /* (groups) numbers of TD_PAD neighbours in the store, of a few objects and of all of them */
+    int *first;      /* (objects + 1) into `of` */
+    uint8_t *state;  /* (count) TD_CLUSTER_*, in the interval that was asked for last */
+    int *some, *all; /* (groups) numbers of TD_PAD neighbours in the store, of a few objects and of all of them */
 } td_clusters;
 
 /* An object's way through an interval: how it is seen at both ends, `duration` seconds apart, and how far it strays from the

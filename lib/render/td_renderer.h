@@ -76,10 +76,10 @@ tides_status td_view_at(const tides_scene *scene, int32_t object, const tides_tr
 /* Which Gaussians each tile may see during an interval (candidates.c). */
 typedef struct td_candidates {
     int tiles_x, tiles_y;
-    int *first;              /* (tiles + 1) into `list`; multiples of TD_PAD */
-    int *list;               /* Gaussian indices, ascending, each object's padded to TD_PAD with TD_NO_GAUSSIAN */
-    size_t capacity;         /* of `list` */
-    int *groups;             /* TD_PAD neighbours in the store with one in a list: their numbers, ascending */
+    int *first;      /* (tiles + 1) into `list`; multiples of TD_PAD */
+    int *list;       /* Gaussian indices, ascending, each object's padded to TD_PAD with TD_NO_GAUSSIAN */
+    size_t capacity; /* of `list` */
+    int *groups;     /* TD_PAD neighbours in the store with one in a list: their numbers, ascending */
     size_t groups_capacity;
     int group_count;
     float *travel;           /* (tiles + 3) most diameters that one of its candidates travels in the interval */
@@ -95,9 +95,9 @@ typedef struct td_candidates {
     struct td_touching *touching; /* (touching_count) objects that have such */
     size_t touches_capacity, touch_count, touching_capacity;
     int touching_count;
-    int *end;                     /* (tiles + 3) one behind each list's last */
-    int *edges, *column;          /* (tiles_x + 1 x tiles_y + 1), all 0 in between, and (tiles_x) */
-    float *blocks;                /* (4 tiles_y x somewhat more than 4 tiles_x) how far what moves there travels */
+    int *end;            /* (tiles + 3) one behind each list's last */
+    int *edges, *column; /* (tiles_x + 1 x tiles_y + 1), all 0 in between, and (tiles_x) */
+    float *blocks;       /* (4 tiles_y x somewhat more than 4 tiles_x) how far what moves there travels */
 } td_candidates;
 tides_status td_candidates_create(int width, int height, td_candidates *candidates, tides_error *error);
 void td_candidates_release(td_candidates *candidates);

@@ -34,7 +34,8 @@ static float odd_number(uint64_t *random, int side) {
 
 static void make_box(boxes *b, int i, double size, uint64_t *random) {
     const double x = (1.6 * random_uniform(random) - 0.3) * b->width, y = (1.6 * random_uniform(random) - 0.3) * b->height;
-    const double rx = size * (random_uniform(random) - 0.02), ry = size * (random_uniform(random) - 0.02); /* some are inverted */
+    const double rx = size * (random_uniform(random) - 0.02),
+                 ry = size * (random_uniform(random) - 0.02); /* some are inverted */
     float *box = b->box + 4 * i;
     box[0] = (float)(x - rx), box[1] = (float)(y - ry), box[2] = (float)(x + rx), box[3] = (float)(y + ry);
     for (int k = 0; k < 4; k++)

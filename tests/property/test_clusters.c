@@ -62,8 +62,9 @@ static void add_object(tides_scene *scene, const random_recipe *recipe, int coun
     for (int64_t i = 0; i < g.count; i++) {
         const double opacity = scene_between(seed, recipe->opacity_min, 0.9);
         for (int k = 0; k < 3; k++)
-            g.mean[3 * i + k] = i % TD_CLUSTER ? g.mean[3 * (i / TD_CLUSTER * TD_CLUSTER) + k] + (float)scene_between(seed, 0, near)
-                                               : (float)(place[k] + scene_between(seed, -wide, wide));
+            g.mean[3 * i + k] = i % TD_CLUSTER
+                                    ? g.mean[3 * (i / TD_CLUSTER * TD_CLUSTER) + k] + (float)scene_between(seed, 0, near)
+                                    : (float)(place[k] + scene_between(seed, -wide, wide));
         for (int k = 0; k < 3; k++) g.log_scale[3 * i + k] = (float)(log(recipe->size) + scene_between(seed, -2, 1));
         for (int k = 0; k < 4; k++) g.quaternion[4 * i + k] = (float)scene_between(seed, -1, 1) + 0.01F;
         for (int k = 0; k < 3; k++) g.sh[3 * i + k] = 0.5F;
@@ -82,8 +83,8 @@ static tides_scene *scene_around(const random_recipe *recipe, uint64_t *seed) {
     tides_error error;
     scene_expect_ok(tides_scene_create(&scene, &error), &error);
     for (int i = 0; i < OBJECTS; i++)
-        add_object(scene, recipe, 1 + (int)scene_between(seed, 0, 20),
-                   scene_between(seed, 0, 1.5) * scene_between(seed, 0, 1), i % 2, i % 3 == 0, seed);
+        add_object(scene, recipe, 1 + (int)scene_between(seed, 0, 20), scene_between(seed, 0, 1.5) * scene_between(seed, 0, 1),
+                   i % 2, i % 3 == 0, seed);
     add_object(scene, recipe, 40 * TD_CLUSTER, recipe->spread, 0, 0, seed);
     return scene;
 }
@@ -153,8 +154,8 @@ static void check_interval(tides_renderer *renderer, const tides_trajectory *pat
                 if (!touches_image(renderer, boxes + 4 * (size_t)g)) continue;
                 seen[c] = 1;
                 if (!touches_image(renderer, renderer->boxes + 4 * (size_t)g))
-                    fail_msg("trial %d: splat %d, of no box in [%g, %g] s, is at [%g, %g] x [%g, %g] at %g s", (int)trial, g, start,
-                             start + length, boxes[4 * g], boxes[4 * g + 2], boxes[4 * g + 1], boxes[4 * g + 3], time);
+                    fail_msg("trial %d: splat %d, of no box in [%g, %g] s, is at [%g, %g] x [%g, %g] at %g s", (int)trial, g,
+                             start, start + length, boxes[4 * g], boxes[4 * g + 2], boxes[4 * g + 1], boxes[4 * g + 3], time);
                 if (renderer->clusters.state[c] != TD_CLUSTER_SEEN)
                     fail_msg("trial %d: splat %d of cluster %d, left out of [%g, %g] s, is at [%g, %g] x [%g, %g] at %g s",
                              (int)trial, g, c, start, start + length, boxes[4 * g], boxes[4 * g + 2], boxes[4 * g + 1],
@@ -195,8 +196,10 @@ static void test_nothing_is_seen_of_what_is_left_out(void **state) {
     const tally *all[] = {&small, &large, &bent};
     for (int i = 0; i < 3; i++)
         print_message("clusters of %s: %d of %d out of view left out, %d in view\n",
-                      i == 0 ? "small splats" : i == 1 ? "large ones" : "any, through lenses", all[i]->left_out, all[i]->unseen,
-                      all[i]->seen);
+                      i == 0   ? "small splats"
+                      : i == 1 ? "large ones"
+                               : "any, through lenses",
+                      all[i]->left_out, all[i]->unseen, all[i]->seen);
     assert_true(small.seen > 500 && small.left_out > 0.7 * small.unseen);
     assert_true(large.seen > 500 && large.left_out > 0.2 * large.unseen);
     assert_true(bent.seen > 500 && bent.left_out > 0.2 * bent.unseen); /* what is behind */

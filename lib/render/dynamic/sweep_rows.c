@@ -84,12 +84,8 @@ static tides_status sweep_chunk(td_dynamic *dynamic, td_backend *backend, const 
     if (status == TIDES_OK) status = td_rows_send(dynamic, backend, error);
     if (status != TIDES_OK) return status;
     int begin = object->first + from;
-    const td_sweep_request request = {.views = views,
-                                      .strays = strays,
-                                      .duration = time[2] - time[0],
-                                      .begin = begin,
-                                      .end = begin + length,
-                                      .rows = row};
+    const td_sweep_request request =
+        {.views = views, .strays = strays, .duration = time[2] - time[0], .begin = begin, .end = begin + length, .rows = row};
     return backend->type->sweep(backend, &request, boxes, travel, error);
 }
 
