@@ -273,7 +273,7 @@ static void fill_up(td_candidates *candidates, const range *on) {
 /* A box that touches the blocks `on` of the TOGETHER columns from `at` on travels so far in them. */
 static inline void travel_in(float *restrict blocks, int stride, const range *on, int at, float far) {
     float here[TOGETHER];
-    for (int k = 0; k < TOGETHER; k++) here[k] = (at + k < on->x0) | (at + k > on->x1) ? -1 : far;
+    for (int k = 0; k < TOGETHER; k++) here[k] = ((at + k < on->x0) | (at + k > on->x1)) ? -1 : far;
     for (int y = on->y0; y <= on->y1; y++) {
         float *row = blocks + (size_t)y * (size_t)stride + at;
         for (int k = 0; k < TOGETHER; k++) row[k] = here[k] > row[k] ? here[k] : row[k];

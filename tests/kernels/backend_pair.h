@@ -118,13 +118,15 @@ static inline pair_boxes pair_boxes_of(backend_pair *pair, double duration) {
     return made[0];
 }
 
-/* Boxes of a moment, which are made in a way of their own, lie in those of an interval that begins with it, to rounding. */
+/* Boxes of a moment, which are made in a way of their own, lie in those of an interval that begins with it, to rounding, as far
+ * as they are in the image: beside it, what crosses the near plane in the interval has none. */
 static inline void pair_check_instant(backend_pair *pair, const pair_boxes *interval) {
     pair_boxes instant = pair_boxes_of(pair, 0);
     int seen = 0;
     for (size_t i = 0; i < (size_t)pair->store.count; i++) {
         const float *part = instant.box + 4 * i, *whole = interval->box + 4 * i;
-        if (part[0] > part[2]) continue;
+        const float right = (float)pair->scene.camera.width, bottom = (float)pair->scene.camera.height;
+        if (part[0] > part[2] || part[0] >= right || part[1] >= bottom || part[2] <= 0 || part[3] <= 0) continue;
         seen++;
         for (int k = 0; k < 2; k++) {
             const float from = part[k] > -1e4f ? part[k] : -1e4f, to = part[2 + k] < 1e4f ? part[2 + k] : 1e4f;
