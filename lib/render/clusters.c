@@ -30,6 +30,7 @@ static void bound(const td_store *store, td_cluster *cluster) {
     for (int g = cluster->begin; g < cluster->end; g++) {
         const double *row = row_of(store, g);
         double square = 0;
+        if (row[TD_G_OPACITY] == 0) continue; /* padding, and whoever is as little to be seen */
         for (int k = 0; k < 3; k++) {
             low[k] = fmin(low[k], row[TD_G_MEAN + k]), high[k] = fmax(high[k], row[TD_G_MEAN + k]);
             sum += row[TD_G_MEAN + k]; /* NaN, which fmin doesn't see, stays */
@@ -42,6 +43,7 @@ static void bound(const td_store *store, td_cluster *cluster) {
     for (int k = 0; k < 3; k++) cluster->centre[k] = 0.5 * (low[k] + high[k]);
     for (int g = cluster->begin; g < cluster->end; g++) {
         double square = 0;
+        if (row_of(store, g)[TD_G_OPACITY] == 0) continue;
         for (int k = 0; k < 3; k++) {
             const double away = row_of(store, g)[TD_G_MEAN + k] - cluster->centre[k];
             square += away * away;
