@@ -22,9 +22,10 @@ for case in "$@"; do
     name=$(basename "$case" .sh)
     [ "$name" = run ] && continue
     mkdir -p "$scratch/$name"
+    SECONDS=0
     (cd "$scratch/$name" && source "$here/harness.bash" && source "$here/$name.sh") >"$scratch/$name.log" 2>&1
     case $? in
-        0) passed=$((passed + 1)); echo "ok   $name" ;;
+        0) passed=$((passed + 1)); echo "ok   $name ($SECONDS s)" ;;
         77) skipped=$((skipped + 1)); echo "skip $name: $(tail -n 1 "$scratch/$name.log")" ;;
         *) failed=$((failed + 1)); echo "FAIL $name"; sed 's/^/     | /' "$scratch/$name.log" ;;
     esac
