@@ -216,6 +216,7 @@ static void destroy(td_backend *backend) {
     td_opencl_truth_release(b);
     free(b->host);
     free(b->host_ints);
+    free(b->swept);
     free(b);
 }
 

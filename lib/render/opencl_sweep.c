@@ -26,15 +26,24 @@ static tides_status send_interval(opencl_backend *b, const td_sweep_request *req
     return status;
 }
 
-/* What was swept to where it belongs on the host. */
-static tides_status read_boxes(const opencl_backend *b, const td_sweep_request *request, float *boxes, float *travel,
-                               tides_error *error) {
+/* `width` numbers of each Gaussian that was swept, from `far` to where they belong in `to`. A device with memory of its own is
+ * asked once for all between the first and the last: each question takes as long as thousands of numbers. */
+static tides_status read_swept(opencl_backend *b, const td_sweep_request *request, const td_buffer *far, size_t width,
+                               float *to, tides_error *error) {
+    const int runs = td_run_count(request), apart = !b->device->near && runs > 1;
+    const int least = apart ? request->groups[0] * TD_PAD : 0, most = apart ? (request->groups[runs - 1] + 1) * TD_PAD : 0;
+    const size_t each = width * sizeof *to;
     tides_status status = TIDES_OK;
-    for (int run = 0, first, end; run < td_run_count(request) && status == TIDES_OK;) {
+    if (apart) status = td_reserve((void **)&b->swept, &b->swept_capacity, (size_t)(most - least) * width, sizeof *to, error);
+    if (apart && status == TIDES_OK)
+        status = td_buffer_read_at(b->device, far, (size_t)least * each, b->swept, (size_t)(most - least) * each, error);
+    for (int run = 0, first, end; run < runs && status == TIDES_OK;) {
         run = td_next_run(request, run, &first, &end);
-        const size_t from = (size_t)first * sizeof *boxes, bytes = (size_t)(end - first) * sizeof *boxes;
-        status = td_buffer_read_part(b->device, &b->boxes, boxes, 4 * from, 4 * bytes, error);
-        if (status == TIDES_OK) status = td_buffer_read_part(b->device, &b->travel, travel, from, bytes, error);
+        const size_t from = (size_t)first * each, bytes = (size_t)(end - first) * each;
+        if (apart)
+            memcpy((char *)to + from, b->swept + (size_t)(first - least) * width, bytes);
+        else
+            status = td_buffer_read_part(b->device, far, to, from, bytes, error);
     }
     return status;
 }
@@ -74,7 +83,8 @@ tides_status td_opencl_sweep(td_backend *backend, const td_sweep_request *reques
                                      TD_BUFFER_ARGUMENT(b->boxes),
                                      TD_BUFFER_ARGUMENT(b->travel)};
     status = td_launch(b->device, b->sweep_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
-    if (status == TIDES_OK) status = read_boxes(b, request, boxes, travel, error);
+    if (status == TIDES_OK) status = read_swept(b, request, &b->boxes, 4, boxes, error);
+    if (status == TIDES_OK) status = read_swept(b, request, &b->travel, 1, travel, error);
     backend->stats.sweeps++;
     backend->stats.time_sweep_s += td_now() - begun;
     return status;

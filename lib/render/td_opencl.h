@@ -25,7 +25,8 @@ typedef struct opencl_backend {
     uint64_t candidates_serial; /* of what the device has */
     float *host;                /* staging for numbers that change precision */
     int *host_ints;
-    size_t host_capacity, host_ints_capacity;
+    float *swept; /* what a device with memory of its own has swept */
+    size_t host_capacity, host_ints_capacity, swept_capacity;
 
     int movers, kinds, moves_sh; /* motion (opencl_motion.c) */
     cl_kernel *move_kernel;      /* (kinds) NULL where rows come from the host */

@@ -7,8 +7,10 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "device/td_device.h"
 #include "render/td_curve.h"
 #include "tests/property/renderer_of.h"
+#include "tests/support/opencl.h"
 #include "tests/support/scene_make.h"
 
 #include <math.h>
@@ -239,6 +241,40 @@ static void test_clusters_come_and_go(void **state) {
     random_scene_free(&s);
 }
 
+/* Boxes of what is seen are the same where they come from a device's own memory, and those of others stay. */
+static void test_boxes_from_afar(void **state) {
+    (void)state;
+    skip_without_opencl();
+    const random_recipe recipe = recipe_around(1);
+    random_scene s = random_scene_make(&recipe);
+    uint64_t seed = recipe.seed;
+    tides_scene *scene = scene_around(&recipe, &seed);
+    float *boxes[2] = {NULL, NULL};
+    size_t bytes = 0;
+    for (int far = 0; far < 2; far++) {
+        tides_device *device = open_device("cpu");
+        tides_error error;
+        if (far) device->near = 0;
+        tides_renderer *renderer = make_renderer(device, scene, &s.camera, TIDES_RULES_SMOOTH);
+        for (int i = 0; i < 4; i++) /* some come, some go */
+            scene_expect_ok(td_renderer_sweep_alone(renderer, s.path, 0.2 * i, 0.2 * i + 0.01, &error), &error);
+        int runs = 1, *group = renderer->clusters.all;
+        const int groups = td_clusters_list(&renderer->clusters, 0, renderer->store.objects, group);
+        for (int i = 1; i < groups; i++) runs += group[i] != group[i - 1] + 1;
+        assert_true(runs > 10);
+        bytes = (size_t)renderer->store.count * 4 * sizeof *boxes[far];
+        boxes[far] = malloc(bytes);
+        assert_non_null(boxes[far]);
+        memcpy(boxes[far], renderer->boxes, bytes);
+        tides_renderer_destroy(renderer);
+        tides_device_close(device);
+    }
+    assert_memory_equal(boxes[0], boxes[1], bytes);
+    free(boxes[0]), free(boxes[1]);
+    tides_scene_destroy(scene);
+    random_scene_free(&s);
+}
+
 /* -- the order of what rests ---------------------------------------------------------------------------------------------- */
 
 /* The way from each to the next, in all. */
@@ -279,7 +315,7 @@ static void test_neighbours_in_space_are_neighbours(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_nothing_is_seen_of_what_is_left_out),
-                                       cmocka_unit_test(test_clusters_come_and_go),
+                                       cmocka_unit_test(test_clusters_come_and_go), cmocka_unit_test(test_boxes_from_afar),
                                        cmocka_unit_test(test_neighbours_in_space_are_neighbours)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
