@@ -1,7 +1,7 @@
-/* Tile candidate lists: for each 16x16 tile the Gaussians whose swept box touches it, in index order. A counting sort, object by
- * object: one pass over the boxes finds who touches any tile, and how long lists will be; one over those puts them there. Who
- * touches what is looked at in vectors, and a box of up to 2x2 tiles goes to its lists without a question, since how many tiles
- * a box has is hard to guess. */
+/* Tile candidate lists: for each 16x16 tile the Gaussians whose swept box touches it, in index order. A counting sort, object
+ * by object: one pass over the boxes finds who touches any tile, and how long lists will be; one over those puts them there.
+ * Who touches what is looked at in vectors, and a box of up to 2x2 tiles goes to its lists without a question, since how many
+ * tiles a box has is hard to guess. */
 #include "td_renderer.h"
 #include "td_wide.h"
 
@@ -48,7 +48,7 @@ tides_status td_candidates_create(int width, int height, td_candidates *candidat
     candidates->moving = td_alloc(tiles, sizeof *candidates->moving, error);
     candidates->hint = td_alloc(tiles, sizeof *candidates->hint, error);
     candidates->moving_blocks = td_alloc(tiles, sizeof *candidates->moving_blocks, error);
-    candidates->blocks = td_alloc((size_t)(blocks_stride(candidates) * TD_TILE / TD_BLOCK * candidates->tiles_y),
+    candidates->blocks = td_alloc((size_t)blocks_stride(candidates) * (TD_TILE / TD_BLOCK) * (size_t)candidates->tiles_y,
                                   sizeof *candidates->blocks, error);
     candidates->block_travel = td_alloc(tiles * TD_TILE_BLOCKS, sizeof *candidates->block_travel, error);
     if (candidates->first && candidates->end && candidates->edges && candidates->column && candidates->travel &&
@@ -122,6 +122,7 @@ static void add_touches(td_candidates *candidates, const look *seen, int at, int
 static void add_group(td_candidates *candidates, const td_store *store, const look *seen, int at, int first) {
     const int object = store->object[first + at];
     int32_t any = 0;
+    /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): it doesn't follow that counts are multiples of TD_PAD */
     for (int i = at; i < at + TD_PAD; i++) any |= seen->any[i];
     if (!any) return;
     struct td_touching *touching = candidates->touching + candidates->touching_count;
@@ -179,7 +180,7 @@ static tides_status find_touches(td_candidates *candidates, const td_store *stor
 /* Each object's share of a tile's list begins at a multiple of TD_PAD. */
 static int padded(int end) { return (end + TD_PAD - 1) / TD_PAD * TD_PAD; }
 
-/* Where boxes begin and end, to `edges`, whose sums over rows and columns are how many there are; and which tiles are theirs. */
+/* Where boxes begin and end, to `edges`: sums over rows and columns are how many there are. And which tiles are theirs. */
 static void mark_edges(td_candidates *candidates, struct td_touching *touching) {
     const int stride = candidates->tiles_x + 1;
     int *edges = candidates->edges;
@@ -238,8 +239,8 @@ static inline void place(td_candidates *candidates, int tile, int there, int gau
     if (moves) candidates->travel[tile] = far > candidates->travel[tile] ? far : candidates->travel[tile];
 }
 
-/* Of one object; what moves, and how far at most, is noted on the way. Tiles that aren't there take what isn't wanted: three, so
- * that no number waits for itself more than once. */
+/* Of one object; what moves, and how far at most, is noted on the way. Tiles that aren't there take what isn't wanted: three,
+ * so that no number waits for itself more than once. */
 static inline void place_each(td_candidates *candidates, const struct td_touching *touching, const float *travel, int moves) {
     const int tiles_x = candidates->tiles_x, none = tiles_x * candidates->tiles_y;
     for (size_t i = touching->begin; i < touching->end; i++) {

@@ -1,6 +1,6 @@
-/* What is out of view: of a cluster that is left out of an interval, or a splat that is nowhere in it, nothing is seen at any time
- * in it. Cameras within what is there, that turn and shake, objects on paths of their own, splats of every size, lenses, every rule. And what is out of view
- * is mostly found to be. */
+/* What is out of view: of a cluster that is left out of an interval, or a splat that is nowhere in it, nothing is seen at any
+ * time in it. Cameras within what is there, that turn, rush past and shake, objects on paths of their own, splats of every
+ * size, lenses, every rule. And what is out of view is mostly found to be. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -282,7 +282,7 @@ static double way_of(const float *mean, const int64_t *order, int count) {
     double way = 0;
     for (int i = 1; i < count; i++) {
         const float *a = mean + 3 * (order ? order[i - 1] : i - 1), *b = mean + 3 * (order ? order[i] : i);
-        if (isfinite(a[0] + b[0])) way += hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
+        if (isfinite(a[0] + b[0])) way += hypot(hypot((double)a[0] - b[0], (double)a[1] - b[1]), (double)a[2] - b[2]);
     }
     return way;
 }
