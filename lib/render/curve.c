@@ -34,7 +34,7 @@ static uint64_t spread(uint64_t x) {
 
 /* From the second to the next to last percent of samples along each axis, and as much again. */
 static cube find_cube(const float *mean, int64_t count) {
-    double sample[SAMPLES], side = 0;
+    double sample[SAMPLES] = {0}, side = 0;
     cube made = {{0}, 0};
     for (int k = 0; k < 3; k++) {
         const int64_t samples = count < SAMPLES ? count : SAMPLES;
@@ -64,9 +64,10 @@ static uint64_t cell_of(const cube *in, const float *mean) {
 
 tides_status td_curve_order(const float *mean, const uint8_t *left_out, int64_t count, int64_t *order, tides_error *error) {
     const cube in = find_cube(mean, count);
-    item *items = td_alloc(2 * (size_t)count + 1, sizeof *items, error), *from = items, *to = items + count;
-    size_t kept = 0;
+    item *items = td_alloc(2 * (size_t)count + 1, sizeof *items, error);
     if (!items) return TIDES_NO_MEMORY;
+    item *from = items, *to = items + count;
+    size_t kept = 0;
     for (int64_t i = 0; i < count; i++)
         if (!left_out[i]) from[kept++] = (item){cell_of(&in, mean + 3 * i), i};
     for (int shift = 0; shift < 3 * CELLS_BITS; shift += TD_RADIX_BITS) {
