@@ -180,6 +180,11 @@ typedef struct td_image {
 
 #include "choices.h"
 
+/* The least alpha that is seen. */
+TD_INLINE td_real td_least_seen(const td_image *image) {
+    return td_cut_rule(image) == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
+}
+
 /* Whether splats have colour records, and reals per record. */
 TD_INLINE int td_has_colours(const td_image *image) { return td_decoder(image) || td_outputs(image) >= TD_OUT_COLOUR; }
 TD_INLINE int td_colour_stride(const td_image *image) { return td_decoder(image) ? TD_FEATURE_STRIDE : TD_COLOUR_STRIDE; }

@@ -157,7 +157,7 @@ TD_INLINE int td_point_rise(const td_image *image, TD_GLOBAL td_real *view) {
     td_lanes alpha = td_load_lanes(view + TD_V_OPACITY * TD_LANES) * fall;
     td_store_lanes(view + TD_V_ALPHA * TD_LANES, alpha);
     td_store_lanes(view + TD_V_ALPHA_DOT * TD_LANES, td_load_lanes(view + TD_V_SLOPE * TD_LANES) * fall);
-    return td_any(alpha >= td_point_cut(image));
+    return td_any(alpha >= td_least_seen(image));
 }
 
 /* What it takes of the light. */
@@ -176,7 +176,7 @@ TD_INLINE td_point_entry td_point_enter(const td_image *image, TD_GLOBAL const t
     td_point_entry entry;
     td_lanes none = td_splat(0.0f);
     entry.depth = td_load_lanes(view + TD_V_DEPTH * TD_LANES), entry.growth = td_load_lanes(view + TD_V_GROWTH * TD_LANES);
-    *sees = (td_load_lanes(view + TD_V_ALPHA * TD_LANES) >= td_point_cut(image)) & (entry.depth < end);
+    *sees = (td_load_lanes(view + TD_V_ALPHA * TD_LANES) >= td_least_seen(image)) & (entry.depth < end);
     entry.takes = td_select(none, td_load_lanes(view + TD_V_TAKES * TD_LANES), *sees);
     entry.takes_dot = td_select(none, td_load_lanes(view + TD_V_TAKES_DOT * TD_LANES), *sees);
     entry.luminance = td_select(none, td_load_lanes(view + TD_V_LUMINANCE * TD_LANES), *sees);

@@ -179,15 +179,10 @@ TD_INLINE void td_point_store_tests(TD_GLOBAL float *tests, const size_t at[TD_L
 #endif
 }
 
-/* The least alpha that is seen. */
-TD_INLINE td_real td_point_cut(const td_image *image) {
-    return td_cut_rule(image) == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
-}
-
 /* Makes the tests of TD_LANES splats in a slice, to tests + at[lane] each. */
 TD_INLINE void td_point_make_tests(const td_point_paths *paths, const td_image *image, int slice, const int path[TD_LANES],
                                    TD_GLOBAL float *tests, const size_t at[TD_LANES]) {
-    td_real cut = td_point_cut(image);
+    td_real cut = td_least_seen(image);
     td_real across = (td_real)image->width, down = (td_real)image->height;
     td_lanes none = td_splat(0.0f), one = td_splat(1.0f);
     td_point_bounds of = td_point_find_bounds(paths, slice, path);

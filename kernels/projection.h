@@ -258,7 +258,7 @@ TD_INLINE void td_shape_fade(td_shape *shape, td_dual opacity, const td_image *i
     }
     shape->opacity = opacity;
     /* Without a cut the ellipse ends where single precision does; log of a tiny positive number only. */
-    td_real cut = td_cut_rule(image) == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
+    td_real cut = td_least_seen(image);
     shape->visible = shape->visible & (opacity.v > cut);
     shape->power = 2.0f * td_log(td_select(td_splat(1.0f), opacity.v / cut, shape->visible));
 }

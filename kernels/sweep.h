@@ -60,7 +60,7 @@ TD_INLINE td_lanes td_sweep_width(td_lanes a, td_lanes b, td_lanes c) {
  * cubic through them reaches, and so the ellipse out to where that one is cut. */
 TD_INLINE void td_sweep_opacity(td_shape s[3], const td_image *image, td_real duration) {
     td_lanes lower, upper;
-    td_real cut = td_cut_rule(image) == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
+    td_real cut = td_least_seen(image);
     td_sweep_range(s[0].opacity, s[1].opacity, s[2].opacity, duration, td_splat(0.0f), &lower, &upper);
     td_mask in_front = (s[0].depth.v > image->near) & (s[1].depth.v > image->near) & (s[2].depth.v > image->near);
     td_mask reached = in_front & (upper > cut);
@@ -74,7 +74,7 @@ TD_INLINE void td_sweep_opacity(td_shape s[3], const td_image *image, td_real du
 /* The same where a splat fades near the plane between the samples: opacity there rises with depth, up to `z1`. */
 TD_INLINE void td_sweep_fade(td_shape s[3], const td_image *image, td_lanes opacity, td_lanes z0, td_lanes z1) {
     if (!(image->near_full > image->near)) return;
-    td_real scale = 1 / (image->near_full - image->near), cut = td_cut_rule(image) == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut;
+    td_real scale = 1 / (image->near_full - image->near), cut = td_least_seen(image);
     td_mask fading = (z0 < image->near_full) & (z1 > image->near) & (z0 < z1);
     td_lanes upper = opacity * td_smootherstep(td_clamp((z1 - image->near) * scale, 0, 1));
     td_mask reached = fading & (upper > cut);
@@ -170,31 +170,27 @@ typedef struct td_piece {
     td_lanes z0, z1; /* depths */
 } td_piece;
 
-/* Whatever crosses the near plane gets the whole image, unless it is to the side of it all the while: `aside`. Where that is on
- * the screen can't be said, since it is nowhere while it is behind the plane. */
-TD_INLINE td_mask td_sweep_crosses(const td_piece *piece, const td_image *image, const td_source *source, td_mask ever,
-                                   td_mask *aside) {
+/* Whatever crosses the near plane gets the whole image, or, where it is to the side of it all the while, nothing: it isn't
+ * among those seen by their samples any more, `ever`, since it has no place on the screen while it is behind the plane. */
+TD_INLINE td_mask td_sweep_crosses(const td_piece *piece, const td_image *image, const td_source *source, td_mask *ever) {
     const td_shape *s = piece->s;
     td_mask behind = (s[0].depth.v <= image->near) | (s[1].depth.v <= image->near) | (s[2].depth.v <= image->near);
     td_real cut = td_cut_rule(image) == TD_CUT_NONE ? TD_REAL(0.0) : image->cut;
-    td_mask crosses = (piece->opacity > cut) & (((piece->z0 <= image->near) & (piece->z1 > image->near)) | (behind & ever));
-    *aside = crosses;
+    td_mask crosses = (piece->opacity > cut) & (((piece->z0 <= image->near) & (piece->z1 > image->near)) | (behind & *ever));
     if (!td_any(crosses)) return crosses;
-    td_real least = td_cut_rule(image) == TD_CUT_NONE ? TD_REAL(1e-30) : image->cut, scale = 0;
+    *ever &= crosses == 0;
+    td_real least = td_least_seen(image), scale = 0;
     td_lanes sigmas = td_sqrt(2.0f * td_log(td_select(td_splat(1.0f), piece->opacity / least, piece->opacity > least)));
     for (int k = 0; k < 3; k++) scale += piece->view[1]->r[6 + k] * piece->view[1]->r[6 + k]; /* an object's, squared */
     td_lanes size = td_fma(sigmas * td_sqrt(td_splat(scale)),
                            TD_REAL(1.01) * td_sweep_reach(piece->stray, image, source, piece->row).factor, piece->off);
     td_lanes blur = td_fma(sigmas, td_sqrt(td_splat(image->dilation)), td_splat(1.0f));
-    if (td_lens_model(image)) {
-        *aside &= td_sweep_beyond(piece->view, image, source, piece->row, piece->duration, piece->z1, size, blur);
-        return crosses & (*aside == 0);
-    }
+    if (td_lens_model(image))
+        return crosses & (td_sweep_beyond(piece->view, image, source, piece->row, piece->duration, piece->z1, size, blur) == 0);
     td_axis x = {image->fx, image->cx, (td_real)image->width, td_sweep_limit(image->limit_x0, image->limit_x1), 0};
     td_axis y = {image->fy, image->cy, (td_real)image->height, td_sweep_limit(image->limit_y0, image->limit_y1), 1};
     td_mask outside = td_sweep_outside(&x, piece->view, image, source, piece->row, piece->duration, piece->z1, size, blur) |
                       td_sweep_outside(&y, piece->view, image, source, piece->row, piece->duration, piece->z1, size, blur);
-    *aside &= outside;
     return crosses & (outside == 0);
 }
 
@@ -297,8 +293,7 @@ TD_INLINE void td_sweep_piece(td_piece *piece, const td_image *image, const td_s
     }
     td_mask ever = s[0].visible | s[1].visible | s[2].visible;
     td_mask broken = s[0].broken | s[1].broken | s[2].broken; /* seen everywhere, so that it is found */
-    td_mask aside, crosses = td_sweep_crosses(piece, image, source, ever, &aside) | broken;
-    ever &= aside == 0;
+    td_mask crosses = td_sweep_crosses(piece, image, source, &ever) | broken;
     td_span2 box = td_sweep_mean(piece, image);
     td_lanes wide = td_sweep_width(rx[0], rx[1], rx[2]), high = td_sweep_width(ry[0], ry[1], ry[2]);
     if (piece->strays) pieces = td_sweep_widen(piece, image, &box, &wide, &high);

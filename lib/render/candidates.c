@@ -147,30 +147,17 @@ static tides_status look_for(td_candidates *candidates, const td_store *store, c
     return TIDES_OK;
 }
 
-/* Those that are neighbours of boxes->groups from number *at on, which becomes that of the first behind them. */
-static int next_run(const td_store *store, const td_boxes *boxes, int *at, int *first) {
-    if (!boxes->groups) {
-        const int left = store->count - *at * TD_PAD;
-        *first = *at * TD_PAD;
-        *at += LOOK / TD_PAD;
-        return left < LOOK ? left : LOOK;
-    }
-    const int *group = boxes->groups, from = *at;
-    *first = group[from] * TD_PAD;
-    do ++*at;
-    while (*at < boxes->group_count && *at - from < LOOK / TD_PAD && group[*at] == group[*at - 1] + 1);
-    return (*at - from) * TD_PAD;
-}
-
 /* Gaussians come in the store's order, and so do their groups and objects. */
 static tides_status find_touches(td_candidates *candidates, const td_store *store, const td_boxes *boxes, tides_error *error) {
-    const int groups = boxes->groups ? boxes->group_count : store->count / TD_PAD;
+    const td_groups *groups = boxes->groups;
+    const int all = groups ? groups->count : store->count / TD_PAD, most = LOOK / TD_PAD;
     tides_status status = TIDES_OK;
     candidates->group_count = candidates->touching_count = 0;
     candidates->touch_count = 0;
-    for (int at = 0, first; at < groups && status == TIDES_OK;) {
-        const int count = next_run(store, boxes, &at, &first);
-        status = look_for(candidates, store, boxes->box, first, count, error);
+    for (int at = 0, next; at < all && status == TIDES_OK; at = next) {
+        next = groups ? td_groups_together(groups, at, most) : at + most < all ? at + most : all;
+        const int first = groups ? groups->number[at] : at;
+        status = look_for(candidates, store, boxes->box, first * TD_PAD, (next - at) * TD_PAD, error);
     }
     return status;
 }

@@ -7,8 +7,7 @@
  *   fx x - (width - cx + blur) z  >  sigmas fx s sigma,
  * a plane, and likewise on the other sides; behind the camera where z < near. What is linear in the place is at most, over a
  * cubic, what it is at the cubic's Bezier points; and over a ball, its radius times the plane's normal more. */
-#include "td_clusters.h"
-
+#include "camera/td_rotation.h"
 #include "td_renderer.h"
 
 #include <math.h>
@@ -37,7 +36,7 @@ static void bound(const td_store *store, td_cluster *cluster) {
         }
         for (int k = 0; k < 9; k++) square += row[TD_G_FACTOR + k] * row[TD_G_FACTOR + k];
         cluster->axis = fmax(cluster->axis, sqrt(square));
-        cluster->ratio = fmax(cluster->ratio, row[TD_G_OPACITY]);
+        cluster->opacity = fmax(cluster->opacity, row[TD_G_OPACITY]);
         sum += square + row[TD_G_OPACITY];
     }
     for (int k = 0; k < 3; k++) cluster->centre[k] = 0.5 * (low[k] + high[k]);
@@ -60,9 +59,8 @@ tides_status td_clusters_create(const td_store *store, td_clusters *clusters, ti
     clusters->of = td_alloc(groups, sizeof *clusters->of, error); /* objects are a group at least */
     clusters->state = td_alloc(groups, sizeof *clusters->state, error);
     clusters->first = td_alloc((size_t)store->objects + 1, sizeof *clusters->first, error);
-    clusters->some = td_alloc(groups, sizeof *clusters->some, error);
-    clusters->all = td_alloc(groups, sizeof *clusters->all, error);
-    if (!clusters->of || !clusters->state || !clusters->first || !clusters->some || !clusters->all) return TIDES_NO_MEMORY;
+    clusters->group = td_alloc(groups, sizeof *clusters->group, error);
+    if (!clusters->of || !clusters->state || !clusters->first || !clusters->group) return TIDES_NO_MEMORY;
     for (int g = 0; g < store->count;) {
         const int object = store->object[g], moves = store->rates || store->mover[object] >= 0;
         td_cluster *cluster = &clusters->of[clusters->count];
@@ -81,18 +79,16 @@ void td_clusters_release(td_clusters *clusters) {
     free(clusters->of);
     free(clusters->state);
     free(clusters->first);
-    free(clusters->some);
-    free(clusters->all);
+    free(clusters->group);
     memset(clusters, 0, sizeof *clusters);
 }
 
 /* -- asking ---------------------------------------------------------------------------------------------------------------- */
 
-/* Nothing is seen of what stays where n . p > 0 by more than `blur` times a reach in the scene. */
+/* Nothing is seen of a splat while n . p > spread sigmas sigma + behind, p where its mean is. */
 typedef struct plane {
     double normal[3], length; /* of the normal */
-    double spread;            /* what a standard deviation counts, times sigmas; */
-    double behind;            /* and what n . p must exceed besides */
+    double spread, behind;
 } plane;
 
 /* An object in an interval: maps p = r c + t whose hull the centre's cubic is in, and what bounds the rest. */
@@ -104,8 +100,6 @@ typedef struct outlook {
     const td_stray *stray;
 } outlook;
 
-static double norm3(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
-
 static void set_points(const td_cluster_path *path, outlook *out) {
     const td_view *ends[2] = {path->from, path->to};
     const double third = path->duration / 3;
@@ -115,9 +109,9 @@ static void set_points(const td_cluster_path *path, outlook *out) {
         const double way = i == 1 ? third : i == 2 ? -third : 0;
         for (int k = 0; k < 9; k++) out->r[i][k] = end->r[k] + way * end->r_dot[k];
         for (int k = 0; k < 3; k++) out->t[i][k] = end->t[k] + way * end->t_dot[k];
-        out->far = fmax(out->far, norm3(out->t[i]));
+        out->far = fmax(out->far, td_length3(out->t[i]));
     }
-    out->scale = norm3(path->from->r);
+    out->scale = td_length3(path->from->r);
     out->stray = path->stray;
 }
 
@@ -127,7 +121,7 @@ static void add_side(outlook *out, int axis, double sign, double focal, double l
     *side = (plane){.spread = focal * sqrt(1 + limit * limit)};
     side->normal[axis] = sign * focal;
     side->normal[2] = -border;
-    side->length = norm3(side->normal);
+    side->length = td_length3(side->normal);
 }
 
 static void set_planes(const td_image *image, double blur, outlook *out) {
@@ -154,8 +148,8 @@ static int is_out(const td_cluster *cluster, const outlook *out, double sigmas) 
         }
     const double turn = out->stray->rotation[0];
     const double reach =
-        more * (out->scale * cluster->radius + out->stray->position[0] + turn * (norm3(away) + cluster->radius)) +
-        rounding * (out->scale * norm3(c) + out->far);
+        more * (out->scale * cluster->radius + out->stray->position[0] + turn * (td_length3(away) + cluster->radius)) +
+        rounding * (out->scale * td_length3(c) + out->far);
     const double wide = more * sigmas * (out->scale + turn) * cluster->axis;
     for (int p = 0; p < out->planes; p++) {
         const plane *side = &out->plane[p];
@@ -168,15 +162,15 @@ static int is_out(const td_cluster *cluster, const outlook *out, double sigmas) 
 }
 
 void td_clusters_look(td_clusters *clusters, int object, const td_image *image, const td_cluster_path *path) {
-    const double cut = td_cut_rule(image) == TD_CUT_NONE ? 1e-30 : image->cut;
+    const double cut = td_least_seen(image);
     outlook out = {.points = 0};
-    double ratio = -1, sigmas = 0;
+    double opacity = -1, sigmas = 0;
     set_points(path, &out);
     for (int i = clusters->first[object]; i < clusters->first[object + 1]; i++) {
         const td_cluster *cluster = &clusters->of[i];
-        if (cluster->ratio != ratio) {
-            ratio = cluster->ratio;
-            sigmas = more * sqrt(2 * log(fmax(ratio / cut, 1)));
+        if (cluster->opacity != opacity) {
+            opacity = cluster->opacity;
+            sigmas = more * sqrt(2 * log(fmax(opacity / cut, 1)));
             set_planes(image, 1 + sigmas * sqrt(image->dilation), &out);
         }
         if (!is_out(cluster, &out, sigmas))
@@ -186,10 +180,10 @@ void td_clusters_look(td_clusters *clusters, int object, const td_image *image, 
     }
 }
 
-int td_clusters_list(const td_clusters *clusters, int first, int end, int *number) {
-    int count = 0;
+td_groups td_clusters_seen(td_clusters *clusters, int first, int end) {
+    td_groups seen = {clusters->group, 0};
     for (int i = clusters->first[first]; i < clusters->first[end]; i++)
         for (int g = clusters->of[i].begin; clusters->state[i] == TD_CLUSTER_SEEN && g < clusters->of[i].end; g += TD_PAD)
-            number[count++] = g / TD_PAD;
-    return count;
+            clusters->group[seen.count++] = g / TD_PAD;
+    return seen;
 }

@@ -17,8 +17,8 @@ static tides_status send_interval(opencl_backend *b, const td_sweep_request *req
         status = td_opencl_write_reals(b, &b->strays, request->strays ? request->strays : none, strays, error);
     if (status == TIDES_OK) status = td_buffer_write(b->device, &b->sweep_rows, rows, (size_t)times * sizeof *rows, error);
     if (status == TIDES_OK)
-        status = td_buffer_write(b->device, &b->sweep_groups, request->groups ? request->groups : rows,
-                                 (size_t)(request->groups ? request->group_count : 1) * sizeof *rows, error);
+        status = td_buffer_write(b->device, &b->sweep_groups, request->groups ? request->groups->number : rows,
+                                 (size_t)(request->groups ? request->groups->count : 1) * sizeof *rows, error);
     if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->boxes, 4 * bytes, error);
     if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->travel, bytes, error);
     free(none);
@@ -26,26 +26,35 @@ static tides_status send_interval(opencl_backend *b, const td_sweep_request *req
     return status;
 }
 
-/* `width` numbers of each Gaussian that was swept, from `far` to where they belong in `to`. A device with memory of its own is
- * asked once for all between the first and the last: each question takes as long as thousands of numbers. */
-static tides_status read_swept(opencl_backend *b, const td_sweep_request *request, const td_buffer *far, size_t width,
-                               float *to, tides_error *error) {
-    const int runs = td_run_count(request), apart = !b->device->near && runs > 1;
-    const int least = apart ? request->groups[0] * TD_PAD : 0, most = apart ? (request->groups[runs - 1] + 1) * TD_PAD : 0;
-    const size_t each = width * sizeof *to;
+/* `width` numbers of each Gaussian of groups that were swept, from `far` to where they belong in `to`. A device with memory of
+ * its own is asked once for all between the first and the last: each question takes as long as thousands of numbers. */
+static tides_status read_groups(opencl_backend *b, const td_groups *groups, const td_buffer *far, size_t width, float *to,
+                                tides_error *error) {
+    const size_t each = TD_PAD * width * sizeof *to, first = (size_t)groups->number[0];
+    const size_t all = (size_t)groups->number[groups->count - 1] + 1 - first;
+    const int apart = !b->device->near && all > (size_t)groups->count;
     tides_status status = TIDES_OK;
-    if (apart) status = td_reserve((void **)&b->swept, &b->swept_capacity, (size_t)(most - least) * width, sizeof *to, error);
-    if (apart && status == TIDES_OK)
-        status = td_buffer_read_at(b->device, far, (size_t)least * each, b->swept, (size_t)(most - least) * each, error);
-    for (int run = 0, first, end; run < runs && status == TIDES_OK;) {
-        run = td_next_run(request, run, &first, &end);
-        const size_t from = (size_t)first * each, bytes = (size_t)(end - first) * each;
+    if (apart) {
+        status = td_reserve((void **)&b->swept, &b->swept_capacity, all * TD_PAD * width, sizeof *b->swept, error);
+        if (status == TIDES_OK) status = td_buffer_read_at(b->device, far, first * each, b->swept, all * each, error);
+    }
+    for (int at = 0, next; at < groups->count && status == TIDES_OK; at = next) {
+        next = td_groups_together(groups, at, groups->count);
+        const size_t from = (size_t)groups->number[at], bytes = (size_t)(next - at) * each;
         if (apart)
-            memcpy((char *)to + from, b->swept + (size_t)(first - least) * width, bytes);
+            memcpy((char *)to + from * each, (const char *)b->swept + (from - first) * each, bytes);
         else
-            status = td_buffer_read_part(b->device, far, to, from, bytes, error);
+            status = td_buffer_read_part(b->device, far, to, from * each, bytes, error);
     }
     return status;
+}
+
+/* Of what was swept. */
+static tides_status read_swept(opencl_backend *b, const td_sweep_request *request, const td_buffer *far, size_t width,
+                               float *to, tides_error *error) {
+    const size_t each = width * sizeof *to, count = (size_t)(request->end - request->begin);
+    if (request->groups) return read_groups(b, request->groups, far, width, to, error);
+    return td_buffer_read_part(b->device, far, to, (size_t)request->begin * each, count * each, error);
 }
 
 tides_status td_opencl_sweep(td_backend *backend, const td_sweep_request *request, float *boxes, float *travel,
@@ -56,7 +65,7 @@ tides_status td_opencl_sweep(td_backend *backend, const td_sweep_request *reques
     if (status != TIDES_OK) return status;
     float seconds = (float)request->duration;
     cl_int begin = request->begin, end = request->end, level = request->level;
-    cl_int swept = request->groups ? request->group_count * TD_PAD : end - begin;
+    cl_int swept = request->groups ? request->groups->count * TD_PAD : end - begin;
     cl_int in_groups = request->groups != NULL;
     cl_int first_rate = b->first_rate, first_moved = b->gaussians;
     /* A local size is always given: left to itself PoCL takes a divisor of the count, and compiles anew for every scene. */

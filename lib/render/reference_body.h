@@ -112,14 +112,13 @@ static tides_status sweep(td_backend *backend, const td_sweep_request *request, 
     td_interval interval;
     tides_status status = copy_interval(r, request, &interval, error);
     if (status != TIDES_OK) return status;
-    for (int run = 0, first, end; run < td_run_count(request);) {
-        run = td_next_run(request, run, &first, &end);
-        for (int i = first; i < end; i++) {
-            td_real box[4], way;
-            td_sweep_group(&interval, &r->image, &r->source, i - request->begin, box, &way);
-            for (int k = 0; k < 4; k++) boxes[4 * (size_t)i + k] = (float)box[k];
-            travel[i] = (float)way;
-        }
+    const int count = request->groups ? request->groups->count * TD_PAD : request->end - request->begin;
+    for (int at = 0; at < count; at++) {
+        const int i = request->groups ? request->groups->number[at / TD_PAD] * TD_PAD + at % TD_PAD : request->begin + at;
+        td_real box[4], way;
+        td_sweep_group(&interval, &r->image, &r->source, i - request->begin, box, &way);
+        for (int k = 0; k < 4; k++) boxes[4 * (size_t)i + k] = (float)box[k];
+        travel[i] = (float)way;
     }
     backend->stats.sweeps++;
     backend->stats.time_sweep_s += td_now() - begun;

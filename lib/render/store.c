@@ -1,8 +1,8 @@
 /* The padded arrays of a whole scene, as backends read them: objects split into what rests, in space's order where that may be
- * (td_curve.h), and what moves, Gaussians activated once, in double, widened to the strides of kernels/layout.h. */
+ * (td_space_order.h), and what moves, Gaussians activated once, in double, widened to the strides of kernels/layout.h. */
 #include "motion/td_activate.h"
 #include "motion/td_motion.h"
-#include "td_curve.h"
+#include "td_space_order.h"
 #include "td_launch.h"
 #include "td_renderer.h"
 
@@ -69,7 +69,7 @@ static tides_status order_part(const tides_gaussians *gaussians, const uint8_t *
                                int64_t **order, tides_error *error) {
     *order = td_alloc((size_t)part->count, sizeof **order, error);
     if (!*order) return TIDES_NO_MEMORY;
-    if (in_space && !part->moving) return td_curve_order(gaussians->mean, moving, gaussians->count, *order, error);
+    if (in_space && !part->moving) return td_space_order(gaussians->mean, moving, gaussians->count, *order, error);
     for (int64_t i = 0, k = 0; i < gaussians->count; i++)
         if (moving[i] == part->moving) (*order)[k++] = i;
     return TIDES_OK;

@@ -47,9 +47,7 @@ static void look_for(tides_renderer *renderer, int object, double start, double 
     for (int i = clusters->first[object]; i < clusters->first[object + 1]; i++) {
         if (clusters->state[i] != TD_CLUSTER_LEFT) continue;
         for (int g = clusters->of[i].begin; g < clusters->of[i].end; g++) {
-            float *box = renderer->boxes + 4 * (size_t)g;
-            box[0] = (float)(renderer->image.width + 1), box[1] = (float)(renderer->image.height + 1);
-            box[2] = box[3] = -1;
+            td_box_empty(renderer->boxes + 4 * (size_t)g);
             renderer->travel[g] = 0;
         }
         clusters->state[i] = TD_CLUSTER_GONE;
@@ -61,8 +59,8 @@ static tides_status sweep_objects(tides_renderer *renderer, const tides_trajecto
                                   int first, int end, tides_error *error) {
     int level = renderer->strays.level[first];
     for (int i = first; i < end; i++) look_for(renderer, i, start, stop);
-    const int seen = td_clusters_list(&renderer->clusters, first, end, renderer->clusters.some);
-    if (seen == 0) return TIDES_OK;
+    const td_groups seen = td_clusters_seen(&renderer->clusters, first, end);
+    if (seen.count == 0) return TIDES_OK;
     tides_status status = level > 0 ? td_renderer_sweep_views(renderer, camera, start, stop, level, error) : TIDES_OK;
     const td_sweep_request request = {.views = (const double *)renderer->views,
                                       .strays = renderer->strays.bound,
@@ -70,8 +68,7 @@ static tides_status sweep_objects(tides_renderer *renderer, const tides_trajecto
                                       .level = level,
                                       .begin = renderer->object_first[first],
                                       .end = renderer->object_first[end],
-                                      .groups = renderer->clusters.some,
-                                      .group_count = seen};
+                                      .groups = &seen};
     if (status == TIDES_OK)
         status = renderer->backend->type->sweep(renderer->backend, &request, renderer->boxes, renderer->travel, error);
     return status == TIDES_OK && level > 0 ? td_renderer_sweep_views(renderer, camera, start, stop, 0, error) : status;
@@ -115,9 +112,8 @@ static tides_status sweep_moved(tides_renderer *renderer, const tides_trajectory
 
 /* Lists of the boxes, with what else tells what moves, and where. */
 static tides_status make_lists(tides_renderer *renderer, tides_error *error) {
-    td_clusters *clusters = &renderer->clusters;
-    const td_boxes boxes = {renderer->boxes, renderer->travel, renderer->object_moves, clusters->all,
-                            td_clusters_list(clusters, 0, renderer->store.objects, clusters->all)};
+    const td_groups seen = td_clusters_seen(&renderer->clusters, 0, renderer->store.objects);
+    const td_boxes boxes = {renderer->boxes, renderer->travel, renderer->object_moves, &seen};
     tides_status status = td_candidates_build(&renderer->candidates, &renderer->store, &boxes, error);
     const int all_moves = renderer->image.decoder && renderer->object_moves[0]; /* what is behind everything moves too */
     if (status == TIDES_OK && all_moves) memset(renderer->candidates.moving, 1, (size_t)renderer->stats.tiles);

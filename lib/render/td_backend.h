@@ -117,31 +117,35 @@ typedef struct td_misfit_request {
     double middle[TD_CUBIC_REALS];
 } td_misfit_request;
 
-/* An interval to sweep, in 2^level pieces, for Gaussians [begin, end), multiples of TD_PAD, or `groups` of TD_PAD of them. */
+/* Gaussians of the store by groups of TD_PAD that follow each other. */
+typedef struct td_groups {
+    const int *number; /* (count) ascending */
+    int count;
+} td_groups;
+
+/* Those among them that are neighbours, `most` at most, from number `at` on: one behind the last. */
+static inline int td_groups_together(const td_groups *groups, int at, int most) {
+    const int *number = groups->number;
+    int next = at + 1;
+    while (next < groups->count && next - at < most && number[next] == number[next - 1] + 1) next++;
+    return next;
+}
+
+/* A box that holds nothing. */
+static inline void td_box_empty(float box[4]) {
+    box[0] = box[1] = 0;
+    box[2] = box[3] = -1;
+}
+
+/* An interval to sweep, in 2^level pieces, for Gaussians [begin, end), multiples of TD_PAD, or `groups` of them. */
 typedef struct td_sweep_request {
     const double *views;  /* (td_sweep_times x objects x TD_VIEW_REALS), times evenly spaced */
     const double *strays; /* (objects x TD_STRAY_REALS), a td_stray each; NULL: no path strays */
     double duration;      /* [s] */
     int level, begin, end;
-    const int *rows;   /* (td_sweep_times) where their rows begin; NULL: at `begin`, since they don't move by themselves */
-    const int *groups; /* (group_count) ascending; NULL: all of them. What is of others stays as it is */
-    int group_count;
+    const int *rows; /* (td_sweep_times) where their rows begin; NULL: at `begin`, since they don't move by themselves */
+    const td_groups *groups; /* NULL: all of them. What is of others stays as it is */
 } td_sweep_request;
-
-/* Neighbours among ascending groups of TD_PAD from number `at` on: the Gaussians of the first of them, and one behind the last;
- * returns the number of the next group. */
-static inline int td_next_run(const td_sweep_request *request, int at, int *first, int *end) {
-    if (!request->groups) {
-        *first = request->begin, *end = request->end;
-        return 1;
-    }
-    const int *group = request->groups;
-    int next = at + 1;
-    while (next < request->group_count && group[next] == group[next - 1] + 1) next++;
-    *first = group[at] * TD_PAD, *end = (group[next - 1] + 1) * TD_PAD;
-    return next;
-}
-static inline int td_run_count(const td_sweep_request *request) { return request->groups ? request->group_count : 1; }
 
 /* Gaussians to project at nodes of record paths, to their rows (kernels/path_node.h). Everything is borrowed for the call. */
 typedef struct td_node_request {
@@ -177,13 +181,6 @@ static inline int td_path_of(const td_path_batch *paths, int candidate, int gaus
     return candidate < gaussians ? paths->path_of[candidate] : TD_PATH_DIRECT;
 }
 
-/* Gaussians of the store that are in some list, by groups of TD_PAD that follow each other: a device may project them once for
- * all tiles of a time (kernels/share.h). Changes with the candidates. */
-typedef struct td_groups {
-    const int *number; /* (count) ascending */
-    int count;
-} td_groups;
-
 /* Lists of two kinds go to one device: the sweep's, and those that point at rows of what moves. No number is of both. */
 static inline uint64_t td_serial_of_sweep(uint64_t number) { return 2 * number; }
 static inline uint64_t td_serial_of_rows(uint64_t number) { return 2 * number + 1; }
@@ -213,8 +210,10 @@ typedef struct td_batch {
     int hint_count;             /* numbers in all hints, place 0 counted; they last until it changes */
     uint8_t *in_order;          /* (NULL: not wanted) at job.out: 1 where the list was in order */
     const td_path_batch *paths; /* NULL: every candidate is projected */
-    const td_groups *groups;    /* NULL: candidates aren't all rows of the store */
-    td_pictures *pictures;      /* of one time: where planes go instead, if the class draws; or NULL */
+    /* Those of which some Gaussian is in some list: a device may project them once for all tiles of a time (kernels/share.h).
+     * They change with the candidates. NULL: candidates aren't all rows of the store. */
+    const td_groups *groups;
+    td_pictures *pictures; /* of one time: where planes go instead, if the class draws; or NULL */
 } td_batch;
 
 /* Rows of Gaussians that move by themselves, as they are now: [row, row + count) of td_source, row >= store.count. Caller's

@@ -12,8 +12,8 @@ typedef struct td_cluster {
     int begin, end;   /* in the store; multiples of TD_PAD */
     double centre[3]; /* means are within `radius` of it; infinite: they can't be bounded, and are always taken for seen */
     double radius;
-    double axis;  /* no standard deviation is larger */
-    double ratio; /* the largest opacity */
+    double axis;    /* no standard deviation is larger */
+    double opacity; /* the largest */
 } td_cluster;
 
 /* May be seen; may not, and has boxes of when it was; may not, and has none. */
@@ -22,9 +22,9 @@ enum { TD_CLUSTER_SEEN, TD_CLUSTER_LEFT, TD_CLUSTER_GONE };
 typedef struct td_clusters {
     int count;
     td_cluster *of;
-    int *first;      /* (objects + 1) into `of` */
-    uint8_t *state;  /* (count) TD_CLUSTER_*, in the interval that was asked for last */
-    int *some, *all; /* (groups) numbers of TD_PAD neighbours in the store, of a few objects and of all of them */
+    int *first;     /* (objects + 1) into `of` */
+    uint8_t *state; /* (count) TD_CLUSTER_*, in the interval that was asked for last */
+    int *group;     /* (groups of the store) of td_clusters_seen */
 } td_clusters;
 
 /* An object's way through an interval: how it is seen at both ends, `duration` seconds apart, and how far it strays from the
@@ -41,7 +41,7 @@ void td_clusters_release(td_clusters *clusters);
 /* Which of an object's clusters may be seen. */
 void td_clusters_look(td_clusters *clusters, int object, const td_image *image, const td_cluster_path *path);
 
-/* The groups, ascending, of TD_PAD neighbours of objects [first, end) that are in clusters seen, to number[]: how many. */
-int td_clusters_list(const td_clusters *clusters, int first, int end, int *number);
+/* The groups of objects [first, end) that are in clusters seen, until they are asked for again. */
+td_groups td_clusters_seen(td_clusters *clusters, int first, int end);
 
 #endif

@@ -6,7 +6,7 @@
  *   store.c, store_motion.c, decoder.c   the scene, activated
  *   view.c                               objects as the camera sees them
  *   sweep.c, candidates.c                which Gaussians a tile may see in an interval
- *   clusters.c, curve.c                  what of a scene is in view (td_clusters.h); neighbours in space made neighbours
+ *   clusters.c, space_order.c            what of a scene is in view (td_clusters.h); neighbours in space made neighbours
  *   candidate_hints.c                    depth order that one job of a tile leaves to the next
  *   paths.c, path_times.c                splats at a few times of an interval, cubics between (td_paths.h)
  *   tiles.c, psf.c, nonfinite.c          tiles at times: rendered, blurred, checked
@@ -42,7 +42,7 @@ tides_status td_image_resolve(const tides_image_params *params, const tides_intr
 td_image_numbers td_image_pack(const td_image *image);
 
 /* The scene's Gaussians, activated, and its motions; `fades` is td_mover.fades; in_space: what rests is in an order of its own
- * (td_curve.h), not in the scene's (store.c). */
+ * (td_space_order.h), not in the scene's (store.c). */
 tides_status td_store_create(const tides_scene *scene, int fades, int in_space, td_store *store, tides_error *error);
 
 /* Rows of the store. */
@@ -103,12 +103,11 @@ tides_status td_candidates_create(int width, int height, td_candidates *candidat
 void td_candidates_release(td_candidates *candidates);
 
 /* Boxes (count x 4) and travel (count) of the store's Gaussians, and which objects move against the camera (objects). Nothing
- * but what is in `groups` counts: TD_PAD neighbours each, ascending; NULL: all do. */
+ * but what is in `groups` counts; NULL: all do. */
 typedef struct td_boxes {
     const float *box, *travel;
     const uint8_t *object_moves;
-    const int *groups;
-    int group_count;
+    const td_groups *groups;
 } td_boxes;
 
 /* Lists of them. */

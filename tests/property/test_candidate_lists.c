@@ -158,7 +158,8 @@ static void test_lists_are_those_of_the_definition(void **state) {
         for (int again = 0; again < 2; again++) { /* what the first has left doesn't matter to the second */
             const td_store store = {.count = b.count, .objects = b.objects, .object = b.object};
             made.by_blocks = b.by_blocks;
-            const td_boxes of = {b.box, b.travel, b.moves, b.some ? b.groups : NULL, b.group_count};
+            const td_groups some = {b.groups, b.group_count};
+            const td_boxes of = {b.box, b.travel, b.moves, b.some ? &some : NULL};
             if (td_candidates_build(&made, &store, &of, &error) != TIDES_OK) fail_msg("%s", error.text);
             expect_lists(&made, &b, trial);
             make_boxes(&b, &random);

@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "device/td_device.h"
-#include "render/td_curve.h"
+#include "render/td_space_order.h"
 #include "tests/property/renderer_of.h"
 #include "tests/support/opencl.h"
 #include "tests/support/scene_make.h"
@@ -37,17 +37,21 @@ static random_recipe recipe_around(uint64_t trial) {
     return recipe;
 }
 
-static tides_trajectory *object_path(uint64_t *seed) {
-    tides_pose_sample samples[5] = {{0}};
+static tides_trajectory *path_through(const tides_pose_sample *samples, size_t count) {
     tides_trajectory *path = NULL;
     tides_error error;
+    scene_expect_ok(tides_trajectory_create(samples, count, &path, &error), &error);
+    return path;
+}
+
+static tides_trajectory *object_path(uint64_t *seed) {
+    tides_pose_sample samples[5] = {{0}};
     for (int i = 0; i < 5; i++) {
         samples[i] = (tides_pose_sample){.time = 0.25 * i, .quaternion = {1, 0, 0, 0}};
         for (int k = 0; k < 3; k++) samples[i].position[k] = scene_between(seed, -0.5, 0.5);
         for (int k = 0; k < 3; k++) samples[i].quaternion[1 + k] = scene_between(seed, -0.3, 0.3);
     }
-    scene_expect_ok(tides_trajectory_create(samples, 5, &path, &error), &error);
-    return path;
+    return path_through(samples, 5);
 }
 
 /* Splats about a place, `wide` to each side, some with an opacity near what is cut off; where they are more than TD_CLUSTER, in
@@ -102,8 +106,6 @@ static void widen(tides_intrinsics *camera) {
 static tides_trajectory *shaking_path(uint64_t *seed) {
     enum { SAMPLES = 401 };
     static tides_pose_sample samples[SAMPLES];
-    tides_trajectory *path = NULL;
-    tides_error error;
     for (int i = 0; i < SAMPLES; i++) {
         samples[i] = (tides_pose_sample){.time = i / 400.0, .position = {0, 0, -4}, .quaternion = {1, 0, 0, 0}};
         for (int k = 0; k < 3; k++) {
@@ -111,21 +113,17 @@ static tides_trajectory *shaking_path(uint64_t *seed) {
             samples[i].quaternion[1 + k] = scene_between(seed, -0.2, 0.2);
         }
     }
-    scene_expect_ok(tides_trajectory_create(samples, SAMPLES, &path, &error), &error);
-    return path;
+    return path_through(samples, SAMPLES);
 }
 
 /* A camera that rushes ahead, along what is beside it. */
 static tides_trajectory *rushing_path(uint64_t *seed) {
     tides_pose_sample samples[5] = {{0}};
-    tides_trajectory *path = NULL;
-    tides_error error;
     for (int i = 0; i < 5; i++) {
         samples[i] = (tides_pose_sample){.time = 0.25 * i, .position = {0, 0, -7 + 1.5 * i}, .quaternion = {1, 0, 0, 0}};
         for (int k = 0; k < 2; k++) samples[i].position[k] = scene_between(seed, -0.2, 0.2);
     }
-    scene_expect_ok(tides_trajectory_create(samples, 5, &path, &error), &error);
-    return path;
+    return path_through(samples, 5);
 }
 
 /* Boxes of all Gaussians at a time, whatever is in view. */
@@ -258,9 +256,9 @@ static void test_boxes_from_afar(void **state) {
         tides_renderer *renderer = make_renderer(device, scene, &s.camera, TIDES_RULES_SMOOTH);
         for (int i = 0; i < 4; i++) /* some come, some go */
             scene_expect_ok(td_renderer_sweep_alone(renderer, s.path, 0.2 * i, 0.2 * i + 0.01, &error), &error);
-        int runs = 1, *group = renderer->clusters.all;
-        const int groups = td_clusters_list(&renderer->clusters, 0, renderer->store.objects, group);
-        for (int i = 1; i < groups; i++) runs += group[i] != group[i - 1] + 1;
+        const td_groups groups = td_clusters_seen(&renderer->clusters, 0, renderer->store.objects);
+        int runs = 1;
+        for (int i = 1; i < groups.count; i++) runs += groups.number[i] != groups.number[i - 1] + 1;
         assert_true(runs > 10);
         bytes = (size_t)renderer->store.count * 4 * sizeof *boxes[far];
         boxes[far] = malloc(bytes);
@@ -301,7 +299,7 @@ static void test_neighbours_in_space_are_neighbours(void **state) {
     }
     const double before = way_of(mean, NULL, COUNT);
     mean[0] = 1e30F, mean[30] = NAN, mean[60] = -INFINITY; /* in nobody's way */
-    scene_expect_ok(td_curve_order(mean, left_out, COUNT, order, &error), &error);
+    scene_expect_ok(td_space_order(mean, left_out, COUNT, order, &error), &error);
     for (int i = 0; i < COUNT * 9 / 10; i++) {
         assert_true(order[i] >= 0 && order[i] < COUNT && !left_out[order[i]] && !taken[order[i]]);
         taken[order[i]] = 1;
@@ -309,7 +307,7 @@ static void test_neighbours_in_space_are_neighbours(void **state) {
     }
     assert_true(way_of(mean, order, COUNT * 9 / 10) < 0.2 * before);
     for (int i = 0; i < 3 * COUNT; i++) mean[i] = 0.25F; /* all in one place: as they came */
-    scene_expect_ok(td_curve_order(mean, left_out, COUNT, order, &error), &error);
+    scene_expect_ok(td_space_order(mean, left_out, COUNT, order, &error), &error);
     for (int i = 1; i < COUNT * 9 / 10; i++) assert_true(order[i] > order[i - 1]);
 }
 

@@ -7,6 +7,7 @@
  * with the object's. The better of the two is kept. */
 #include "render/dynamic/td_stray.h"
 
+#include "camera/td_rotation.h"
 #include "camera/td_trajectory.h"
 #include "render/td_renderer.h"
 #include "td_sort.h"
@@ -133,8 +134,6 @@ typedef struct most_off {
     double position[2], rotation;
 } most_off;
 
-static double length3(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
-
 static double cubic(double x0, double r0, double x1, double r1, double h, double s) {
     double rest = 1 - s;
     return x0 + s * s * (3 - 2 * s) * (x1 - x0) + h * s * rest * (rest * r0 - s * r1);
@@ -154,7 +153,7 @@ static void compare(const td_view *from, const td_view *to, double h, double s, 
         double off[3];
         for (int k = 0; k < 3; k++)
             off[k] = dt[k] + dr[3 * k] * origin[o][0] + dr[3 * k + 1] * origin[o][1] + dr[3 * k + 2] * origin[o][2];
-        most->position[o] = fmax(most->position[o], length3(off));
+        most->position[o] = fmax(most->position[o], td_length3(off));
     }
 }
 
@@ -198,7 +197,7 @@ typedef struct stray_measure {
 
 static stray_measure measure_object(const td_strays *strays, int object, const td_image *image, const td_view *view) {
     const double *middle = strays->middle + 4 * (size_t)object;
-    double away[3], seen[3], scale = length3(view->r);
+    double away[3], seen[3], scale = td_length3(view->r);
     stray_measure measure;
     for (int k = 0; k < 3; k++) {
         measure.origin[0][k] = middle[k];
@@ -207,8 +206,8 @@ static stray_measure measure_object(const td_strays *strays, int object, const t
         seen[k] = view->r[3 * k] * middle[0] + view->r[3 * k + 1] * middle[1] + view->r[3 * k + 2] * middle[2] + view->t[k];
     }
     measure.reach[0] = middle[3];
-    measure.reach[1] = sqrt(length3(away) * length3(away) + middle[3] * middle[3]);
-    double distance = fmax(length3(seen), fmax(0.1 * scale * middle[3], image->near));
+    measure.reach[1] = sqrt(td_length3(away) * td_length3(away) + middle[3] * middle[3]);
+    double distance = fmax(td_length3(seen), fmax(0.1 * scale * middle[3], image->near));
     measure.px_per_unit = fmax(image->fx, image->fy) * (image->lens_model ? image->lens.stretch : 1) / distance;
     return measure;
 }

@@ -60,11 +60,7 @@ static int padded(int count) { return (count + TD_PAD - 1) / TD_PAD * TD_PAD; }
 
 /* Padding repeats the last Gaussian: no tile may list it twice. */
 static void empty_padding(const td_dynamic_object *object, float *boxes) {
-    for (int i = object->count; i < padded(object->count); i++) {
-        float *box = boxes + 4 * (size_t)(object->first + i);
-        box[0] = box[1] = 0;
-        box[2] = box[3] = -1;
-    }
+    for (int i = object->count; i < padded(object->count); i++) td_box_empty(boxes + 4 * (size_t)(object->first + i));
 }
 
 /* Gaussians [from, from + count) of an object: rows at the three times one after the other, used up at once. */

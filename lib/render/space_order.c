@@ -1,6 +1,6 @@
 /* Neighbours in space as neighbours in memory: along the curve that interleaves the bits of x, y and z (Morton, IBM 1966), in a
  * cube of 2048^3 cells. What is far away from all else would leave it a handful of these: it is as large as needed for most. */
-#include "td_curve.h"
+#include "td_space_order.h"
 
 #include "td_base.h"
 #include "td_sort.h"
@@ -62,7 +62,7 @@ static uint64_t cell_of(const cube *in, const float *mean) {
     return cell;
 }
 
-tides_status td_curve_order(const float *mean, const uint8_t *left_out, int64_t count, int64_t *order, tides_error *error) {
+tides_status td_space_order(const float *mean, const uint8_t *left_out, int64_t count, int64_t *order, tides_error *error) {
     const cube in = find_cube(mean, count);
     item *items = td_alloc(2 * (size_t)count + 1, sizeof *items, error);
     if (!items) return TIDES_NO_MEMORY;
