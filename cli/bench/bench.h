@@ -181,13 +181,15 @@ void bench_summary(const bench_rows *rows, const char *scene, FILE *out);
 
 /* bench_verdict.c */
 #define BENCH_EXACT_SHARE 0.01         /* the truth is a hundred times better than what is measured by it (DESIGN 7) */
-#define BENCH_MISMATCH_TOLERANCE 0.003 /* at this tolerance */
+#define BENCH_MISMATCH_TOLERANCE 0.003 /* of the cubic alone, and */
+#define BENCH_DEFAULT_TOLERANCE 0.1    /* of the default, which looks events up: */
 #define BENCH_MISMATCH_PERCENT 0.01    /* no more events than this may lack a counterpart */
 typedef struct bench_verdict {
     int32_t rows, estimated, honest;
     int32_t of_image[BENCH_RULES],
         within_share[BENCH_RULES]; /* runs on an image; those that its exact stream is good enough for */
-    double exact_share[BENCH_RULES], worst_residual, mismatch_percent; /* mismatch: NaN without a row at that tolerance */
+    double exact_share[BENCH_RULES], worst_residual;
+    double mismatch_percent, default_mismatch_percent; /* NaN without a row at that tolerance */
 } bench_verdict;
 /* 1 where median, p95 and p99 of the true errors are no larger than the run's own estimates of them; 0 where one is; -1 where
  * the run made no estimate, or no event was matched. */

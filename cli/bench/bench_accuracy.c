@@ -20,6 +20,7 @@ typedef struct method {
 
 /* `error` is the cubic alone between renders of whole tiles; `solved_float` and `solved` look its events up in the image,
  * `blocks` refines by 4x4 pixels, `paths` follows a path of each splat between few projections, and `together` does all three.
+ * `default` is what a run has that says nothing: events looked up, and blocks.
  *
  * `risk` is the paper's score: its setting is the longest step, of which each tile takes its kappa. */
 /* clang-format off */
@@ -42,6 +43,8 @@ static const method methods[] = {
      {0.1, 0.03, 0.01, 0.003, 0.001}, {0.1, 0.01}, BENCH_PATHS},
     {"together",     TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TOLERANCE,
      {0.3, 0.1, 0.03, 0.01, 0.003}, {0.1, 0.01}, BENCH_TOGETHER},
+    {"default",      TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TOLERANCE,
+     {BENCH_DEFAULT_TOLERANCE}, {BENCH_DEFAULT_TOLERANCE}, BENCH_SOLVED | BENCH_BLOCKS},
     {"error_time",   TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TIME_TOLERANCE,
      {1e-5, 1e-6}, {1e-5}, 0},
     {"risk",         TIDES_RULES_SMOOTH, TIDES_STEPPING_RISK,  TIDES_MODEL_HERMITE,   1, LONGEST_STEP,

@@ -93,14 +93,17 @@ static int32_t add_truth(cJSON *list, const tides_exact *truth, int32_t rules) {
            cJSON_AddNumberToObject(json, "worst_residual", truth->worst_residual);
 }
 
+static int32_t add_or_null(cJSON *json, const char *name, double number) {
+    return (isfinite(number) ? cJSON_AddNumberToObject(json, name, number) : cJSON_AddNullToObject(json, name)) != NULL;
+}
+
 static int32_t add_verdict(cJSON *json, const bench_rows *rows, const char *scene) {
     const bench_verdict v = bench_judge(rows, scene);
     return cJSON_AddNumberToObject(json, "runs", v.rows) && cJSON_AddNumberToObject(json, "runs_with_estimate", v.estimated) &&
            cJSON_AddNumberToObject(json, "runs_with_honest_estimate", v.honest) &&
            cJSON_AddNumberToObject(json, "runs_with_exact_enough_truth", v.within_share[0] + v.within_share[1]) &&
-           (isfinite(v.mismatch_percent)
-                ? cJSON_AddNumberToObject(json, "mismatch_percent_at_0.003", v.mismatch_percent) != NULL
-                : cJSON_AddNullToObject(json, "mismatch_percent_at_0.003") != NULL) &&
+           add_or_null(json, "mismatch_percent_at_0.003", v.mismatch_percent) &&
+           add_or_null(json, "mismatch_percent_by_default", v.default_mismatch_percent) &&
            cJSON_AddNumberToObject(json, "worst_residual", v.worst_residual);
 }
 

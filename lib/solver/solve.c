@@ -105,15 +105,18 @@ void td_solve_first_trust(const tides_simulator *s, const td_refine_step *refine
     if (refined->probe >= 0) {
         const double *deviation = td_sample_deviation(samples, refined->probe) + first;
         const uint8_t *fall = td_sample_fall(samples, refined->probe) + first;
-        for (int32_t i = 0; i < count; i++)
-            trust[i] = (td_trust){TD_PROBE_LEFT_MOST * deviation[i], td_probe_is_smooth(fall[i])};
+        for (int32_t i = 0; i < count; i++) {
+            const double most = td_probe_most(deviation[i], fall[i]);
+            const int is_smooth = td_probe_is_smooth(fall[i]);
+            trust[i] = (td_trust){most, is_smooth, is_smooth ? 0 : most};
+        }
         return;
     }
     const double *begin[TD_PLANES_ALL], *end[TD_PLANES_ALL];
     td_settle_planes(s, refined, begin, end);
     const double *S0 = begin[TD_PLANE_S] + first, *S0_dot = begin[TD_PLANE_S_DOT] + first;
     const double *S1 = end[TD_PLANE_S] + first, *S1_dot = end[TD_PLANE_S_DOT] + first;
-    for (int32_t i = 0; i < count; i++) trust[i] = (td_trust){td_embedded(S1[i] - S0[i], h * S0_dot[i], h * S1_dot[i]), 1};
+    for (int32_t i = 0; i < count; i++) trust[i] = (td_trust){td_embedded(S1[i] - S0[i], h * S0_dot[i], h * S1_dot[i]), 1, 0};
 }
 
 /* What all pixels of a step share. */

@@ -133,28 +133,104 @@ static double reference_at(const visit *v, double s, int *is_held) {
     return reference;
 }
 
-/* A turn of the signal that the error may take to a level which it hasn't reached. */
-typedef struct turn {
-    double s, error;
-} turn;
+/* A place where the signal may be at a level that the model doesn't reach: what the model is off by and may be, and how far the
+ * level is. */
+typedef struct approach {
+    double s, error, doubt, left;
+} approach;
 
-static int near_turns(const visit *v, turn *found, int most) {
+/* The change that comes after s, if it is in piece k still. */
+static const td_change *next_in_piece(const visit *v, int k, double s) {
+    for (int n = 0; n < v->changes.count; n++) {
+        const td_change *change = &v->changes.change[n];
+        if (change->s > s) return change->s <= v->model.pieces.from[k + 1] ? change : NULL;
+    }
+    return NULL;
+}
+
+/* At u of piece k. A level that the model reaches next in the piece counts for nothing: when it does, is looked up. */
+static approach approach_at(const visit *v, int k, double u) {
     const td_sensor *sensor = &v->s->sensor;
-    const double on = td_sensor_threshold_on(sensor, v->at), off = td_sensor_threshold_off(sensor, v->at);
+    const td_pieces *pieces = &v->model.pieces;
+    approach at = {.s = pieces->from[k] + u * (pieces->from[k + 1] - pieces->from[k]),
+                   .error = td_trusted_error(&v->model, k, u),
+                   .doubt = td_trusted_doubt(&v->model, k, u),
+                   .left = INFINITY};
+    int is_held;
+    const double residual = td_model_value(&pieces->model[k], u) - reference_at(v, at.s, &is_held);
+    const td_change *next = next_in_piece(v, k, at.s);
+    const double on = td_sensor_threshold_on(sensor, v->at) - residual, off = residual + td_sensor_threshold_off(sensor, v->at);
+    if (is_held || on <= 0 || off <= 0) return at;
+    if (!next || next->polarity <= 0) at.left = on;
+    if (!next || next->polarity >= 0) at.left = td_lesser(at.left, off);
+    return at;
+}
+
+/* May a level be within reach anywhere in piece k, for all that its control values and its doubt say? Most have none, and
+ * places in them needn't be gone through. */
+static int may_reach(const visit *v, int k) {
+    const td_sensor *sensor = &v->s->sensor;
+    const double *b = v->model.pieces.model[k].control, doubt = td_trusted_doubt(&v->model, k, 0.5),
+                 to = v->model.pieces.from[k + 1];
+    const double slack = doubt + v->model.floor;
+    const double high =
+        td_greater(td_greater(b[0], b[1]), td_greater(b[2], b[3])) + slack - td_sensor_threshold_on(sensor, v->at);
+    const double low = td_lesser(td_lesser(b[0], b[1]), td_lesser(b[2], b[3])) - slack + td_sensor_threshold_off(sensor, v->at);
+    double reference = v->reference;
+    if (doubt <= v->model.floor) return 0;
+    for (int n = 0;; n++) {
+        const td_change *next = n < v->changes.count ? &v->changes.change[n] : NULL;
+        if (!next || next->s > v->model.pieces.from[k]) {
+            const int is_inside = next && next->s <= to;
+            if (high >= reference && !(is_inside && next->polarity > 0)) return 1;
+            if (low <= reference && !(is_inside && next->polarity < 0)) return 1;
+            if (!is_inside) return 0;
+        }
+        reference = next->reference;
+    }
+}
+
+/* Keeps the worse of two places. */
+static void take_worse(const visit *v, const approach *at, approach *worst, double *excess) {
+    const double own = at->doubt + v->model.floor - at->left;
+    if (!(own > *excess)) return;
+    *excess = own;
+    *worst = *at;
+}
+
+/* The worst of places between turns, for the signal may turn where the model doesn't. What the step's ends are off by counts
+ * for nothing there: they are looked up as such, and a signal that rests on a level would else be found there and beside it. */
+static void look_between(const visit *v, int k, approach *worst, double *excess) {
+    enum { EIGHTHS = 8 };
+    const td_model *model = &v->model.pieces.model[k];
+    const double from = v->model.pieces.from[k], length = v->model.pieces.from[k + 1] - from;
+    const double on = td_sensor_threshold_on(&v->s->sensor, v->at), off = td_sensor_threshold_off(&v->s->sensor, v->at);
+    double reference = v->reference;
+    for (int i = 1, n = 0; i < EIGHTHS; i++) {
+        const double u = (double)i / EIGHTHS, doubt = td_trusted_doubt(&v->model, k, u);
+        while (n < v->changes.count && v->changes.change[n].s <= from + u * length)
+            reference = v->changes.change[n++].reference;
+        const double residual = td_model_value(model, u) - reference, slack = doubt + v->model.floor;
+        if (doubt <= v->model.floor || (on - residual > slack && residual + off > slack)) continue; /* most are */
+        const approach at = approach_at(v, k, u);
+        take_worse(v, &at, worst, excess);
+    }
+}
+
+/* Where pieces may be off by more than what is left to a level: the worst place of each. */
+static int find_approaches(const visit *v, approach *found, int most) {
     const td_pieces *pieces = &v->model.pieces;
     int count = 0;
-    for (int k = 0; k < pieces->count; k++) {
-        const td_model *model = &pieces->model[k];
-        double places[2];
-        const int turns = td_model_extrema(model, places);
-        for (int t = 0; t < turns && count < most; t++) {
-            const double s = pieces->from[k] + places[t] * (pieces->from[k + 1] - pieces->from[k]);
-            int is_held;
-            const double residual = td_model_value(model, places[t]) - reference_at(v, s, &is_held);
-            const double left = td_model_curvature(model, places[t]) < 0 ? on - residual : residual + off;
-            const double error = td_trusted_error(&v->model, k, places[t]);
-            if (!is_held && left > 0 && left <= error + v->model.floor) found[count++] = (turn){s, error};
+    for (int k = 0; k < pieces->count && count < most; k++) {
+        double places[2], excess = -INFINITY;
+        const int turns = td_model_extrema(&pieces->model[k], places);
+        for (int i = 0; i < turns; i++) {
+            approach at = approach_at(v, k, places[i]);
+            at.doubt = td_greater(at.doubt, at.error);
+            take_worse(v, &at, &found[count], &excess);
         }
+        if (may_reach(v, k)) look_between(v, k, &found[count], &excess);
+        count += excess >= 0;
     }
     return count;
 }
@@ -190,24 +266,24 @@ static tides_status ask_ends(const visit *v, tides_error *error) {
     return status;
 }
 
-/* Asks for what isn't good enough; `*asked` says whether there was any. Where turns stay in doubt, they are counted. */
+/* Asks for what isn't good enough; `*asked` says whether there was any. Where levels stay in doubt, they are counted. */
 static tides_status judge(visit *v, int *asked, int *doubts, tides_error *error) {
-    enum { MOST_TURNS = 16 };
-    turn turns[MOST_TURNS];
+    enum { MOST_APPROACHES = 16 };
+    approach near[MOST_APPROACHES];
     const td_solve_batch *batch = td_solve_asking(&v->s->solve);
     const size_t before = batch->points;
     const int may_ask = v->looked->looks < MOST_LOOKS;
-    const int count = near_turns(v, turns, MOST_TURNS);
+    const int count = find_approaches(v, near, MOST_APPROACHES);
     tides_status status = may_ask ? ask_ends(v, error) : TIDES_OK;
     *doubts = 0;
     weigh(v);
     for (int k = 0; k < v->changes.count && status == TIDES_OK && may_ask; k++)
         if (!is_good(v, k)) status = ask(v, v->changes.change[k].s, error);
     for (int k = 0; k < count && status == TIDES_OK; k++) {
-        if (may_ask && turns[k].error > v->model.floor)
-            status = ask(v, turns[k].s, error);
+        if (may_ask && near[k].doubt > v->model.floor)
+            status = ask(v, near[k].s, error);
         else
-            ++*doubts;
+            *doubts += near[k].left <= near[k].error + v->model.floor;
     }
     *asked = batch->points > before;
     if (!*asked) return status;

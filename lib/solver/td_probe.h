@@ -73,4 +73,13 @@ static inline td_probe_law td_probe_left(uint8_t fall) {
 /* Of the deviation: what the error of a part is hardly ever above, for "may it be an event". */
 #define TD_PROBE_LEFT_MOST 0.5
 
+/* The same where an event may still be looked for: a part in which a kink is has the whole deviation left, and one that fell by
+ * more than a sixteenth was small by chance, so that of what a sixteenth had been as much. Of 1.4 million events of the scenes
+ * of tides bench accuracy with twelve thresholds each 4 were lost with it when it was chosen, 13 with half the deviation (and
+ * 8 with twice: what is lost then is lost after a look), for 2.4 % more looks. */
+static inline double td_probe_most(double deviation, uint8_t fall) {
+    const double sixteenth = (double)TD_PROBE_FALLS / 16;
+    return fall > 0 && fall < sixteenth ? deviation * (sixteenth / fall) : deviation;
+}
+
 #endif

@@ -25,10 +25,12 @@
 #include "signal/td_pieces.h"
 
 /* What a piece of a pixel's model may be off by in its middle [log units], and how the error lies in it: as that of a smooth
- * signal, 16 u^2 (1 - u)^2, or of one with a kink somewhere, 4 u (1 - u). */
+ * signal, 16 u^2 (1 - u)^2, or of one with a kink somewhere, 4 u (1 - u). `unseen` is what a kink that no look has met may take
+ * it off by, likewise: where events may be, not when those that are found were; 0 where the signal is smooth. */
 typedef struct td_trust {
     double error;
     int is_smooth;
+    double unseen;
 } td_trust;
 
 /* A node, the piece that begins there, and the pixel's next node in the step, or -1. */
@@ -177,6 +179,9 @@ typedef struct td_trusted {
 
 /* At u of piece k, but for the floor. */
 double td_trusted_error(const td_trusted *model, int k, double u);
+
+/* What it may be off by there where a level is near, but for what the step's ends are off by. */
+double td_trusted_doubt(const td_trusted *model, int k, double u);
 
 /* The pixel's nodes, and the trust of each piece; how many nodes. */
 int td_solve_nodes(const td_solve *solve, const td_looked *looked, td_node *nodes, td_trust *trust);
