@@ -21,8 +21,8 @@ double td_trusted_error(const td_trusted *model, int k, double u) {
 }
 
 /* What a look says of both parts' errors is a guess by one value and one rate, and what is bent as nobody asked may be so many
- * times that. A choice (tests/property/test_lost.c; the scenes of tides bench accuracy, 1.4 million events, of which 2 were lost
- * with it when it was chosen, 4 with 1, and 1 with 4). */
+ * times that. A choice (tests/property/test_lost.c; and of 1.4 million events of the scenes of tides bench accuracy 2 were lost
+ * with it, 4 with 1, and 1 with 4). */
 static const double after_a_look = 2;
 
 double td_trusted_doubt(const td_trusted *model, int k, double u) {
