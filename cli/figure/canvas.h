@@ -11,7 +11,7 @@
 typedef uint32_t canvas_colour; /* 0xRRGGBB */
 
 /* Colours of the series that a plot tells apart, in their order. */
-enum { CANVAS_SERIES = 14 };
+enum { CANVAS_SERIES = 15 };
 
 typedef struct canvas_theme {
     const char *name;

@@ -43,7 +43,7 @@ void plot_target(cli_canvas *canvas, const plot_panel *panel, double y);
 void plot_mark(cli_canvas *canvas, const plot_panel *panel, double x);
 /* A sample of each curve beside its label, in lines from (x, y) on, the first one's middle, that end before `right` and have an
  * entry at least; a line is so high [px]. _lines: how many that are. */
-enum { PLOT_LEGEND_LINE = 30 };
+enum { PLOT_LEGEND_LINE = 28 };
 void plot_legend(cli_canvas *canvas, int32_t x, int32_t y, int32_t right, const plot_curve *curves, int32_t count);
 int32_t plot_legend_lines(int32_t x, int32_t right, const plot_curve *curves, int32_t count);
 void plot_steps(cli_canvas *canvas, const plot_panel *panel, const plot_stairs *stairs);

@@ -5,16 +5,16 @@
 #include <string.h>
 
 /* Seven colours of Okabe and Ito, which colour-blind people can tell apart, without their yellow (too pale on white); then
- * seven that lie between, some of them Tol's muted ones: their markers are hollow besides. On dark paper the same hues,
+ * eight that lie between, some of them Tol's muted ones: their markers are hollow besides. On dark paper the same hues,
  * lighter. */
 /* clang-format off */
 static const canvas_theme themes[] = {
     {"light", 0xffffff, 0x1e1e1e, 0x6e6e6e, 0x969696, 0xe4e4e4, 0xc9453c, 0x0072d9,
      {0x0072b2, 0xd55e00, 0x009e73, 0x1e1e1e, 0xcc79a7, 0xe69f00, 0x56b4e9,
-      0x332288, 0x8c6d1f, 0x882255, 0x44aa99, 0xcc6677, 0x888888, 0x6b8e23}},
+      0x332288, 0x8c6d1f, 0x882255, 0x44aa99, 0xcc6677, 0x888888, 0x6b8e23, 0x117733}},
     {"dark", 0x14171c, 0xe8e8e8, 0x9299a3, 0x7a828d, 0x2c323a, 0xff6f61, 0x55a8ff,
      {0x4ea5e0, 0xff8244, 0x2fc79c, 0xe8e8e8, 0xe79cc6, 0xf2b82e, 0x9fd8ff,
-      0x9a8cff, 0xcda74e, 0xd8609f, 0x7fe0d0, 0xf09aa6, 0xa6a6a6, 0xa9cf52}},
+      0x9a8cff, 0xcda74e, 0xd8609f, 0x7fe0d0, 0xf09aa6, 0xa6a6a6, 0xa9cf52, 0xffe08a}},
 };
 /* clang-format on */
 
