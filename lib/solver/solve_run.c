@@ -224,6 +224,7 @@ static int find_approaches(const visit *v, approach *found, int most) {
     for (int k = 0; k < pieces->count && count < most; k++) {
         double places[2], excess = -INFINITY;
         const int turns = td_model_extrema(&pieces->model[k], places);
+        found[count] = (approach){.left = INFINITY};
         for (int i = 0; i < turns; i++) {
             approach at = approach_at(v, k, places[i]);
             at.doubt = td_greater(at.doubt, at.error);
