@@ -108,7 +108,7 @@ void td_solve_first_trust(const tides_simulator *s, const td_refine_step *refine
         for (int32_t i = 0; i < count; i++) {
             const double most = td_probe_most(deviation[i], fall[i]);
             const int is_smooth = td_probe_is_smooth(fall[i]);
-            trust[i] = (td_trust){most, is_smooth, is_smooth ? 0 : most};
+            trust[i] = (td_trust){most, is_smooth, is_smooth ? TD_PROBE_SMOOTH_UNSEEN * most : most};
         }
         return;
     }

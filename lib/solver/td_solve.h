@@ -25,8 +25,8 @@
 #include "signal/td_pieces.h"
 
 /* What a piece of a pixel's model may be off by in its middle [log units], and how the error lies in it: as that of a smooth
- * signal, 16 u^2 (1 - u)^2, or of one with a kink somewhere, 4 u (1 - u). `unseen` is what a kink that no look has met may take
- * it off by, likewise: where events may be, not when those that are found were; 0 where the signal is smooth. */
+ * signal, 16 u^2 (1 - u)^2, or of one with a kink somewhere, 4 u (1 - u). `unseen` is what no look may have met,
+ * a kink above all, and may take it off by, likewise: where events may be, not when those that are found were. */
 typedef struct td_trust {
     double error;
     int is_smooth;
