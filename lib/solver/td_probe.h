@@ -82,9 +82,9 @@ static inline double td_probe_most(double deviation, uint8_t fall) {
     return fall > 0 && fall < sixteenth ? deviation * (sixteenth / fall) : deviation;
 }
 
-/* Of that, what a look in a smooth part may not see: a sixteenth is what is left where the signal is as smooth as it looks, and
- * a look that finds less found it by chance. (The bench's fan lost an event 1.2e-4 of a threshold beyond its level, after a look
- * that found a sixtieth. It costs one look in ten thousand.) */
+/* Of that, what a look in a smooth part may not see: a sixteenth is left where the signal is as smooth as it looks, and a look
+ * that finds less found it by chance. (The bench's fan lost an event 1.2e-4 of a threshold beyond its level, after a look that
+ * found a sixtieth. It costs one look in ten thousand.) */
 #define TD_PROBE_SMOOTH_UNSEEN (1.0 / 16)
 
 #endif
