@@ -93,6 +93,7 @@ static int32_t add_truth(cJSON *list, const tides_exact *truth, int32_t rules) {
            cJSON_AddNumberToObject(json, "worst_residual", truth->worst_residual);
 }
 
+/* NaN (no event was matched, no frames to count, no such row) has no JSON: null. */
 static int32_t add_or_null(cJSON *json, const char *name, double number) {
     return (isfinite(number) ? cJSON_AddNumberToObject(json, name, number) : cJSON_AddNullToObject(json, name)) != NULL;
 }
@@ -127,7 +128,6 @@ int32_t bench_header_scene(cJSON *header, const bench_scene *scene, const bench_
     return ok && (!rows || (verdict && add_verdict(verdict, rows, scene->name)));
 }
 
-/* NaN (no event was matched, no frames to count) has no JSON: null. */
 static int32_t add_row(cJSON *list, const bench_table *table, size_t index) {
     bench_cell cells[BENCH_CELLS_MAX];
     const int32_t count = table->cells(table->rows, index, cells);
@@ -138,8 +138,7 @@ static int32_t add_row(cJSON *list, const bench_table *table, size_t index) {
         if (cells[i].text)
             ok = cJSON_AddStringToObject(json, cells[i].name, cells[i].text) != NULL;
         else
-            ok = isfinite(cells[i].number) ? cJSON_AddNumberToObject(json, cells[i].name, cells[i].number) != NULL
-                                           : cJSON_AddNullToObject(json, cells[i].name) != NULL;
+            ok = add_or_null(json, cells[i].name, cells[i].number);
     return ok;
 }
 

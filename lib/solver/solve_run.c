@@ -119,18 +119,22 @@ static int is_good(const visit *v, int n) {
     return td_timing_reach(at->slope, at->bend, at->error, &touches) * v->now->span.length_s <= v->s->solve.target_s;
 }
 
-/* The reference at s, and whether a refractory period is on. */
-static double reference_at(const visit *v, double s, int *is_held) {
+/* How many changes are at s or before, and the reference behind so many. */
+static int changes_until(const visit *v, double s) {
+    int n = 0;
+    while (n < v->changes.count && v->changes.change[n].s <= s) n++;
+    return n;
+}
+
+static double reference_after(const visit *v, int n) { return n > 0 ? v->changes.change[n - 1].reference : v->reference; }
+
+/* Is a refractory period on at s, behind n changes? */
+static int is_held_at(const visit *v, int n, double s) {
     const td_sensor *sensor = &v->s->sensor;
-    const double start = td_sensor_time(sensor, v->now->span.start_ns, v->now->span.start_fraction);
-    double reference = v->reference;
-    *is_held = v->held_until > start + s * v->now->span.length_ns;
-    for (int k = 0; k < v->changes.count && v->changes.change[k].s <= s; k++) {
-        const td_change *change = &v->changes.change[k];
-        reference = change->reference;
-        *is_held = change->fired && sensor->on && (s - change->s) * v->now->span.length_ns < sensor->refractory_ns;
-    }
-    return reference;
+    const td_step *span = &v->now->span;
+    if (n == 0) return v->held_until > td_sensor_time(sensor, span->start_ns, span->start_fraction) + s * span->length_ns;
+    const td_change *last = &v->changes.change[n - 1];
+    return last->fired && sensor->on && (s - last->s) * span->length_ns < sensor->refractory_ns;
 }
 
 /* A place where the signal may be at a level that the model doesn't reach: what the model is off by and may be, and how far the
@@ -139,13 +143,13 @@ typedef struct approach {
     double s, error, doubt, left;
 } approach;
 
-/* The change that comes after s, if it is in piece k still. */
-static const td_change *next_in_piece(const visit *v, int k, double s) {
-    for (int n = 0; n < v->changes.count; n++) {
-        const td_change *change = &v->changes.change[n];
-        if (change->s > s) return change->s <= v->model.pieces.from[k + 1] ? change : NULL;
-    }
-    return NULL;
+/* By how much doubt is more than what is left. */
+static double excess_of(const visit *v, const approach *at) { return at->doubt + v->model.floor - at->left; }
+
+/* The polarity of the change behind n of them, if it is in piece k still, or 0. */
+static int next_polarity(const visit *v, int k, int n) {
+    const td_change *next = &v->changes.change[n];
+    return n < v->changes.count && next->s <= v->model.pieces.from[k + 1] ? next->polarity : 0;
 }
 
 /* At u of piece k. A level that the model reaches next in the piece counts for nothing: when it does, is looked up. */
@@ -156,13 +160,12 @@ static approach approach_at(const visit *v, int k, double u) {
                    .error = td_trusted_error(&v->model, k, u),
                    .doubt = td_trusted_doubt(&v->model, k, u),
                    .left = INFINITY};
-    int is_held;
-    const double residual = td_model_value(&pieces->model[k], u) - reference_at(v, at.s, &is_held);
-    const td_change *next = next_in_piece(v, k, at.s);
+    const int n = changes_until(v, at.s), next = next_polarity(v, k, n);
+    const double residual = td_model_value(&pieces->model[k], u) - reference_after(v, n);
     const double on = td_sensor_threshold_on(sensor, v->at) - residual, off = residual + td_sensor_threshold_off(sensor, v->at);
-    if (is_held || on <= 0 || off <= 0) return at;
-    if (!next || next->polarity <= 0) at.left = on;
-    if (!next || next->polarity >= 0) at.left = td_lesser(at.left, off);
+    if (on <= 0 || off <= 0 || is_held_at(v, n, at.s)) return at;
+    if (next <= 0) at.left = on;
+    if (next >= 0) at.left = td_lesser(at.left, off);
     return at;
 }
 
@@ -170,50 +173,37 @@ static approach approach_at(const visit *v, int k, double u) {
  * places in them needn't be gone through. */
 static int may_reach(const visit *v, int k) {
     const td_sensor *sensor = &v->s->sensor;
-    const double *b = v->model.pieces.model[k].control, doubt = td_trusted_doubt(&v->model, k, 0.5),
-                 to = v->model.pieces.from[k + 1];
-    const double slack = doubt + v->model.floor;
-    const double high =
-        td_greater(td_greater(b[0], b[1]), td_greater(b[2], b[3])) + slack - td_sensor_threshold_on(sensor, v->at);
-    const double low = td_lesser(td_lesser(b[0], b[1]), td_lesser(b[2], b[3])) - slack + td_sensor_threshold_off(sensor, v->at);
-    double reference = v->reference;
+    const double *b = v->model.pieces.model[k].control, doubt = td_trusted_doubt(&v->model, k, 0.5);
+    const double most = td_greater(td_greater(b[0], b[1]), td_greater(b[2], b[3])) + doubt + v->model.floor;
+    const double least = td_lesser(td_lesser(b[0], b[1]), td_lesser(b[2], b[3])) - doubt - v->model.floor;
     if (doubt <= v->model.floor) return 0;
-    for (int n = 0;; n++) {
-        const td_change *next = n < v->changes.count ? &v->changes.change[n] : NULL;
-        if (!next || next->s > v->model.pieces.from[k]) {
-            const int is_inside = next && next->s <= to;
-            if (high >= reference && !(is_inside && next->polarity > 0)) return 1;
-            if (low <= reference && !(is_inside && next->polarity < 0)) return 1;
-            if (!is_inside) return 0;
-        }
-        reference = next->reference;
+    for (int n = changes_until(v, v->model.pieces.from[k]);; n++) {
+        const double reference = reference_after(v, n);
+        const int next = next_polarity(v, k, n);
+        if (next <= 0 && most - reference >= td_sensor_threshold_on(sensor, v->at)) return 1;
+        if (next >= 0 && reference - least >= td_sensor_threshold_off(sensor, v->at)) return 1;
+        if (n >= v->changes.count || v->changes.change[n].s > v->model.pieces.from[k + 1]) return 0;
     }
 }
 
-/* Keeps the worse of two places. */
-static void take_worse(const visit *v, const approach *at, approach *worst, double *excess) {
-    const double own = at->doubt + v->model.floor - at->left;
-    if (!(own > *excess)) return;
-    *excess = own;
-    *worst = *at;
+static void take_worse(const visit *v, const approach *at, approach *worst) {
+    if (excess_of(v, at) > excess_of(v, worst)) *worst = *at;
 }
 
 /* The worst of places between turns, for the signal may turn where the model doesn't. What the step's ends are off by counts
  * for nothing there: they are looked up as such, and a signal that rests on a level would else be found there and beside it. */
-static void look_between(const visit *v, int k, approach *worst, double *excess) {
+static void look_between(const visit *v, int k, approach *worst) {
     enum { EIGHTHS = 8 };
-    const td_model *model = &v->model.pieces.model[k];
-    const double from = v->model.pieces.from[k], length = v->model.pieces.from[k + 1] - from;
+    const td_pieces *pieces = &v->model.pieces;
+    const double length = pieces->from[k + 1] - pieces->from[k];
     const double on = td_sensor_threshold_on(&v->s->sensor, v->at), off = td_sensor_threshold_off(&v->s->sensor, v->at);
-    double reference = v->reference;
-    for (int i = 1, n = 0; i < EIGHTHS; i++) {
-        const double u = (double)i / EIGHTHS, doubt = td_trusted_doubt(&v->model, k, u);
-        while (n < v->changes.count && v->changes.change[n].s <= from + u * length)
-            reference = v->changes.change[n++].reference;
-        const double residual = td_model_value(model, u) - reference, slack = doubt + v->model.floor;
+    for (int i = 1; i < EIGHTHS; i++) {
+        const double u = (double)i / EIGHTHS, doubt = td_trusted_doubt(&v->model, k, u), slack = doubt + v->model.floor;
+        const double reference = reference_after(v, changes_until(v, pieces->from[k] + u * length));
+        const double residual = td_model_value(&pieces->model[k], u) - reference;
         if (doubt <= v->model.floor || (on - residual > slack && residual + off > slack)) continue; /* most are */
         const approach at = approach_at(v, k, u);
-        take_worse(v, &at, worst, excess);
+        take_worse(v, &at, worst);
     }
 }
 
@@ -222,16 +212,16 @@ static int find_approaches(const visit *v, approach *found, int most) {
     const td_pieces *pieces = &v->model.pieces;
     int count = 0;
     for (int k = 0; k < pieces->count && count < most; k++) {
-        double places[2], excess = -INFINITY;
+        double places[2];
         const int turns = td_model_extrema(&pieces->model[k], places);
-        found[count] = (approach){.left = INFINITY};
+        approach worst = {.left = INFINITY};
         for (int i = 0; i < turns; i++) {
             approach at = approach_at(v, k, places[i]);
             at.doubt = td_greater(at.doubt, at.error);
-            take_worse(v, &at, &found[count], &excess);
+            take_worse(v, &at, &worst);
         }
-        if (may_reach(v, k)) look_between(v, k, &found[count], &excess);
-        count += excess >= 0;
+        if (may_reach(v, k)) look_between(v, k, &worst);
+        if (excess_of(v, &worst) >= 0) found[count++] = worst;
     }
     return count;
 }
@@ -240,12 +230,13 @@ static int find_approaches(const visit *v, approach *found, int most) {
  * the very start comes of that. */
 static double left_at(const visit *v, double s, double *residual) {
     const td_sensor *sensor = &v->s->sensor;
-    int is_held;
     const td_pieces *pieces = &v->model.pieces;
+    const double at = s > 0 ? s : -1; /* before what it does there */
+    const int n = changes_until(v, at);
     const double S = s > 0 ? pieces->model[pieces->count - 1].control[3] : pieces->model[0].control[0];
-    *residual = S - reference_at(v, s > 0 ? s : -1, &is_held);
+    *residual = S - reference_after(v, n);
     const double on = td_sensor_threshold_on(sensor, v->at), off = td_sensor_threshold_off(sensor, v->at);
-    return is_held ? INFINITY : td_lesser(on - *residual, *residual + off);
+    return is_held_at(v, n, at) ? INFINITY : td_lesser(on - *residual, *residual + off);
 }
 
 /* Does an error of so much decide whether the signal is beyond a level there? At the step's end it may have got there just

@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "tests/support/judged_run.h"
+#include "tests/support/number_of.h"
 #include "tests/support/pulsing_callback.h"
 #include "tests/support/scene_make.h"
 #include "tests/support/splat_world.h"
@@ -160,11 +161,6 @@ static void count(tally *all, const judged *j, const char *device, const judged_
     all->unknown += unknown;
     all->failures += !fine;
     judged_print(j, device, v);
-}
-
-static uint64_t number_of(const char *variable, uint64_t fallback) {
-    const char *text = getenv(variable);
-    return text && *text ? strtoull(text, NULL, 10) : fallback;
 }
 
 static void test_random_motions(void **state) {

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "tests/support/grazing_world.h"
+#include "tests/support/number_of.h"
 #include "td_sort.h"
 
 #include <math.h>
@@ -67,11 +68,6 @@ static double print(const char *device, ledger *all) {
                   device, all->scenes, all->unsettled, all->dishonest[0], all->dishonest[1], all->dishonest[2],
                   all->dishonest[3], all->ratios[0][middle], all->ratios[1][middle], all->ratios[2][middle]);
     return all->ratios[1][middle];
-}
-
-static uint64_t number_of(const char *variable, uint64_t fallback) {
-    const char *text = getenv(variable);
-    return text && *text ? strtoull(text, NULL, 10) : fallback;
 }
 
 static void test_reported_errors(void **state) {

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "tests/support/grazing_world.h"
+#include "tests/support/number_of.h"
 
 #include <stdlib.h>
 
@@ -20,11 +21,6 @@ enum { WORLDS = 120, THRESHOLDS = 6 };
 /* Of all events, pixels that have others. 1.1e-5 in these worlds (and 0.7e-5 in 600 of them, where some are lost by the short
  * steps); 2.6e-5 where only turns of the model were looked at, within half of what a probe had seen. */
 #define MOST_LOST 1.6e-5
-
-static uint64_t number_of(const char *variable, uint64_t fallback) {
-    const char *text = getenv(variable);
-    return text && *text ? strtoull(text, NULL, 10) : fallback;
-}
 
 typedef struct tally {
     uint64_t events, wrong, uncertain, looks;

@@ -11,16 +11,12 @@
 #include "refine_world.h"
 #include "solver/td_simulator.h"
 #include "tests/support/grazing_world.h"
+#include "tests/support/number_of.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 static const uint64_t SEED = 1461;
-
-static uint64_t number_of(const char *variable, uint64_t fallback) {
-    const char *text = getenv(variable);
-    return text && *text ? strtoull(text, NULL, 10) : fallback;
-}
 
 /* -- against exact events ------------------------------------------------------------------------------------------------ */
 

@@ -1,0 +1,14 @@
+/* Test support: numbers that whoever runs a test may choose. */
+#ifndef TESTS_SUPPORT_NUMBER_OF_H
+#define TESTS_SUPPORT_NUMBER_OF_H
+
+#include <stdint.h>
+#include <stdlib.h>
+
+/* An environment variable's, or, where it isn't set, `fallback`. */
+static inline uint64_t number_of(const char *variable, uint64_t fallback) {
+    const char *text = getenv(variable);
+    return text && *text ? strtoull(text, NULL, 10) : fallback;
+}
+
+#endif
