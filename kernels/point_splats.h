@@ -4,6 +4,7 @@
 #define TD_POINT_SPLATS_H
 
 #include "compositing.h"
+#include "point_entries.h"
 #include "point_tests.h"
 #include "soft_order.h"
 
@@ -106,28 +107,14 @@ TD_INLINE td_dual td_point_distance(const td_point_form *f, td_lanes inverse, co
 }
 
 /* A splat as points look at it, before the exponential; and what it is to the light, of which it takes tau in hard order, the
- * optical depth in soft order. Growth: depth_dot / depth. Both are kept at one place, a vector for each number, and what is
- * worked out of the first three takes their places. */
+ * optical depth in soft order. Both are kept at one place, a vector for each number, and what is worked out of the first three
+ * takes their places. */
 enum { TD_V_POWER = 0, TD_V_OPACITY, TD_V_SLOPE, TD_V_LUMINANCE, TD_V_LUMINANCE_DOT, TD_V_DEPTH, TD_V_GROWTH };
 enum { TD_V_ALPHA = TD_V_POWER, TD_V_ALPHA_DOT = TD_V_SLOPE, TD_V_TAKES = TD_V_OPACITY, TD_V_TAKES_DOT = TD_V_SLOPE };
-enum {
-    TD_E_TAKES = 0,
-    TD_E_TAKES_DOT,
-    TD_E_LUMINANCE,
-    TD_E_LUMINANCE_DOT,
-    TD_E_DEPTH,
-    TD_E_GROWTH,
-    TD_E_PATH,
-    TD_POINT_ENTRY = 7 * TD_LANES
-};
 typedef struct td_point_view {
     td_lanes power, opacity, slope; /* alpha = opacity 2^power, alpha_dot = slope 2^power; */
     td_lanes luminance, luminance_dot, depth, growth;
 } td_point_view;
-
-typedef struct td_point_entry {
-    td_lanes takes, takes_dot, luminance, luminance_dot, depth, growth, path;
-} td_point_entry;
 
 /* A splat with these numbers at the times of the lanes, their slopes in s; rate: s by time. Nothing comes of what can't be seen
  * there. */
@@ -184,8 +171,6 @@ TD_INLINE td_point_entry td_point_enter(const td_image *image, TD_GLOBAL const t
     return entry;
 }
 
-/* -- in order ------------------------------------------------------------------------------------------------------ */
-
 TD_INLINE void td_point_store_view(const td_point_view *view, TD_GLOBAL td_real *to) {
     td_store_lanes(to + TD_V_POWER * TD_LANES, view->power);
     td_store_lanes(to + TD_V_OPACITY * TD_LANES, view->opacity);
@@ -196,62 +181,13 @@ TD_INLINE void td_point_store_view(const td_point_view *view, TD_GLOBAL td_real 
     td_store_lanes(to + TD_V_GROWTH * TD_LANES, view->growth);
 }
 
-TD_INLINE void td_point_store_entry(const td_point_entry *entry, TD_GLOBAL td_real *to) {
-    td_store_lanes(to + TD_E_TAKES * TD_LANES, entry->takes);
-    td_store_lanes(to + TD_E_TAKES_DOT * TD_LANES, entry->takes_dot);
-    td_store_lanes(to + TD_E_LUMINANCE * TD_LANES, entry->luminance);
-    td_store_lanes(to + TD_E_LUMINANCE_DOT * TD_LANES, entry->luminance_dot);
-    td_store_lanes(to + TD_E_DEPTH * TD_LANES, entry->depth);
-    td_store_lanes(to + TD_E_GROWTH * TD_LANES, entry->growth);
-    td_store_lanes(to + TD_E_PATH * TD_LANES, entry->path);
-}
-TD_INLINE td_point_entry td_point_load_entry(TD_GLOBAL const td_real *from) {
-    td_point_entry entry;
-    entry.takes = td_load_lanes(from + TD_E_TAKES * TD_LANES);
-    entry.takes_dot = td_load_lanes(from + TD_E_TAKES_DOT * TD_LANES);
-    entry.luminance = td_load_lanes(from + TD_E_LUMINANCE * TD_LANES);
-    entry.luminance_dot = td_load_lanes(from + TD_E_LUMINANCE_DOT * TD_LANES);
-    entry.depth = td_load_lanes(from + TD_E_DEPTH * TD_LANES);
-    entry.growth = td_load_lanes(from + TD_E_GROWTH * TD_LANES);
-    entry.path = td_load_lanes(from + TD_E_PATH * TD_LANES);
-    return entry;
-}
-TD_INLINE td_point_entry td_point_choose(const td_point_entry *otherwise, const td_point_entry *then, td_mask mask) {
-    td_point_entry entry;
-    entry.takes = td_select(otherwise->takes, then->takes, mask);
-    entry.takes_dot = td_select(otherwise->takes_dot, then->takes_dot, mask);
-    entry.luminance = td_select(otherwise->luminance, then->luminance, mask);
-    entry.luminance_dot = td_select(otherwise->luminance_dot, then->luminance_dot, mask);
-    entry.depth = td_select(otherwise->depth, then->depth, mask);
-    entry.growth = td_select(otherwise->growth, then->growth, mask);
-    entry.path = td_select(otherwise->path, then->path, mask);
-    return entry;
-}
-
-/* Puts an entry in its place among `count`, in each lane by its own depth: mostly the last. At equal depth, paths decide
- * (td_point_lists). Whoever doesn't see a splat has it in its order all the same, so that splats change places together. */
-TD_INLINE void td_point_insert(TD_GLOBAL td_real *entries, int count, const td_point_entry *made) {
-    td_point_entry entry = *made;
-    TD_GLOBAL td_real *to = entries + count * TD_POINT_ENTRY;
-    for (; to != entries; to -= TD_POINT_ENTRY) {
-        TD_GLOBAL td_real *before = to - TD_POINT_ENTRY;
-        td_lanes depth = td_load_lanes(before + TD_E_DEPTH * TD_LANES), path = td_load_lanes(before + TD_E_PATH * TD_LANES);
-        td_mask nearer = (entry.depth < depth) | ((entry.depth == depth) & (entry.path < path));
-        if (!td_any(nearer)) break;
-        td_point_entry front = td_point_load_entry(before), behind = td_point_choose(&entry, &front, nearer);
-        td_point_store_entry(&behind, to);
-        entry = td_point_choose(&front, &entry, nearer);
-    }
-    td_point_store_entry(&entry, to);
-}
-
 /* -- a list -------------------------------------------------------------------------------------------------------- */
 
-/* Points on their way down their tile's list: where they are, entries made for them; what splats seen take in all, at least, as
- * an optical depth; how far the farthest of them was; and the depth from which on nothing is seen any more. */
+/* Points on their way down their tile's list: where they are; what splats seen take in all, at least, as an optical depth; how
+ * far the farthest of them was; the depth from which on nothing is seen any more; and the entries made for them. */
 typedef struct td_point_eye {
     td_lanes x, y, taken, far, end;
-    int count;
+    td_point_order order;
 } td_point_eye;
 
 /* Optical depth behind which nothing is seen: 1e-14 of it. What is dropped is told by what the point sees, in the list's order,
@@ -276,7 +212,7 @@ enum { TD_POINT_BATCH = 64 };
 TD_INLINE void td_point_look(TD_GLOBAL const td_real *curves, const td_image *image, const int *found, int count,
                              const td_real *way, const td_real *rate, const int *curve, const int *together,
                              TD_GLOBAL td_real *entries, td_point_eye *eye) {
-    TD_GLOBAL td_real *views = entries + eye->count * TD_POINT_ENTRY;
+    TD_GLOBAL td_real *views = entries + eye->order.count * TD_POINT_ENTRY;
     int above[TD_POINT_BATCH], seen = 0;
     for (int i = 0; i < count; i++) {
         int level = found[i] & (TD_PATH_LEVELS - 1), lanes = level * TD_LANES;
@@ -300,7 +236,7 @@ TD_INLINE void td_point_look(TD_GLOBAL const td_real *curves, const td_image *im
         if (!td_any(sees)) continue;
         entry.path = td_splat((td_real)found[above[k]]);
         td_point_note(image, &entry, sees, eye);
-        td_point_insert(entries, eye->count++, &entry);
+        td_point_add(entries, &entry, &eye->order);
     }
 }
 

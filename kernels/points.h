@@ -2,11 +2,10 @@
  *
  * TD_LANES points of one tile, neighbours in place and time, go down their tile's list together, a lane each. Of its splats a
  * quick test leaves those that any of them may see (point_tests.h); each is worked out for all lanes, on its curve at each
- * lane's own time, and entered where that time's depth puts it (point_splats.h): splats change places rarely, so that the
- * tile's order is nearly it. Then light goes through what is entered (point_light.h). What a point gets depends on nothing but
- * itself: to a point that doesn't see it a splat is nothing, to the bit, whoever else does. Every splat counts but those behind
- * what is opaque (TD_POINT_OPAQUE): the image's stop rule doesn't; where it drops splats, or the extent isn't the ellipse,
- * there are no points (lib/render/points.c says so). */
+ * lane's own time, and entered where that time's depth puts it (point_entries.h). Then light goes through what is entered
+ * (point_light.h). What a point gets depends on nothing but itself: to a point that doesn't see it a splat is nothing, to the
+ * bit, whoever else does. Every splat counts but those behind what is opaque (TD_POINT_OPAQUE): the image's stop rule doesn't;
+ * where it drops splats, or the extent isn't the ellipse, there are no points (lib/render/points.c says so). */
 #ifndef TD_POINTS_H
 #define TD_POINTS_H
 
@@ -42,7 +41,7 @@ TD_INLINE int td_point_enter_all(const td_point_chunk *chunk, const td_point_til
         td_point_weights(points->s[point], points->h[point], piece, lane, way, rate, curve);
     }
     for (int level = 0; level < TD_PATH_LEVELS; level++) together[level] = td_point_together(curve + level * TD_LANES);
-    td_point_eye eye = {td_collect(x), td_collect(y), td_splat(0.0f), td_splat(0.0f), td_splat(TD_POINT_NEVER), 0};
+    td_point_eye eye = {td_collect(x), td_collect(y), td_splat(0.0f), td_splat(0.0f), td_splat(TD_POINT_NEVER), {0, 0, 0}};
     TD_GLOBAL const float *tests = lists->tests + td_point_tests_at(tile, paths->slices.count, 0);
     for (int i = 0; i < taken && td_point_goes_on(tests, slice, i, eye.end);) {
         int count = 0;
@@ -55,7 +54,8 @@ TD_INLINE int td_point_enter_all(const td_point_chunk *chunk, const td_point_til
             }
         td_point_look(paths->curves, image, found, count, way, rate, curve, together, entries, &eye);
     }
-    return eye.count;
+    td_point_settle(entries, &eye.order);
+    return eye.order.count;
 }
 
 /* Values of a chunk's points: values[2 * point] = L, [2 * point + 1] = L_dot. taken: places of the tile's list; entries: room
