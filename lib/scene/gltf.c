@@ -115,8 +115,10 @@ static void undo_percents(char *text) {
     for (; *text; text++) {
         const char *high = *text == '%' && text[1] ? strchr(digits, text[1]) : NULL;
         const char *low = high && text[2] ? strchr(digits, text[2]) : NULL;
-        *to++ = low ? (char)((high - digits) % 16 * 16 + (low - digits) % 16) : *text;
+        char byte = *text;
+        if (low) byte = (char)((high - digits) % 16 * 16 + (low - digits) % 16);
         if (low) text += 2;
+        *to++ = byte;
     }
     *to = 0;
 }
