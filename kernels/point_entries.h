@@ -82,7 +82,8 @@ typedef struct td_point_order {
     int count, passed, loose;
 } td_point_order;
 
-/* Passed by an entry on average where the list's order is of no use. A choice: 3 makes no difference that can be measured. */
+/* Passed by an entry on average where the list's order is of no use; so many entries more are allowed for, or a handful would
+ * be sorted. A choice: 3 makes no difference that can be measured. */
 enum { TD_POINT_PATIENCE = 8 };
 
 /* Adds an entry: in its place, or in any, for td_point_sort. */

@@ -26,8 +26,8 @@ static int by_depth(const void *a, const void *b) {
     return (x->path > y->path) - (x->path < y->path);
 }
 
-/* Adds `count` entries of these depths, and holds what comes of it against qsort. Whether they were sorted in the end. */
-static int check_order(const double *depth, const int *path, int count) {
+/* Adds `count` entries of these depths, and holds what comes of it against qsort. */
+static td_point_order check_order(const double *depth, const int *path, int count) {
     static double entries[MOST * TD_POINT_ENTRY];
     static td_point_entry wanted[MOST];
     td_point_order order = {0, 0, 0};
@@ -44,7 +44,7 @@ static int check_order(const double *depth, const int *path, int count) {
             fail_msg("%d of %d: depth %g, path %g, where depth %g, path %g belongs", i, count, got.depth, got.path,
                      wanted[i].depth, wanted[i].path);
     }
-    return order.loose;
+    return order;
 }
 
 /* Paths in any order: those of a list come by depth. */
@@ -68,7 +68,7 @@ static void test_nearly_in_order(void **state) {
     for (int n = 0; n < COUNTS; n++) {
         any_paths(&seed, path, counts[n]);
         for (int i = 0; i < counts[n]; i++) depth[i] = i + scene_between(&seed, 0, 5);
-        assert_false(check_order(depth, path, counts[n]));
+        assert_false(check_order(depth, path, counts[n]).loose);
     }
 }
 
@@ -80,7 +80,7 @@ static void test_turned_over(void **state) {
     for (int n = 0; n < COUNTS; n++) {
         any_paths(&seed, path, counts[n]);
         for (int i = 0; i < counts[n]; i++) depth[i] = 3 - 1e-3 * i;
-        assert_int_equal(check_order(depth, path, counts[n]), counts[n] > 30);
+        assert_int_equal(check_order(depth, path, counts[n]).loose, counts[n] > 30);
     }
 }
 
@@ -94,7 +94,7 @@ static void test_any_order_and_ties(void **state) {
         for (int kinds = 1; kinds <= 1000; kinds *= 10) {
             any_paths(&seed, path, counts[n]);
             for (int i = 0; i < counts[n]; i++) depth[i] = 1 + (int)scene_between(&seed, 0, kinds);
-            const int was_sorted = check_order(depth, path, counts[n]);
+            const int was_sorted = check_order(depth, path, counts[n]).loose;
             if (counts[n] >= 200) assert_true(was_sorted);
         }
 }
@@ -108,24 +108,20 @@ static void test_out_of_order_late(void **state) {
     any_paths(&seed, path, MOST);
     for (int from = 0; from <= MOST; from += 50) {
         for (int i = 0; i < MOST; i++) depth[i] = i < from ? i : MOST - i - 0.5;
-        assert_int_equal(check_order(depth, path, MOST), from < MOST);
+        assert_int_equal(check_order(depth, path, MOST).loose, from < MOST);
     }
 }
 
 /* 700 that are put in their places one by one pass 122 000 others in any order, and twice as many turned over. */
 static void test_noticed_soon(void **state) {
     (void)state;
-    static double entries[MOST * TD_POINT_ENTRY], depth[MOST];
+    static double depth[MOST];
     static int path[MOST];
     uint64_t seed = 1704;
     for (int turned = 0; turned < 2; turned++) {
-        td_point_order order = {0, 0, 0};
         any_paths(&seed, path, MOST);
-        for (int i = 0; i < MOST; i++) {
-            depth[i] = turned ? -i : scene_between(&seed, 0, 1);
-            const td_point_entry entry = entry_of(depth[i], path[i]);
-            td_point_add(entries, &entry, &order);
-        }
+        for (int i = 0; i < MOST; i++) depth[i] = turned ? -i : scene_between(&seed, 0, 1);
+        const td_point_order order = check_order(depth, path, MOST);
         assert_true(order.loose);
         assert_true(order.passed < 1000);
     }

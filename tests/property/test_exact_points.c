@@ -287,7 +287,7 @@ static void test_behind_what_is_opaque(void **state) {
 }
 
 /* Large splats that go through one another all through the interval: their tiles' order is of no use to most points, who sort
- * what they see in the end. Hard order shows each that is out of place; soft order none but at once. */
+ * what they see in the end (in hard order for one seed, in soft order for the other). */
 static void test_all_change_places(void **state) {
     (void)state;
     for (uint64_t seed = 1480; seed < 1482; seed++) {
