@@ -1,5 +1,5 @@
-/* Rows of record paths (path.h): Gaussians projected at a node, and by how much the cubic through two rows misses one in the
- * middle. */
+/* Rows of record paths (path.h): Gaussians projected at a node, by how much the cubic through two rows misses one in the
+ * middle, and twice as many rows where cubics will do. */
 #ifndef TD_PATH_NODE_H
 #define TD_PATH_NODE_H
 
@@ -55,6 +55,36 @@ TD_INLINE void td_node_group(const td_node_job *job, int i, TD_GLOBAL const int 
     for (int lane = 0; lane < TD_LANES; lane++) sink->low[at[lane]] = low[lane];
 #endif
     td_store_rows(sink->rows, row, entry);
+}
+
+/* -- halving ------------------------------------------------------------------------------------------------------- */
+
+/* The row in the middle of the cubic between two that are `h` seconds apart: both halves are that cubic. */
+TD_INLINE void td_path_middle_row(TD_GLOBAL const td_real *from, TD_GLOBAL const td_real *to, td_real h,
+                                  TD_GLOBAL td_real *middle) {
+    const td_real per_h = TD_REAL(1.5) / h, eighth = TD_REAL(0.125) * h;
+    for (int k = 0; k < TD_PATH_NUMBERS; k++) {
+        const td_real begin = from[k], way = to[k] - begin, rate = from[TD_PATH_NUMBERS + k], last = to[TD_PATH_NUMBERS + k];
+        middle[k] = begin + (TD_REAL(0.5) * way + eighth * (rate - last));
+        middle[TD_PATH_NUMBERS + k] = per_h * way - TD_REAL(0.25) * (rate + last);
+    }
+}
+
+/* A path's rows of the next level, from row `to` on, of those of this one, 2^level curves a piece from row `from` on: every
+ * other is one of these, and what is between two of them is their cubic's. `pieces` of lengths[piece] seconds. */
+TD_INLINE void td_path_halve(TD_GLOBAL td_real *rows, int from, int to, int level, int pieces,
+                             TD_GLOBAL const td_real *lengths) {
+    const int parts = 1 << level;
+    TD_GLOBAL const td_real *old = rows + from * TD_PATH_STRIDE;
+    TD_GLOBAL td_real *made = rows + to * TD_PATH_STRIDE;
+    for (int k = 0; k < TD_PATH_STRIDE; k++) made[k] = old[k];
+    for (int piece = 0; piece < pieces; piece++) {
+        const td_real h = lengths[piece] / (td_real)parts;
+        for (int part = 0; part < parts; part++, old += TD_PATH_STRIDE, made += 2 * TD_PATH_STRIDE) {
+            td_path_middle_row(old, old + TD_PATH_STRIDE, h, made + TD_PATH_STRIDE);
+            for (int k = 0; k < TD_PATH_STRIDE; k++) made[2 * TD_PATH_STRIDE + k] = old[TD_PATH_STRIDE + k];
+        }
+    }
 }
 
 /* -- the misfit ---------------------------------------------------------------------------------------------------- */
@@ -169,9 +199,11 @@ typedef struct td_path_misfits {
     td_lanes worst, bent, calm;
 } td_path_misfits;
 
-/* `pieces` of lengths[piece] seconds, each cut into 2^level; a splat's rows begin at first[lane]. `level` is 1 at least. */
-TD_INLINE td_path_misfits td_path_try(TD_GLOBAL const td_real *rows, td_index first, int level, int pieces,
-                                      TD_GLOBAL const td_real *lengths, const td_path_terms *terms, const td_image *image) {
+/* `pieces` of lengths[piece] seconds, each cut into 2^level; a splat's rows begin at first[lane]. `level` is 1 at least. Curve
+ * k's own misfits go to each[k x stride], with a stride of 0 nowhere. */
+TD_INLINE td_path_misfits td_path_try_each(TD_GLOBAL const td_real *rows, td_index first, int level, int pieces,
+                                           TD_GLOBAL const td_real *lengths, const td_path_terms *terms, const td_image *image,
+                                           TD_GLOBAL td_real *each, int stride) {
     td_path_misfits all = {td_splat(0.0f), td_splat(0.0f), td_splat(0.0f)};
     const td_lanes none = td_splat(0.0f);
     td_real whole = 0;
@@ -180,6 +212,7 @@ TD_INLINE td_path_misfits td_path_try(TD_GLOBAL const td_real *rows, td_index fi
         td_real h = lengths[piece] / (td_real)parts;
         for (int k = 0; k < parts; k++) {
             td_lanes misfit = td_path_misfit(rows, first + 2 * (piece * parts + k), h, terms, image);
+            if (stride) td_store_lanes(each + (piece * parts + k) * stride, misfit);
             all.worst = td_larger(misfit, all.worst);
             all.bent = all.bent + td_select(none, td_splat(h), misfit > TD_PATH_BENT);
             all.calm = all.calm + td_select(h * misfit * misfit, none, misfit > TD_PATH_BENT);
@@ -194,7 +227,7 @@ TD_INLINE td_path_misfits td_path_try(TD_GLOBAL const td_real *rows, td_index fi
 
 TD_INLINE td_lanes td_path_worst(TD_GLOBAL const td_real *rows, td_index first, int level, int pieces,
                                  TD_GLOBAL const td_real *lengths, const td_path_terms *terms, const td_image *image) {
-    return td_path_try(rows, first, level, pieces, lengths, terms, image).worst;
+    return td_path_try_each(rows, first, level, pieces, lengths, terms, image, 0, 0).worst;
 }
 
 #endif

@@ -1,4 +1,5 @@
-/* One work-group per node job: its Gaussians, TD_LANES at a time, to rows of record paths (path_node.h). */
+/* One work-group per node job: its Gaussians, TD_LANES at a time, to rows of record paths; and paths of twice as many rows
+ * (path_node.h). */
 #include "path_node.h"
 
 TD_APART void td_nodes_apart(__constant const td_image *image_buffer, __global const td_node_job *at,
@@ -24,4 +25,11 @@ __kernel void td_project_nodes(__constant const td_image *image_buffer, __global
     sink.low = low;
     td_nodes_apart(image_buffer, jobs + get_group_id(0), gaussians, places, object, views, &source, &sink,
                    (int)get_local_id(0) * TD_LANES, (int)get_local_size(0) * TD_LANES);
+}
+
+/* Paths' rows of the next level, at `to`, of those at `from`: (count). */
+__kernel void td_halve_paths(__global td_real *rows, __global const int *from, __global const int *to, int count, int level,
+                             int pieces, __global const td_real *lengths) {
+    for (int i = (int)get_global_id(0); i < count; i += (int)get_global_size(0))
+        td_path_halve(rows, from[i], to[i], level, pieces, lengths);
 }

@@ -234,6 +234,7 @@ static const td_backend_class opencl_class = {td_opencl_sweep,
                                               td_opencl_path_misfits,
                                               td_opencl_path_rows,
                                               td_opencl_moved_rows,
+                                              NULL,
                                               1};
 
 /* The scene to the device. Arrays that aren't there get one float, since kernels want an argument. */

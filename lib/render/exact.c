@@ -53,6 +53,10 @@ tides_status td_exact_nodes(td_exact *exact, td_backend *backend, const td_node_
     return status == TIDES_OK ? exact->type->nodes(exact, request, error) : status;
 }
 
+tides_status td_exact_halve(td_exact *exact, const td_halve_request *request, tides_error *error) {
+    return exact->type->halve(exact, request, error);
+}
+
 tides_status td_exact_rows(td_exact *exact, int count, double *rows, tides_error *error) {
     return exact->type->rows(exact, count, rows, error);
 }

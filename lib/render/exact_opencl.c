@@ -5,15 +5,19 @@
 
 #include <stdlib.h>
 
+/* Work-items of a group on a GPU; or all of them that share out paths on a CPU. */
+enum { GROUP = 64 };
+
 typedef struct opencl_exact {
     td_exact base;
     tides_device *device;
     int first_rate; /* row that rates begin with */
     int objects;
-    int sh_float; /* SH are floats */
-    cl_kernel kernel;
+    int sh_float;                                                   /* SH are floats */
+    cl_kernel kernel, halve_kernel;                                 /* the latter where something moves by itself */
     td_buffer image, object, geometry, rates, sh, sh_rates, owners; /* the scene */
     td_buffer views, jobs, gaussians, places;                       /* a request */
+    td_buffer from, to, lengths;                                    /* paths to halve */
     td_buffer rows;
 } opencl_exact;
 
@@ -59,7 +63,7 @@ static tides_status nodes(td_exact *exact, const td_node_request *request, tides
     opencl_exact *e = (opencl_exact *)exact;
     tides_status status = send(e, request, error);
     if (status != TIDES_OK || request->job_count == 0) return status;
-    size_t local = e->device->info.lanes > 1 ? 1 : 64, global = (size_t)request->job_count * local;
+    size_t local = e->device->info.lanes > 1 ? 1 : GROUP, global = (size_t)request->job_count * local;
     cl_int first_rate = e->first_rate, first_moved = exact->gaussians;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(e->image),     TD_BUFFER_ARGUMENT(e->jobs),
                                      TD_BUFFER_ARGUMENT(e->gaussians), TD_BUFFER_ARGUMENT(e->places),
@@ -73,6 +77,25 @@ static tides_status nodes(td_exact *exact, const td_node_request *request, tides
     return td_finish(e->device, status, error);
 }
 
+static tides_status halve(td_exact *exact, const td_halve_request *request, tides_error *error) {
+    opencl_exact *e = (opencl_exact *)exact;
+    const cl_int count = request->count, level = request->level, pieces = request->pieces;
+    const int on_cpu = e->device->info.lanes > 1;
+    const size_t local = on_cpu ? 1 : GROUP, global = on_cpu ? GROUP : ((size_t)count + GROUP) / GROUP * GROUP;
+    const size_t ints = (size_t)count * sizeof(cl_int), row = TD_PATH_STRIDE;
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(e->rows),   TD_BUFFER_ARGUMENT(e->from), TD_BUFFER_ARGUMENT(e->to),
+                                     TD_VALUE_ARGUMENT(count),      TD_VALUE_ARGUMENT(level),    TD_VALUE_ARGUMENT(pieces),
+                                     TD_BUFFER_ARGUMENT(e->lengths)};
+    tides_status status = td_buffer_grow(e->device, &e->rows, (size_t)request->row_count * row * sizeof(double), error);
+    if (status == TIDES_OK) status = td_buffer_write(e->device, &e->from, request->from, ints, error);
+    if (status == TIDES_OK) status = td_buffer_write(e->device, &e->to, request->to, ints, error);
+    if (status == TIDES_OK)
+        status = td_buffer_write(e->device, &e->lengths, request->lengths, (size_t)pieces * sizeof(double), error);
+    if (status == TIDES_OK)
+        status = td_launch(e->device, e->halve_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
+    return td_finish(e->device, status, error);
+}
+
 static tides_status rows(td_exact *exact, int count, double *to, tides_error *error) {
     opencl_exact *e = (opencl_exact *)exact;
     return td_buffer_read(e->device, &e->rows, to, (size_t)count * TD_PATH_STRIDE * sizeof *to, error);
@@ -80,14 +103,15 @@ static tides_status rows(td_exact *exact, int count, double *to, tides_error *er
 
 static void destroy(td_exact *exact) {
     opencl_exact *e = (opencl_exact *)exact;
-    td_buffer *buffers[] = {&e->image,  &e->object, &e->geometry, &e->rates,     &e->sh,     &e->sh_rates,
-                            &e->owners, &e->views,  &e->jobs,     &e->gaussians, &e->places, &e->rows};
+    td_buffer *buffers[] = {&e->image, &e->object,    &e->geometry, &e->rates, &e->sh,   &e->sh_rates, &e->owners, &e->views,
+                            &e->jobs,  &e->gaussians, &e->places,   &e->rows,  &e->from, &e->to,       &e->lengths};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     if (e->kernel) clReleaseKernel(e->kernel);
+    if (e->halve_kernel) clReleaseKernel(e->halve_kernel);
     free(e);
 }
 
-static const td_exact_class opencl_class = {move, nodes, rows, destroy};
+static const td_exact_class opencl_class = {move, nodes, halve, rows, destroy};
 
 const td_buffer *td_exact_row_buffer(const td_exact *exact) {
     return exact->type == &opencl_class ? &((const opencl_exact *)exact)->rows : NULL;
@@ -124,7 +148,7 @@ static tides_status write_store(opencl_exact *e, const td_store *store, tides_er
 }
 
 /* The image as kernels in double have it, reals and then ints, is td_image_numbers. */
-static tides_status build(opencl_exact *e, const td_image_numbers *numbers, int moving, tides_error *error) {
+static tides_status build(opencl_exact *e, const td_image_numbers *numbers, int moving, int halves, tides_error *error) {
     td_image decisions; /* what is compiled in are ints */
     memset(&decisions, 0, sizeof decisions);
     memcpy((char *)&decisions + TD_IMAGE_REALS * sizeof(td_real), numbers->whole, sizeof numbers->whole);
@@ -134,18 +158,23 @@ static tides_status build(opencl_exact *e, const td_image_numbers *numbers, int 
     free(image);
     if (!defines) return TIDES_NO_MEMORY;
     tides_status status = td_kernel_create_double(e->device, "path_nodes.cl", defines, "td_project_nodes", &e->kernel, error);
+    if (status == TIDES_OK && halves)
+        status = td_kernel_create_double(e->device, "path_nodes.cl", defines, "td_halve_paths", &e->halve_kernel, error);
     free(defines);
     return status == TIDES_OK ? td_buffer_write(e->device, &e->image, numbers, sizeof *numbers, error) : status;
 }
 
-/* One job without Gaussians: drivers such as PoCL compile when a kernel first runs. */
+/* One job without Gaussians, no path: drivers such as PoCL compile when a kernel first runs. */
 static tides_status warm_up(opencl_exact *e, tides_error *error) {
     static const td_node_job no_nodes = {0, 0, 0, 0};
     static const int nothing[TD_PAD] = {0};
     double *views = td_alloc((size_t)e->objects * TD_VIEW_REALS, sizeof *views, error);
     if (!views) return TIDES_NO_MEMORY;
     const td_node_request request = {views, 1, &no_nodes, 1, nothing, nothing, TD_PAD, 1};
+    const double length = 1;
+    const td_halve_request no_paths = {nothing, nothing, 0, 0, 1, &length, 1};
     tides_status status = nodes(&e->base, &request, error);
+    if (status == TIDES_OK && e->halve_kernel) status = halve(&e->base, &no_paths, error);
     free(views);
     return status;
 }
@@ -159,7 +188,8 @@ tides_status td_exact_create_opencl(tides_device *device, const td_store *store,
     e->objects = store->objects;
     e->first_rate = store->rates ? 0 : store->count;
     e->sh_float = !store->sh_wide && !store->movers.moves_sh; /* moved ones are in the backend's precision */
-    tides_status status = build(e, image, store->rates != NULL || store->movers.count > 0, error);
+    const int moves = store->movers.count > 0;
+    tides_status status = build(e, image, store->rates != NULL || moves, moves, error);
     if (status == TIDES_OK) status = write_store(e, store, error);
     if (status == TIDES_OK) status = warm_up(e, error);
     if (status != TIDES_OK) {

@@ -33,6 +33,11 @@ static tides_status nodes(td_exact *exact, const td_node_request *request, tides
     return reference->type->nodes(reference, request, error);
 }
 
+static tides_status halve(td_exact *exact, const td_halve_request *request, tides_error *error) {
+    td_backend *reference = ((twin *)exact)->reference;
+    return reference->type->halve_paths(reference, request, error);
+}
+
 static tides_status rows(td_exact *exact, int count, double *to, tides_error *error) {
     td_backend *reference = ((twin *)exact)->reference;
     return reference->type->path_rows(reference, count, to, NULL, error);
@@ -45,7 +50,7 @@ static void destroy(td_exact *exact) {
     free(t);
 }
 
-static const td_exact_class twin_class = {move, nodes, rows, destroy};
+static const td_exact_class twin_class = {move, nodes, halve, rows, destroy};
 
 tides_status td_exact_create_twin(const td_store *store, const td_image_numbers *image, td_exact **exact, tides_error *error) {
     twin *t = td_alloc(1, sizeof *t, error);

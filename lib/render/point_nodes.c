@@ -1,5 +1,5 @@
 /* Record paths in double precision for single pixels: pieces of the interval; every listed Gaussian projected at their ends
- * and in their middles; by what the middles show each gets as many nodes as it needs. */
+ * and in their middles (point_rows.c); by what the middles show each gets as many nodes as it needs. */
 #include "camera/td_trajectory.h"
 #include "td_point_nodes.h"
 #include "td_renderer.h"
@@ -9,7 +9,6 @@
 #include <stdlib.h>
 
 enum {
-    JOB_GAUSSIANS = 256, /* of a job: enough for its start, few enough that threads end together */
     WHOLE_LEVEL = 3,     /* the interval stays whole where that is enough for half of all */
     MOST_LEVEL = 5,      /* 32 curves a piece: the error falls by 16^5 */
     MOST_ROWS = 1 << 21, /* where there are several pieces: 256 MB */
@@ -36,12 +35,16 @@ tides_status td_point_nodes_create(const tides_renderer *renderer, td_exact *sha
     nodes->gaussians = td_alloc(count, sizeof *nodes->gaussians, error);
     nodes->level = td_alloc(count, sizeof *nodes->level, error);
     nodes->first = td_alloc(count + TD_PAD, sizeof *nodes->first, error);
+    nodes->open_at = td_alloc(count, sizeof *nodes->open_at, error);
+    nodes->halve_from = td_alloc(count, sizeof *nodes->halve_from, error);
+    nodes->halve_to = td_alloc(count, sizeof *nodes->halve_to, error);
+    nodes->settled = td_alloc(count, sizeof *nodes->settled, error);
     nodes->tried = td_alloc(count + TD_PAD, sizeof *nodes->tried, error);
     nodes->fit.worst = td_alloc(count + TD_PAD, sizeof *nodes->fit.worst, error);
     nodes->fit.bent = td_alloc(count + TD_PAD, sizeof *nodes->fit.bent, error);
     nodes->fit.calm = td_alloc(count + TD_PAD, sizeof *nodes->fit.calm, error);
-    if (!nodes->path || !nodes->gaussians || !nodes->level || !nodes->first || !nodes->tried || !nodes->fit.worst ||
-        !nodes->fit.bent || !nodes->fit.calm)
+    if (!nodes->path || !nodes->gaussians || !nodes->level || !nodes->first || !nodes->open_at || !nodes->halve_from ||
+        !nodes->halve_to || !nodes->settled || !nodes->tried || !nodes->fit.worst || !nodes->fit.bent || !nodes->fit.calm)
         return TIDES_NO_MEMORY;
     nodes->exact = shared;
     nodes->is_shared = shared != NULL;
@@ -55,12 +58,18 @@ void td_point_nodes_release(td_point_nodes *nodes) {
     free(nodes->gaussians);
     free(nodes->level);
     free(nodes->first);
+    free(nodes->open_at);
+    free(nodes->open);
+    free(nodes->halve_from);
+    free(nodes->halve_to);
+    free(nodes->settled);
     free(nodes->tried);
     free(nodes->row);
     free(nodes->length);
     free(nodes->fit.worst);
     free(nodes->fit.bent);
     free(nodes->fit.calm);
+    free(nodes->fit.each);
     free(nodes->time);
     free(nodes->entry);
     free(nodes->at);
@@ -100,9 +109,6 @@ static tides_status begin_whole(td_point_nodes *nodes, double start, double stop
     return status;
 }
 
-/* Of an instant one row of each is enough. */
-static int is_instant(const td_point_nodes *nodes) { return !(nodes->knot[0] < nodes->knot[nodes->pieces]); }
-
 /* Cuts it where paths may bend: the pieces are between knots, each once, in order. */
 static tides_status cut(const tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                         td_point_nodes *nodes, tides_error *error) {
@@ -125,159 +131,6 @@ static tides_status cut(const tides_renderer *renderer, const tides_trajectory *
             nodes->knot[kept++] = nodes->knot[i];
     nodes->pieces = kept - 1;
     return TIDES_OK;
-}
-
-/* -- projection ------------------------------------------------------------------------------------------------------------ */
-
-static tides_status reserve_entries(td_point_nodes *nodes, size_t more, tides_error *error) {
-    const size_t wanted = (size_t)nodes->entries + more;
-    tides_status status = td_reserve((void **)&nodes->entry, &nodes->entry_capacity[0], wanted, sizeof *nodes->entry, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&nodes->at, &nodes->entry_capacity[1], wanted, sizeof *nodes->at, error);
-    if (status == TIDES_OK)
-        status =
-            td_reserve((void **)&nodes->jobs, &nodes->job_capacity, (size_t)nodes->job_count + 1, sizeof *nodes->jobs, error);
-    return status;
-}
-
-/* Fills the last job up to a multiple of TD_PAD with what goes to the row that nobody reads. */
-static void end_job(td_point_nodes *nodes) {
-    td_node_job *job = &nodes->jobs[nodes->job_count - 1];
-    for (; job->count % TD_PAD; job->count++, nodes->entries++) {
-        nodes->entry[nodes->entries] = TD_NO_GAUSSIAN;
-        nodes->at[nodes->entries] = nodes->rows;
-    }
-}
-
-/* Jobs for node `node`, which is number `slot` of a request, of gaussians[from .. end) that have a level; `row` (nullable) has
- * the rows of those, where some move by themselves. */
-static tides_status add_node(const tides_renderer *renderer, td_point_nodes *nodes, int level, int node, int slot, int from,
-                             int end, const int *row, tides_error *error) {
-    int open = 0, object = -1, taken = 0;
-    tides_status status = reserve_entries(nodes, 0, error);
-    for (int i = from; i < end && status == TIDES_OK; i++) {
-        const int gaussian = nodes->gaussians[i];
-        if (nodes->level[i] != level) continue;
-        status = reserve_entries(nodes, 2 * TD_PAD, error);
-        if (status != TIDES_OK) return status;
-        if (open && (renderer->store.object[gaussian] != object || nodes->jobs[nodes->job_count - 1].count == JOB_GAUSSIANS)) {
-            end_job(nodes);
-            open = 0;
-            status = reserve_entries(nodes, 2 * TD_PAD, error);
-            if (status != TIDES_OK) return status;
-        }
-        if (!open) nodes->jobs[nodes->job_count++] = (td_node_job){slot, nodes->entries, 0, 0};
-        open = 1;
-        object = renderer->store.object[gaussian];
-        nodes->entry[nodes->entries] = row ? row[taken++] : gaussian;
-        nodes->at[nodes->entries++] = nodes->first[i] + node;
-        nodes->jobs[nodes->job_count - 1].count++;
-    }
-    if (open && status == TIDES_OK) end_job(nodes);
-    return status;
-}
-
-/* Jobs for the next node of what the jobs from `job` on, and entries from `entry` on, are for. */
-static tides_status repeat_node(td_point_nodes *nodes, int job, int entry, tides_error *error) {
-    const int jobs = nodes->job_count - job, entries = nodes->entries - entry;
-    tides_status status = TIDES_OK;
-    for (int i = 0; i < jobs && status == TIDES_OK; i++) {
-        status = reserve_entries(nodes, (size_t)entries, error);
-        if (status != TIDES_OK) return status;
-        const td_node_job *of = &nodes->jobs[job + i];
-        nodes->jobs[nodes->job_count++] = (td_node_job){of->slot + 1, of->first + entries, of->count, 0};
-    }
-    for (int i = entry; i < entry + entries && status == TIDES_OK; i++) {
-        nodes->entry[i + entries] = nodes->entry[i];
-        nodes->at[i + entries] = nodes->at[i] + (nodes->entry[i] != TD_NO_GAUSSIAN);
-    }
-    nodes->entries += entries;
-    return status;
-}
-
-/* Jobs for all nodes of a level, one after the other for so many Gaussians as a job takes: what they are made of, and their
- * rows, are in the cache then. */
-static tides_status add_nodes(const tides_renderer *renderer, td_point_nodes *nodes, int level, int slots, tides_error *error) {
-    tides_status status = TIDES_OK;
-    for (int from = 0, end = 0; from < nodes->count && status == TIDES_OK; from = end) {
-        int job = nodes->job_count, entry = nodes->entries;
-        for (int taken = 0; end < nodes->count && taken < JOB_GAUSSIANS; end++) taken += nodes->level[end] == level;
-        status = add_node(renderer, nodes, level, 0, 0, from, end, NULL, error);
-        for (int k = 1; k < slots && status == TIDES_OK; k++) {
-            const int next_job = nodes->job_count, next_entry = nodes->entries;
-            status = repeat_node(nodes, job, entry, error);
-            job = next_job, entry = next_entry;
-        }
-    }
-    return status;
-}
-
-/* Node k of a level, counted through all pieces [s after the epoch]. */
-static double node_time(const td_point_nodes *nodes, int level, int k) {
-    const int piece = k >> level, part = k & ((1 << level) - 1);
-    if (part == 0) return nodes->knot[piece];
-    return nodes->knot[piece] + (nodes->knot[piece + 1] - nodes->knot[piece]) * (part / (double)(1 << level));
-}
-
-/* The nodes that there are jobs for, at `slots` times. */
-static tides_status send(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, const double *times,
-                         int slots, tides_error *error) {
-    if (nodes->job_count == 0) return TIDES_OK;
-    tides_status status = td_renderer_views(renderer, camera, times, slots, error);
-    if (status != TIDES_OK) return status;
-    const td_node_request request = {.views = (const double *)renderer->views,
-                                     .slots = slots,
-                                     .jobs = nodes->jobs,
-                                     .job_count = nodes->job_count,
-                                     .gaussians = nodes->entry,
-                                     .rows = nodes->at,
-                                     .count = nodes->entries,
-                                     .row_count = nodes->rows + 1};
-    return td_exact_nodes(nodes->exact, renderer->backend, &request, error);
-}
-
-/* One node of gaussians[from .. end), some of which move by themselves: first their rows. `wanted` and `row` have room for
- * them. */
-static tides_status project_moved(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, int level,
-                                  int node, int from, int end, int *wanted, int *row, tides_error *error) {
-    const int is_last = node == nodes->pieces << level;
-    int count = 0;
-    for (int i = from; i < end; i++)
-        if (nodes->level[i] == level) wanted[count++] = nodes->gaussians[i];
-    if (count == 0) return TIDES_OK;
-    tides_status status = td_dynamic_rows_at(&renderer->dynamic, renderer->backend, wanted, count, nodes->time[node],
-                                             is_last ? TD_SIDE_ENDS : TD_SIDE_BEGINS, row, error);
-    nodes->entries = nodes->job_count = 0;
-    if (status == TIDES_OK) status = add_node(renderer, nodes, level, node, 0, from, end, row, error);
-    return status == TIDES_OK ? send(renderer, camera, nodes, nodes->time + node, 1, error) : status;
-}
-
-/* All nodes, one by one, of so many Gaussians as rows of motions have room for beside what the sweep has cached. */
-static tides_status project_all_moved(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
-                                      int level, int slots, tides_error *error) {
-    const int chunk = renderer->row_limit / 2;
-    int *wanted = td_alloc(2 * (size_t)nodes->count, sizeof *wanted, error);
-    tides_status status = wanted ? TIDES_OK : TIDES_NO_MEMORY;
-    for (int node = 0; node < slots; node++)
-        for (int from = 0; from < nodes->count && status == TIDES_OK; from += chunk)
-            status =
-                project_moved(renderer, camera, nodes, level, node, from,
-                              nodes->count - from > chunk ? from + chunk : nodes->count, wanted, wanted + nodes->count, error);
-    free(wanted);
-    return status;
-}
-
-/* Rows of the Gaussians of a level, at all its nodes. */
-static tides_status project(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, int level,
-                            tides_error *error) {
-    const int slots = is_instant(nodes) ? 1 : (nodes->pieces << level) + 1;
-    tides_status status = td_reserve((void **)&nodes->time, &nodes->time_capacity, (size_t)slots, sizeof *nodes->time, error);
-    nodes->entries = nodes->job_count = 0;
-    for (int k = 0; k < slots && status == TIDES_OK; k++) nodes->time[k] = node_time(nodes, level, k);
-    if (renderer->dynamic.gaussians && status == TIDES_OK)
-        return project_all_moved(renderer, camera, nodes, level, slots, error);
-    if (status == TIDES_OK) status = add_nodes(renderer, nodes, level, slots, error);
-    return status == TIDES_OK ? send(renderer, camera, nodes, nodes->time, slots, error) : status;
 }
 
 /* -- levels ---------------------------------------------------------------------------------------------------------------- */
@@ -306,13 +159,15 @@ static tides_status find_listed(const tides_renderer *renderer, const td_point_s
     nodes->count = nodes->bent = 0;
     for (int i = 0; i < renderer->store.count; i++) {
         if (nodes->path[i] == TD_PATH_UNSEEN) continue;
-        int level = is_instant(nodes) ? 0 : first_level(renderer, nodes, i);
+        int level = td_point_is_instant(nodes) ? 0 : first_level(renderer, nodes, i);
         nodes->bent += level > MOST_LEVEL;
         if (level > MOST_LEVEL) level = MOST_LEVEL;
         nodes->first[nodes->count] = (int)rows;
         nodes->level[nodes->count] = (uint8_t)level;
+        nodes->open_at[nodes->count] = -1;
+        nodes->settled[nodes->count] = 0;
         nodes->gaussians[nodes->count++] = i;
-        rows += is_instant(nodes) ? 1 : ((int64_t)nodes->pieces << level) + 1;
+        rows += td_point_is_instant(nodes) ? 1 : ((int64_t)nodes->pieces << level) + 1;
         if (rows > INT32_MAX / TD_PATH_STRIDE) return too_many(nodes, error);
     }
     nodes->rows = (int)rows;
@@ -329,28 +184,32 @@ static tides_status refine(td_point_nodes *nodes, int i, tides_error *error) {
     return TIDES_OK;
 }
 
+/* The object whose motion model moves Gaussian i, or NULL. */
+static const td_dynamic_object *moved_by(const tides_renderer *renderer, const td_point_nodes *nodes, int i) {
+    const int mover = renderer->store.mover[renderer->store.object[nodes->gaussians[i]]];
+    return mover >= 0 ? &renderer->dynamic.object[mover] : NULL;
+}
+
 /* What the rows of Gaussian i allow its paths to be good to: those that a motion model moves are in the backend's precision. */
 static double target_of(const tides_renderer *renderer, const td_point_nodes *nodes, int i) {
-    const int moves = renderer->store.mover[renderer->store.object[nodes->gaussians[i]]] >= 0;
-    return moves && !td_renderer_is_double(renderer) ? TD_POINT_PATH_MOVED : TD_POINT_PATH_TARGET;
+    return moved_by(renderer, nodes, i) && !td_renderer_is_double(renderer) ? TD_POINT_PATH_MOVED : TD_POINT_PATH_TARGET;
 }
 
 /* What a motion model does it does to many splats at once: their errors add up. Without, p95 was reported too small in 1 of 45
  * random scenes, where a lamp flickers (tests/property/test_solved.c). */
 static double added_up(const tides_renderer *renderer, const td_point_nodes *nodes, int i) {
-    return renderer->store.mover[renderer->store.object[nodes->gaussians[i]]] >= 0 ? 2 : 1;
+    return moved_by(renderer, nodes, i) ? 2 : 1;
 }
 
-/* What Gaussian i needs whose cubics of the level before are off by so much (of log_luminance) in the middle: its level is
+/* What Gaussian i needs, whose cubics of the level before are off in the middle as the fit's number k says: its level is
  * enough where a sixteenth of the worst is, by which a smooth path's error falls with each level; at the last it may have a
  * kink, and is taken to be off by all of it the share `bent` of the time. What can't be compared at all crosses the near plane:
  * it has faded where its curves can't be used, if they are short, so that it counts as bent, and isn't told. An event sees a
  * path at some time: the law is told what is off on average, outside of kinks; the worst was 20 times what is true where a lamp
  * flickers, or a splat passes the clamp. */
-static tides_status choose_level(const tides_renderer *renderer, td_point_nodes *nodes, int i, double worst, double calm,
-                                 double bent, tides_error *error) {
+static tides_status choose_level(const tides_renderer *renderer, td_point_nodes *nodes, int i, int k, tides_error *error) {
     const double never = 2 * TD_PATH_WILD * TD_POINT_PATH_TARGET;
-    const double target = target_of(renderer, nodes, i);
+    const double target = target_of(renderer, nodes, i), worst = (double)nodes->fit.worst[k] * TD_POINT_PATH_TARGET;
     double falls = 16;
     const int first = first_level(renderer, nodes, nodes->gaussians[i]);
     nodes->moving += worst > 0 && nodes->level[i] == (first < MOST_LEVEL ? first : MOST_LEVEL);
@@ -362,33 +221,89 @@ static tides_status choose_level(const tides_renderer *renderer, td_point_nodes 
     }
     nodes->bent += is_bent;
     if (!(worst > 0 && worst < never)) return TIDES_OK;
+    const double calm = fmaxf(nodes->fit.calm[k], nodes->settled[i]) * TD_POINT_PATH_TARGET;
     const double smooth = is_bent || worst <= TD_PATH_BENT * TD_POINT_PATH_TARGET ? calm : worst;
-    td_path_tally_add(&nodes->tally, added_up(renderer, nodes, i) * smooth / falls, fmin(worst, most_off), is_bent ? bent : 0);
+    td_path_tally_add(&nodes->tally, added_up(renderer, nodes, i) * smooth / falls, fmin(worst, most_off),
+                      is_bent ? nodes->fit.bent[k] : 0);
     return TIDES_OK;
+}
+
+/* A row of what an expensive model moves costs a hundred times what a cubic does, and a kink of its path is in one place. So
+ * where Gaussian i gets rows of the next level they are those of the cubics that do, and only what is in the middle of a half
+ * of one that doesn't is worked out. It is number k of the `tried`, each with so many curves, and its rows are `from` there. */
+static tides_status open_curves(td_point_nodes *nodes, int i, int k, int from, int tried, int curves, tides_error *error) {
+    const float *each = nodes->fit.each + k;
+    const size_t flags = (size_t)nodes->open_count + (size_t)curves;
+    tides_status status = td_reserve((void **)&nodes->open, &nodes->open_capacity, flags, sizeof *nodes->open, error);
+    if (status != TIDES_OK) return status;
+    nodes->open_at[i] = nodes->open_count;
+    for (int curve = 0; curve < curves; curve++)
+        nodes->open[nodes->open_count++] = each[(size_t)curve * (size_t)tried] > TD_PATH_BENT;
+    nodes->settled[i] = fmaxf(nodes->settled[i], nodes->fit.calm[k]);
+    nodes->halve_from[nodes->halves] = from;
+    nodes->halve_to[nodes->halves++] = nodes->first[i];
+    return status;
+}
+
+static int has_expensive(const td_dynamic *dynamic) {
+    int any = 0;
+    for (int k = 0; k < dynamic->objects; k++) any |= dynamic->object[k].expensive;
+    return any;
+}
+
+/* Rows of the next level for those whose curves are open. */
+static tides_status halve_open(td_point_nodes *nodes, int level, tides_error *error) {
+    if (nodes->halves == 0) return TIDES_OK;
+    double *lengths = td_alloc((size_t)nodes->pieces, sizeof *lengths, error);
+    if (!lengths) return TIDES_NO_MEMORY;
+    for (int k = 0; k < nodes->pieces; k++) lengths[k] = nodes->knot[k + 1] - nodes->knot[k];
+    const td_halve_request request = {nodes->halve_from, nodes->halve_to, nodes->halves,  level,
+                                      nodes->pieces,     lengths,         nodes->rows + 1};
+    const tides_status status = td_exact_halve(nodes->exact, &request, error);
+    free(lengths);
+    return status;
+}
+
+/* How well the paths of a level do: those of `count` Gaussians, whose first rows are in nodes->tried. `each`: by curve, too. */
+static tides_status measure(td_point_nodes *nodes, td_points_engine *engine, int level, int count, int each,
+                            tides_error *error) {
+    const td_points_misfits request = {nodes->exact, nodes->rows, nodes->tried,  count,
+                                       level,        nodes->knot, nodes->pieces, TD_POINT_PATH_TARGET};
+    td_points_fit fit = nodes->fit;
+    tides_status status = TIDES_OK;
+    if (count == 0) return status;
+    if (each)
+        status = td_reserve((void **)&nodes->fit.each, &nodes->each_capacity, td_points_tried(&request) * (size_t)count,
+                            sizeof *nodes->fit.each, error);
+    fit.each = each ? nodes->fit.each : NULL;
+    return status == TIDES_OK ? engine->type->misfits(engine, &request, &fit, error) : status;
 }
 
 /* Compares the paths of a level with those of the level before, and gives the next level to those that need it. */
 static tides_status try_level(const tides_renderer *renderer, td_point_nodes *nodes, td_points_engine *engine, int level,
                               tides_error *error) {
+    const int each = has_expensive(&renderer->dynamic) && level < MOST_LEVEL;
     int count = 0;
     for (int i = 0; i < nodes->count; i++)
         if (nodes->level[i] == level) nodes->tried[count++] = nodes->first[i];
     for (int i = count; i < count + TD_PAD; i++) nodes->tried[i] = count ? nodes->tried[0] : 0;
-    const td_points_misfits request = {nodes->exact, nodes->rows, nodes->tried,  count,
-                                       level,        nodes->knot, nodes->pieces, TD_POINT_PATH_TARGET};
-    tides_status status = count ? engine->type->misfits(engine, &request, &nodes->fit, error) : TIDES_OK;
+    tides_status status = measure(nodes, engine, level, count, each, error);
+    nodes->open_count = nodes->halves = 0;
     for (int i = 0, k = 0; i < nodes->count && status == TIDES_OK; i++) {
         if (nodes->level[i] != level) continue;
-        const double worst = (double)nodes->fit.worst[k] * TD_POINT_PATH_TARGET;
-        const double calm = (double)nodes->fit.calm[k] * TD_POINT_PATH_TARGET;
-        status = choose_level(renderer, nodes, i, worst, calm, nodes->fit.bent[k++], error);
+        const int from = nodes->first[i];
+        status = choose_level(renderer, nodes, i, k, error);
+        const td_dynamic_object *object = moved_by(renderer, nodes, i);
+        if (status == TIDES_OK && each && nodes->level[i] > level && object && object->expensive)
+            status = open_curves(nodes, i, k, from, count, nodes->pieces << (level - 1), error);
+        k++;
     }
-    return status;
+    return status == TIDES_OK ? halve_open(nodes, level, error) : status;
 }
 
 /* Curves of all; paths. */
 static tides_status lay_curves(td_point_nodes *nodes, tides_error *error) {
-    const int moves = !is_instant(nodes);
+    const int moves = !td_point_is_instant(nodes);
     size_t curves = 0;
     for (int i = 0; i < nodes->count; i++) curves += (size_t)nodes->pieces << nodes->level[i];
     tides_status status = td_reserve((void **)&nodes->row, &nodes->row_capacity, 2 * curves, sizeof *nodes->row, error);
@@ -421,10 +336,10 @@ static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *
     tides_status status = find_listed(renderer, span, nodes, error);
     nodes->tally = (td_path_tally){0};
     nodes->moving = 0;
-    if (status == TIDES_OK && is_instant(nodes)) return project(renderer, camera, nodes, 0, error);
+    if (status == TIDES_OK && td_point_is_instant(nodes)) return td_point_rows_project(renderer, camera, nodes, 0, error);
     for (int level = 1, finer = 1; level <= MOST_LEVEL && finer > 0 && status == TIDES_OK && !*bent; level++) {
         finer = 0;
-        status = project(renderer, camera, nodes, level, error);
+        status = td_point_rows_project(renderer, camera, nodes, level, error);
         if (status == TIDES_OK) status = try_level(renderer, nodes, engine, level, error);
         for (int i = 0; i < nodes->count; i++) finer += nodes->level[i] > level;
         *bent = may_bend && level == WHOLE_LEVEL && 2 * finer > nodes->count;

@@ -48,7 +48,7 @@ static size_t even_items(const opencl_points *p, int count, size_t *local) {
 /* The last lanes write a little further. */
 static cl_int misfit_stride(const td_points_misfits *request) { return request->count + TD_PAD; }
 
-static tides_status launch_misfits(opencl_points *p, const td_buffer *rows, const td_points_misfits *request,
+static tides_status launch_misfits(opencl_points *p, const td_buffer *rows, const td_points_misfits *request, cl_int asks_each,
                                    tides_error *error) {
     size_t local, global = even_items(p, request->count, &local);
     const cl_int count = request->count, level = request->level, pieces = request->pieces, stride = misfit_stride(request);
@@ -58,28 +58,31 @@ static tides_status launch_misfits(opencl_points *p, const td_buffer *rows, cons
                                      TD_VALUE_ARGUMENT(level),     TD_BUFFER_ARGUMENT(p->piece_lengths),
                                      TD_VALUE_ARGUMENT(pieces),    TD_VALUE_ARGUMENT(target),
                                      TD_VALUE_ARGUMENT(rounding),  TD_BUFFER_ARGUMENT(p->misfits),
-                                     TD_VALUE_ARGUMENT(stride)};
+                                     TD_VALUE_ARGUMENT(stride),    TD_VALUE_ARGUMENT(asks_each)};
     return td_launch(p->device, p->misfit_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
 }
 
 static tides_status misfits(td_points_engine *engine, const td_points_misfits *request, const td_points_fit *fit,
                             tides_error *error) {
     opencl_points *p = (opencl_points *)engine;
-    const size_t stride = (size_t)misfit_stride(request), pieces = (size_t)request->pieces;
+    const size_t stride = (size_t)misfit_stride(request), pieces = (size_t)request->pieces, count = (size_t)request->count;
+    const size_t each = fit->each ? td_points_tried(request) : 0, all = (3 + each) * stride;
     if (request->count == 0) return TIDES_OK;
-    double *host = td_alloc(3 * stride + pieces, sizeof *host, error), *lengths = host ? host + 3 * stride : NULL;
+    double *host = td_alloc(all + pieces, sizeof *host, error), *lengths = host ? host + all : NULL;
     if (!host) return TIDES_NO_MEMORY;
     for (size_t i = 0; i < pieces; i++) lengths[i] = request->knot[i + 1] - request->knot[i];
     tides_status status = td_buffer_write(p->device, &p->first, request->first, stride * sizeof(cl_int), error);
     if (status == TIDES_OK) status = td_buffer_write(p->device, &p->piece_lengths, lengths, pieces * sizeof(cl_double), error);
-    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->misfits, 3 * stride * sizeof(cl_double), error);
-    if (status == TIDES_OK) status = launch_misfits(p, td_exact_row_buffer(request->exact), request, error);
-    if (status == TIDES_OK) status = td_buffer_read(p->device, &p->misfits, host, 3 * stride * sizeof *host, error);
+    if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->misfits, all * sizeof(cl_double), error);
+    if (status == TIDES_OK) status = launch_misfits(p, td_exact_row_buffer(request->exact), request, each > 0, error);
+    if (status == TIDES_OK) status = td_buffer_read(p->device, &p->misfits, host, all * sizeof *host, error);
     for (int i = 0; i < request->count && status == TIDES_OK; i++) {
         fit->worst[i] = (float)host[i];
         fit->bent[i] = (float)host[stride + (size_t)i];
         fit->calm[i] = (float)host[2 * stride + (size_t)i];
     }
+    for (size_t curve = 0; curve < each && status == TIDES_OK; curve++)
+        for (size_t i = 0; i < count; i++) fit->each[curve * count + i] = (float)host[(3 + curve) * stride + i];
     free(host);
     return status;
 }
@@ -301,7 +304,7 @@ static tides_status warm_up(opencl_points *p, tides_error *error) {
     tides_status status = begin(&p->base, &interval, error);
     for (int i = 0; i < 3 && status == TIDES_OK; i++)
         status = td_buffer_reserve(p->device, misfit_buffers[i], sizeof(cl_double), error);
-    if (status == TIDES_OK) status = launch_misfits(p, &p->image, &nobody, error);
+    if (status == TIDES_OK) status = launch_misfits(p, &p->image, &nobody, 0, error);
     if (status == TIDES_OK) status = lists(&p->base, none, 1, error);
     if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->chunks, sizeof(td_points_chunk), error);
     if (status == TIDES_OK) status = values(&p->base, &batch, NULL, error);

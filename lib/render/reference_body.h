@@ -341,9 +341,10 @@ static void destroy(td_backend *backend) {
     free(r);
 }
 
-static const td_backend_class reference_class = {sweep,   render,       empty_pixel,    prepare,    inspect,
-                                                 destroy, move,         prepare_cubics, misfits,    prepare_paths,
-                                                 nodes,   path_misfits, path_rows,      moved_rows, 0};
+static const td_backend_class reference_class = {sweep,     render,        empty_pixel, prepare,
+                                                 inspect,   destroy,       move,        prepare_cubics,
+                                                 misfits,   prepare_paths, nodes,       path_misfits,
+                                                 path_rows, moved_rows,    halve_paths, 0};
 
 /* Copies the store's arrays in this precision; SH comes as floats or doubles. */
 static tides_status copy_store(reference *r, const td_store *store, tides_error *error) {

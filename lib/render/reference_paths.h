@@ -56,6 +56,18 @@ static tides_status path_misfits(td_backend *backend, const td_path_request *req
     return status;
 }
 
+static tides_status halve_paths(td_backend *backend, const td_halve_request *request, tides_error *error) {
+    reference *r = (reference *)backend;
+    const size_t reals = (size_t)request->row_count * TD_PATH_STRIDE;
+    td_real *lengths = NULL;
+    tides_status status = grow_rows_of_paths(&r->path_rows, &r->path_row_capacity, reals, error);
+    if (status == TIDES_OK) status = copy_array(request->lengths, (size_t)request->pieces, &lengths, error);
+    for (int i = 0; i < request->count && status == TIDES_OK; i++)
+        td_path_halve(r->path_rows, request->from[i], request->to[i], request->level, request->pieces, lengths);
+    free(lengths);
+    return status;
+}
+
 static tides_status path_rows(td_backend *backend, int count, double *rows, double *low, tides_error *error) {
     const reference *r = (const reference *)backend;
     (void)error;

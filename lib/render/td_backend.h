@@ -158,6 +158,15 @@ typedef struct td_node_request {
     int row_count; /* rows in all: those below stay as they are */
 } td_node_request;
 
+/* Paths of a level whose rows of the next one, from `to` on, are made of those that they have, from `from` on (td_path_halve):
+ * (count) each. */
+typedef struct td_halve_request {
+    const int *from, *to;
+    int count, level, pieces;
+    const double *lengths; /* (pieces) [s] */
+    int row_count;         /* rows in all: others stay as they are */
+} td_halve_request;
+
 /* What misfits of paths are asked for of: `count` (a multiple of TD_PAD) of one level, from their first rows on. */
 typedef struct td_path_request {
     const int *first; /* (count) */
@@ -272,6 +281,8 @@ typedef struct td_backend_class {
     tides_status (*path_rows)(td_backend *backend, int count, double *rows, double *low, tides_error *error);
     /* Copies rows that batches have moved, in double: for td_exact. */
     tides_status (*moved_rows)(td_backend *backend, const td_moved_rows *rows, tides_error *error);
+    /* td_path_halve (path_node.h), for td_exact's twin; NULL: OpenCL's td_exact has rows of its own. */
+    tides_status (*halve_paths)(td_backend *backend, const td_halve_request *request, tides_error *error);
     int draws; /* 1: knows td_batch.pictures */
 } td_backend_class;
 

@@ -12,6 +12,7 @@ typedef struct td_exact td_exact;
 typedef struct td_exact_class {
     tides_status (*move)(td_exact *exact, const td_moved_rows *moved, tides_error *error);
     tides_status (*nodes)(td_exact *exact, const td_node_request *request, tides_error *error);
+    tides_status (*halve)(td_exact *exact, const td_halve_request *request, tides_error *error);
     tides_status (*rows)(td_exact *exact, int count, double *rows, tides_error *error);
     void (*destroy)(td_exact *exact);
 } td_exact_class;
@@ -32,6 +33,9 @@ void td_exact_destroy(td_exact *exact);
 /* Projects Gaussians at nodes: td_backend_class.nodes in double. Those that a motion moves are what `backend` has just worked
  * out, in its precision. */
 tides_status td_exact_nodes(td_exact *exact, td_backend *backend, const td_node_request *request, tides_error *error);
+
+/* Twice as many rows for some paths. */
+tides_status td_exact_halve(td_exact *exact, const td_halve_request *request, tides_error *error);
 
 /* The first `count` rows (x TD_PATH_STRIDE) to the host; and where the device has them, NULL in the twin. */
 tides_status td_exact_rows(td_exact *exact, int count, double *rows, tides_error *error);

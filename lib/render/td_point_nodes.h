@@ -35,6 +35,12 @@ typedef struct td_point_nodes {
     int *gaussians; /* (count) those in a list */
     int count;
     uint8_t *level; /* (count) 2^level curves a piece */
+    int *open_at;   /* (count) of those that have a level's rows from the one before, but for what was open: */
+    uint8_t *open;  /* from open[open_at[i]] on, each curve of the level before that; -1: all rows are their own */
+    int open_count;
+    int *halve_from, *halve_to; /* (halves) first rows, of a level and of the next */
+    int halves;
+    float *settled; /* (count) what those that were not open are off by (td_points_fit.calm) */
     int *first;     /* (count + TD_PAD) first rows */
     int rows;
     int *row;       /* (2 x curves) the rows that each begins and ends with */
@@ -49,8 +55,12 @@ typedef struct td_point_nodes {
     int *entry, *at;     /* (entries) Gaussians, and rows, of the jobs */
     td_node_job *jobs;
     int entries, job_count;
-    size_t knot_capacity, row_capacity, length_capacity, time_capacity, entry_capacity[2], job_capacity;
+    size_t open_capacity, each_capacity, knot_capacity, row_capacity, length_capacity, time_capacity, entry_capacity[2],
+        job_capacity;
 } td_point_nodes;
+
+/* Of an instant one row of each is enough. */
+static inline int td_point_is_instant(const td_point_nodes *nodes) { return !(nodes->knot[0] < nodes->knot[nodes->pieces]); }
 
 struct tides_renderer;
 /* `shared`: another's scene in double, or NULL. */
@@ -61,6 +71,10 @@ void td_point_nodes_release(td_point_nodes *nodes);
 /* All of them, or where to cut: rows would be too many, or paths bend more than all levels can follow. */
 tides_status td_point_nodes_find(struct tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
                                  const td_point_span *span, td_point_nodes *nodes, tides_error *error);
+
+/* Rows of the Gaussians of a level, at all its nodes that are theirs to have (point_rows.c). */
+tides_status td_point_rows_project(struct tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
+                                   int level, tides_error *error);
 
 /* How many slices their interval has, for tests (kernels/point_tests.h). */
 td_points_slices td_point_nodes_slices(const td_point_nodes *nodes);

@@ -69,10 +69,16 @@ typedef struct td_points_misfits {
 } td_points_misfits;
 
 /* By how many targets cubics of the level before miss the rows in their middles: at most; the share of the time in which that
- * is more than TD_PATH_BENT; the root of the mean square in the rest. (count) each. */
+ * is more than TD_PATH_BENT; the root of the mean square in the rest. (count) each. And each curve's own: each[curve x count],
+ * unless that is NULL. */
 typedef struct td_points_fit {
-    float *worst, *bent, *calm;
+    float *worst, *bent, *calm, *each;
 } td_points_fit;
+
+/* Curves of the level before. */
+static inline size_t td_points_tried(const td_points_misfits *request) {
+    return (size_t)request->pieces << (request->level - 1);
+}
 
 typedef struct td_points_engine td_points_engine;
 

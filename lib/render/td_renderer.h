@@ -17,7 +17,7 @@
  *   follow.c, gaussian_rows.c            points that are followed through the motion, on the host
  *   dynamic/                             Gaussians with a motion model
  *   exact.c, exact_*.c                   rows of record paths in double precision (td_exact.h)
- *   points.c, points_*.c, point_nodes.c  single pixels at single times (td_points.h)
+ *   points.c, point*_*.c                 single pixels at single times (td_points.h)
  *   backend_opencl.c, opencl_*.c, reference_*.c   what computes (td_backend.h)
  *
  * Compiled in double. */

@@ -1,9 +1,11 @@
 /* What interpolating is worth where a deformation network moves a scene, and what it costs: its rows
- * (scene.interpolate_motion), or what splats do on the screen (stepping.paths).
- *   bench_interpolation [DEVICE] [GAUSSIANS] [STEP_S]
+ * (scene.interpolate_motion), or what splats do on the screen (stepping.paths). Then what looking events up adds.
+ *   bench_interpolation [DEVICE] [GAUSSIANS] [STEP_S] [TIME_ROWS]
  * 4DGaussians with the sizes of its D-NeRF configuration and random weights, 2 s long, 0.1 s of it simulated without, with the
- * one and with the other, in turns; best of the rounds. Then how far their streams of events are from those without. Last, for
- * comparison, a model that isn't interpolated because its rows are cheap: a polynomial's. */
+ * one and with the other; then by default, where events are looked up, and by default with paths; in turns; best of the rounds.
+ * Then how far their streams of events are from those without. Its planes have TIME_ROWS rows of random numbers: 75 as in that
+ * configuration, whose training makes them smooth, with fewer the network has as few kinks. Last, for comparison, a model that
+ * isn't interpolated because its rows are cheap: a polynomial's. */
 #include "td_base.h"
 #include "tests/support/model_steps.h"
 #include "tests/support/moving_scene.h"
@@ -17,8 +19,8 @@
 #include <string.h>
 #include <time.h>
 
-enum { ROUNDS = 3, WAYS = 3 };
-static const char *const ways[WAYS] = {"without", "rows", "paths"};
+enum { ROUNDS = 3, WAYS = 5, SOLVED = 3 };
+static const char *const ways[WAYS] = {"without", "rows", "paths", "default", "default, paths"};
 static const double START = 0.5, STOP = 0.6, DURATION = 2;
 
 static void stop_on(tides_status status, const tides_error *error) {
@@ -62,10 +64,13 @@ static stream simulate(tides_device *device, const tides_scene *scene, double st
     memset(&s, 0, sizeof s);
     tides_image_params_defaults(&params);
     tides_sensor_defaults(&sensor);
-    model_steps(&stepping);
+    if (way < SOLVED)
+        model_steps(&stepping);
+    else
+        tides_stepping_defaults(&stepping);
     stepping.step_s = step_s;
     stepping.interpolate_motion = way == 1;
-    stepping.paths = way == 2;
+    stepping.paths = way == 2 || way == SOLVED + 1;
     stop_on(tides_trajectory_create_static(position, quaternion, &camera, &error), &error);
     stop_on(tides_simulator_create(device, scene, camera, &intrinsics, &params, &sensor, &stepping, START, STOP, NULL, NULL,
                                    &simulator, &error),
@@ -130,7 +135,7 @@ static void compare(const char *name, tides_device *device, const tides_scene *s
     printf("%s, steps of at most %g s\n", name, step_s);
     for (int on = 0; on < WAYS; on++) {
         const tides_stats *stats = &kept[on].stats;
-        printf("%-8s run %7.2f s, processor %7.2f s, motion %7.2f s, projection %7.2f s; rows %8.0f k worked out, %8.0f k "
+        printf("%-14s run %7.2f s, processor %7.2f s, motion %7.2f s, projection %7.2f s; rows %8.0f k worked out, %8.0f k "
                "interpolated; %8.0f k projected, %8.0f k at nodes, %8.0f k on paths; %.1f renders\n",
                ways[on], run[on], processor[on], motion[on], stats->render.time_project_s,
                1e-3 * (double)stats->render.gaussians_moved, 1e-3 * (double)stats->render.gaussians_interpolated,
@@ -156,7 +161,8 @@ int main(int count, char **words) {
     double step_s = count > 3 ? atof(words[3]) : 0.01;
     random_hexplane_recipe recipe = random_hexplane_defaults(1);
     recipe.strength = 0.05;
-    if (gaussians < 16) return fprintf(stderr, "bench_interpolation: at least 16 Gaussians\n"), 2;
+    if (count > 4) recipe.size[3] = atoi(words[4]);
+    if (gaussians < 16 || recipe.size[3] < 2) return fprintf(stderr, "bench_interpolation: at least 16 Gaussians, 2 rows\n"), 2;
     stop_on(tides_device_open(count > 1 ? words[1] : "cpu", &device, &error), &error);
     random_gaussians some = random_gaussians_make(2, gaussians, 0, 1.5);
     tides_scene *scenes[2] = {scene_of(&some.view, random_hexplane_make(&recipe)),

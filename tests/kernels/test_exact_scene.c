@@ -157,25 +157,43 @@ static void test_opencl_equals_the_reference(void **state) {
 
 /* -- Gaussians that a motion moves --------------------------------------------------------------------------------- */
 
-/* The rows that a sweep worked out, in the precision of the renderer's backend. */
-static double *moved_rows(tides_device *device, const moving_scene *s, const char *of, asked *a) {
+/* The scene in double on a device, and rows of what a sweep has moved, in the precision of the renderer's backend. */
+typedef struct moved {
+    tides_device *backend; /* NULL: the device */
+    tides_renderer *renderer;
+    td_exact *exact;
+    asked a;
+} moved;
+
+static moved moved_open(tides_device *device, const moving_scene *s, const char *of) {
+    moved m = {of ? open_device(of) : NULL, NULL, NULL, {0}};
     tides_error error;
-    tides_device *backend = of ? open_device(of) : device;
-    tides_renderer *renderer = make_renderer(backend, s->scene, &s->base.camera, TIDES_RULES_SMOOTH);
-    td_image_numbers image = td_image_pack(&renderer->image);
-    td_exact *exact = NULL;
-    scene_expect_ok(td_renderer_sweep(renderer, s->base.path, node_times[0], node_times[NODES - 1], &error), &error);
-    scene_expect_ok(td_renderer_views(renderer, s->base.path, node_times, NODES, &error), &error);
-    assert_true(renderer->dynamic.gaussians > 2 * TD_PAD);
-    *a =
-        ask((const double *)renderer->views, renderer->store.count + TD_PAD, renderer->dynamic.gaussians - TD_PAD, 1 << 20, 32);
-    scene_expect_ok(td_exact_create(device, &renderer->store, &image, &exact, &error), &error);
-    double *rows = rows_of(exact, renderer->backend, a), *again = rows_of(exact, renderer->backend, a);
-    assert_memory_equal(rows, again, (size_t)a->request.row_count * TD_PATH_STRIDE * sizeof *rows);
+    m.renderer = make_renderer(of ? m.backend : device, s->scene, &s->base.camera, TIDES_RULES_SMOOTH);
+    td_image_numbers image = td_image_pack(&m.renderer->image);
+    scene_expect_ok(td_renderer_sweep(m.renderer, s->base.path, node_times[0], node_times[NODES - 1], &error), &error);
+    scene_expect_ok(td_renderer_views(m.renderer, s->base.path, node_times, NODES, &error), &error);
+    assert_true(m.renderer->dynamic.gaussians > 2 * TD_PAD);
+    m.a = ask((const double *)m.renderer->views, m.renderer->store.count + TD_PAD, m.renderer->dynamic.gaussians - TD_PAD,
+              1 << 20, 32);
+    scene_expect_ok(td_exact_create(device, &m.renderer->store, &image, &m.exact, &error), &error);
+    return m;
+}
+
+/* All but what was asked for. */
+static asked moved_close(moved *m) {
+    td_exact_destroy(m->exact);
+    tides_renderer_destroy(m->renderer);
+    if (m->backend) tides_device_close(m->backend);
+    return m->a;
+}
+
+/* The rows that a sweep worked out. */
+static double *moved_rows(tides_device *device, const moving_scene *s, const char *of, asked *a) {
+    moved m = moved_open(device, s, of);
+    double *rows = rows_of(m.exact, m.renderer->backend, &m.a), *again = rows_of(m.exact, m.renderer->backend, &m.a);
+    assert_memory_equal(rows, again, (size_t)m.a.request.row_count * TD_PATH_STRIDE * sizeof *rows);
     free(again);
-    td_exact_destroy(exact);
-    tides_renderer_destroy(renderer);
-    if (of) tides_device_close(backend);
+    *a = moved_close(&m);
     return rows;
 }
 
@@ -207,6 +225,84 @@ static void test_moved_rows(void **state) {
     }
 }
 
+/* -- twice as many rows -------------------------------------------------------------------------------------------- */
+
+enum { HALVED = 5 }; /* rows, of NODES */
+
+/* Rows of the moved scene, and behind them those of every other path of twice as many: all of them, row_count in all. */
+static double *halved_rows(tides_device *device, const moving_scene *s, int level, int pieces, const double *lengths,
+                           int *row_count, int *paths) {
+    moved m = moved_open(device, s, "reference");
+    const int count = m.a.request.count / NODES / 2, given = m.a.request.row_count;
+    int *from = calloc((size_t)count, sizeof *from), *to = calloc((size_t)count, sizeof *to);
+    tides_error error;
+    assert_true(from && to && count > TD_PAD);
+    for (int i = 0; i < count; i++) from[i] = 1 + 2 * i * NODES, to[i] = given + i * HALVED;
+    *row_count = given + count * HALVED;
+    *paths = count;
+    free(rows_of(m.exact, m.renderer->backend, &m.a));
+    const td_halve_request request = {from, to, count, level, pieces, lengths, *row_count};
+    double *rows = calloc((size_t)*row_count * TD_PATH_STRIDE, sizeof *rows);
+    assert_non_null(rows);
+    scene_expect_ok(td_exact_halve(m.exact, &request, &error), &error);
+    scene_expect_ok(td_exact_rows(m.exact, *row_count, rows, &error), &error);
+    free(from);
+    free(to);
+    asked a = moved_close(&m);
+    asked_free(&a);
+    return rows;
+}
+
+/* Row k of the made path: every other is one of the given, and between two is the middle of their cubic, h seconds long. */
+static void check_halved(const double *given, const double *made, const double *h) {
+    for (int k = 0; k < NODES; k++)
+        assert_memory_equal(made + (size_t)(2 * k) * TD_PATH_STRIDE, given + (size_t)k * TD_PATH_STRIDE,
+                            TD_PATH_STRIDE * sizeof *given);
+    for (int k = 0; k + 1 < NODES; k++)
+        for (int number = 0; number < TD_PATH_NUMBERS; number++) {
+            const double *from = given + (size_t)k * TD_PATH_STRIDE + number, *to = from + TD_PATH_STRIDE;
+            const double *middle = made + (size_t)(2 * k + 1) * TD_PATH_STRIDE + number;
+            const long double a = from[0], b = to[0], c = from[TD_PATH_NUMBERS], d = to[TD_PATH_NUMBERS];
+            const long double value = (a + b) / 2 + h[k] / 8 * (c - d), rate = 1.5L * (b - a) / h[k] - (c + d) / 4;
+            const long double room = 4e-16L * (fabsl(a) + fabsl(b) + h[k] * (fabsl(c) + fabsl(d)));
+            if (!isfinite(a + b + c + d)) continue;
+            if (!(fabsl(middle[0] - value) <= room && fabsl(middle[TD_PATH_NUMBERS] - rate) <= 3 * room / h[k]))
+                fail_msg("number %d between rows %d and %d: %.17g and %.17g, should be %.17Lg and %.17Lg", number, k, k + 1,
+                         middle[0], middle[TD_PATH_NUMBERS], value, rate);
+        }
+}
+
+/* One piece of two curves, and two pieces of one, which aren't equally long. */
+static void test_twice_as_many_rows(void **state) {
+    static const int widths[] = {16, 4, 1};
+    static const struct {
+        int level, pieces;
+        double lengths[2], h[NODES - 1];
+    } cuts[] = {{1, 1, {0.01, 0}, {0.005, 0.005}}, {0, 2, {0.004, 0.006}, {0.004, 0.006}}};
+    (void)state;
+    for (int i = 0; i < 6; i++) {
+        const int cut = i % 2;
+        tides_device *device = open_cpu(widths[i / 2]), *reference = open_device("reference");
+        random_recipe recipe = random_recipe_defaults(SEED + (uint64_t)i);
+        recipe.count = 200, recipe.objects = 3;
+        moving_scene s = moving_scene_make(&recipe, 0.6);
+        int rows[2], paths[2], used[2] = {0, 0};
+        double *own = halved_rows(device, &s, cuts[cut].level, cuts[cut].pieces, cuts[cut].lengths, &rows[0], &paths[0]);
+        double *twin = halved_rows(reference, &s, cuts[cut].level, cuts[cut].pieces, cuts[cut].lengths, &rows[1], &paths[1]);
+        const asked all = {.request = {.row_count = rows[0]}};
+        assert_int_equal(rows[0], rows[1]);
+        compare("rows made of rows", &all, own, twin, used);
+        for (int k = 0; k < paths[0]; k++)
+            check_halved(own + (size_t)(1 + 2 * k * NODES) * TD_PATH_STRIDE,
+                         own + (size_t)(rows[0] - (paths[0] - k) * HALVED) * TD_PATH_STRIDE, cuts[cut].h);
+        free(own);
+        free(twin);
+        moving_scene_free(&s);
+        tides_device_close(reference);
+        tides_device_close(device);
+    }
+}
+
 /* A device without double precision leaves it to the twin. */
 static void test_single_precision_has_the_twin(void **state) {
     (void)state;
@@ -228,6 +324,7 @@ static void test_single_precision_has_the_twin(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_opencl_equals_the_reference), cmocka_unit_test(test_moved_rows),
+                                       cmocka_unit_test(test_twice_as_many_rows),
                                        cmocka_unit_test(test_single_precision_has_the_twin)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);

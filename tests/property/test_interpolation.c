@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "tests/support/event_list.h"
-#include "tests/property/renderer_of.h"
+#include "tests/property/network_scene.h"
 
 #include "render/td_renderer.h"
 #include "solver/td_simulator.h"
@@ -15,7 +15,6 @@
 #include "tests/support/model_steps.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/opencl.h"
-#include "tests/support/random_network.h"
 #include "td_sort.h"
 
 #include <math.h>
@@ -45,37 +44,6 @@ static void test_weights_give_cubics_back(void **state) {
 }
 
 /* -- images -------------------------------------------------------------------------------------------------------- */
-
-typedef struct network_scene {
-    random_scene base; /* camera and path */
-    random_gaussians gaussians;
-    tides_scene *scene;
-} network_scene;
-
-/* A HexPlane model of small sizes, whose time planes have a knot every 1/12 of the second that the motion lasts. */
-static network_scene network_scene_make(uint64_t seed, double strength) {
-    network_scene made;
-    tides_error error;
-    random_recipe recipe = recipe_of(seed);
-    random_hexplane_recipe network = random_hexplane_defaults(seed);
-    network.channels = 8, network.width = 16, network.levels = 1, network.strength = strength;
-    for (int k = 0; k < 4; k++) network.size[k] = 13;
-    recipe.camera_speed = 0.3;
-    made.base = random_scene_make(&recipe);
-    made.gaussians = random_gaussians_make(seed, 300, 1, 1.2);
-    made.scene = NULL;
-    scene_expect_ok(tides_scene_create(&made.scene, &error), &error);
-    scene_expect_ok(tides_scene_add_moving(made.scene, &made.gaussians.view, random_hexplane_make(&network), 1, NULL, 1, NULL,
-                                           NULL, &error),
-                    &error);
-    return made;
-}
-
-static void network_scene_free(network_scene *s) {
-    tides_scene_destroy(s->scene);
-    random_gaussians_free(&s->gaussians);
-    random_scene_free(&s->base);
-}
 
 /* Every tile at SLOTS times spread over (start, stop). */
 static double *render_between(tides_renderer *renderer, const tides_trajectory *path, double start, double stop) {

@@ -1,0 +1,168 @@
+/* Rows of record paths in double precision for single pixels: Gaussians projected at the nodes of a level. For
+ * point_nodes.c. */
+#include "td_point_nodes.h"
+#include "td_renderer.h"
+
+#include <stdlib.h>
+
+/* Of a job: enough for its start, few enough that threads end together. */
+enum { JOB_GAUSSIANS = 256 };
+
+/* -- projection ------------------------------------------------------------------------------------------------------------ */
+
+static tides_status reserve_entries(td_point_nodes *nodes, size_t more, tides_error *error) {
+    const size_t wanted = (size_t)nodes->entries + more;
+    tides_status status = td_reserve((void **)&nodes->entry, &nodes->entry_capacity[0], wanted, sizeof *nodes->entry, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&nodes->at, &nodes->entry_capacity[1], wanted, sizeof *nodes->at, error);
+    if (status == TIDES_OK)
+        status =
+            td_reserve((void **)&nodes->jobs, &nodes->job_capacity, (size_t)nodes->job_count + 1, sizeof *nodes->jobs, error);
+    return status;
+}
+
+/* Fills the last job up to a multiple of TD_PAD with what goes to the row that nobody reads. */
+static void end_job(td_point_nodes *nodes) {
+    td_node_job *job = &nodes->jobs[nodes->job_count - 1];
+    for (; job->count % TD_PAD; job->count++, nodes->entries++) {
+        nodes->entry[nodes->entries] = TD_NO_GAUSSIAN;
+        nodes->at[nodes->entries] = nodes->rows;
+    }
+}
+
+/* Is node `node` of a level to be worked out for Gaussian i? Of one whose curves of the level before were open or not, it is
+ * where it is the middle of a half of what was open. */
+static int is_wanted(const td_point_nodes *nodes, int i, int level, int node) {
+    if (nodes->level[i] != level) return 0;
+    return nodes->open_at[i] < 0 || (node % 2 && nodes->open[nodes->open_at[i] + node / 4]);
+}
+
+/* Jobs for node `node`, which is number `slot` of a request, of those of gaussians[from .. end) that want it at a level; `row`
+ * (nullable) has the rows of these, where some move by themselves. */
+static tides_status add_node(const tides_renderer *renderer, td_point_nodes *nodes, int level, int node, int slot, int from,
+                             int end, const int *row, tides_error *error) {
+    int open = 0, object = -1, taken = 0;
+    tides_status status = reserve_entries(nodes, 0, error);
+    for (int i = from; i < end && status == TIDES_OK; i++) {
+        const int gaussian = nodes->gaussians[i];
+        if (!is_wanted(nodes, i, level, node)) continue;
+        status = reserve_entries(nodes, 2 * TD_PAD, error);
+        if (status != TIDES_OK) return status;
+        if (open && (renderer->store.object[gaussian] != object || nodes->jobs[nodes->job_count - 1].count == JOB_GAUSSIANS)) {
+            end_job(nodes);
+            open = 0;
+            status = reserve_entries(nodes, 2 * TD_PAD, error);
+            if (status != TIDES_OK) return status;
+        }
+        if (!open) nodes->jobs[nodes->job_count++] = (td_node_job){slot, nodes->entries, 0, 0};
+        open = 1;
+        object = renderer->store.object[gaussian];
+        nodes->entry[nodes->entries] = row ? row[taken++] : gaussian;
+        nodes->at[nodes->entries++] = nodes->first[i] + node;
+        nodes->jobs[nodes->job_count - 1].count++;
+    }
+    if (open && status == TIDES_OK) end_job(nodes);
+    return status;
+}
+
+/* Jobs for the next node of what the jobs from `job` on, and entries from `entry` on, are for. */
+static tides_status repeat_node(td_point_nodes *nodes, int job, int entry, tides_error *error) {
+    const int jobs = nodes->job_count - job, entries = nodes->entries - entry;
+    tides_status status = TIDES_OK;
+    for (int i = 0; i < jobs && status == TIDES_OK; i++) {
+        status = reserve_entries(nodes, (size_t)entries, error);
+        if (status != TIDES_OK) return status;
+        const td_node_job *of = &nodes->jobs[job + i];
+        nodes->jobs[nodes->job_count++] = (td_node_job){of->slot + 1, of->first + entries, of->count, 0};
+    }
+    for (int i = entry; i < entry + entries && status == TIDES_OK; i++) {
+        nodes->entry[i + entries] = nodes->entry[i];
+        nodes->at[i + entries] = nodes->at[i] + (nodes->entry[i] != TD_NO_GAUSSIAN);
+    }
+    nodes->entries += entries;
+    return status;
+}
+
+/* Jobs for all nodes of a level, one after the other for so many Gaussians as a job takes: what they are made of, and their
+ * rows, are in the cache then. */
+static tides_status add_nodes(const tides_renderer *renderer, td_point_nodes *nodes, int level, int slots, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (int from = 0, end = 0; from < nodes->count && status == TIDES_OK; from = end) {
+        int job = nodes->job_count, entry = nodes->entries;
+        for (int taken = 0; end < nodes->count && taken < JOB_GAUSSIANS; end++) taken += nodes->level[end] == level;
+        status = add_node(renderer, nodes, level, 0, 0, from, end, NULL, error);
+        for (int k = 1; k < slots && status == TIDES_OK; k++) {
+            const int next_job = nodes->job_count, next_entry = nodes->entries;
+            status = repeat_node(nodes, job, entry, error);
+            job = next_job, entry = next_entry;
+        }
+    }
+    return status;
+}
+
+/* Node k of a level, counted through all pieces [s after the epoch]. */
+static double node_time(const td_point_nodes *nodes, int level, int k) {
+    const int piece = k >> level, part = k & ((1 << level) - 1);
+    if (part == 0) return nodes->knot[piece];
+    return nodes->knot[piece] + (nodes->knot[piece + 1] - nodes->knot[piece]) * (part / (double)(1 << level));
+}
+
+/* The nodes that there are jobs for, at `slots` times. */
+static tides_status send(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, const double *times,
+                         int slots, tides_error *error) {
+    if (nodes->job_count == 0) return TIDES_OK;
+    tides_status status = td_renderer_views(renderer, camera, times, slots, error);
+    if (status != TIDES_OK) return status;
+    const td_node_request request = {.views = (const double *)renderer->views,
+                                     .slots = slots,
+                                     .jobs = nodes->jobs,
+                                     .job_count = nodes->job_count,
+                                     .gaussians = nodes->entry,
+                                     .rows = nodes->at,
+                                     .count = nodes->entries,
+                                     .row_count = nodes->rows + 1};
+    return td_exact_nodes(nodes->exact, renderer->backend, &request, error);
+}
+
+/* One node of gaussians[from .. end), some of which move by themselves: first their rows. `wanted` and `row` have room for
+ * them. */
+static tides_status project_moved(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, int level,
+                                  int node, int from, int end, int *wanted, int *row, tides_error *error) {
+    const int is_last = node == nodes->pieces << level;
+    int count = 0;
+    for (int i = from; i < end; i++)
+        if (is_wanted(nodes, i, level, node)) wanted[count++] = nodes->gaussians[i];
+    if (count == 0) return TIDES_OK;
+    tides_status status = td_dynamic_rows_at(&renderer->dynamic, renderer->backend, wanted, count, nodes->time[node],
+                                             is_last ? TD_SIDE_ENDS : TD_SIDE_BEGINS, row, error);
+    nodes->entries = nodes->job_count = 0;
+    if (status == TIDES_OK) status = add_node(renderer, nodes, level, node, 0, from, end, row, error);
+    return status == TIDES_OK ? send(renderer, camera, nodes, nodes->time + node, 1, error) : status;
+}
+
+/* All nodes, one by one, of so many Gaussians as rows of motions have room for beside what the sweep has cached. */
+static tides_status project_all_moved(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
+                                      int level, int slots, tides_error *error) {
+    const int chunk = renderer->row_limit / 2;
+    int *wanted = td_alloc(2 * (size_t)nodes->count, sizeof *wanted, error);
+    tides_status status = wanted ? TIDES_OK : TIDES_NO_MEMORY;
+    for (int node = 0; node < slots; node++)
+        for (int from = 0; from < nodes->count && status == TIDES_OK; from += chunk)
+            status =
+                project_moved(renderer, camera, nodes, level, node, from,
+                              nodes->count - from > chunk ? from + chunk : nodes->count, wanted, wanted + nodes->count, error);
+    free(wanted);
+    return status;
+}
+
+tides_status td_point_rows_project(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, int level,
+                                   tides_error *error) {
+    const int slots = td_point_is_instant(nodes) ? 1 : (nodes->pieces << level) + 1;
+    tides_status status = td_reserve((void **)&nodes->time, &nodes->time_capacity, (size_t)slots, sizeof *nodes->time, error);
+    nodes->entries = nodes->job_count = 0;
+    for (int k = 0; k < slots && status == TIDES_OK; k++) nodes->time[k] = node_time(nodes, level, k);
+    if (renderer->dynamic.gaussians && status == TIDES_OK)
+        return project_all_moved(renderer, camera, nodes, level, slots, error);
+    if (status == TIDES_OK) status = add_nodes(renderer, nodes, level, slots, error);
+    return status == TIDES_OK ? send(renderer, camera, nodes, nodes->time, slots, error) : status;
+}
