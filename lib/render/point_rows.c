@@ -124,33 +124,61 @@ static tides_status send(tides_renderer *renderer, const tides_trajectory *camer
     return td_exact_nodes(nodes->exact, renderer->backend, &request, error);
 }
 
-/* One node of gaussians[from .. end), some of which move by themselves: first their rows. `wanted` and `row` have room for
- * them. */
-static tides_status project_moved(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, int level,
-                                  int node, int from, int end, int *wanted, int *row, tides_error *error) {
-    const int is_last = node == nodes->pieces << level;
-    int count = 0;
-    for (int i = from; i < end; i++)
-        if (is_wanted(nodes, i, level, node)) wanted[count++] = nodes->gaussians[i];
-    if (count == 0) return TIDES_OK;
-    tides_status status = td_dynamic_rows_at(&renderer->dynamic, renderer->backend, wanted, count, nodes->time[node],
-                                             is_last ? TD_SIDE_ENDS : TD_SIDE_BEGINS, row, error);
-    nodes->entries = nodes->job_count = 0;
-    if (status == TIDES_OK) status = add_node(renderer, nodes, level, node, 0, from, end, row, error);
-    return status == TIDES_OK ? send(renderer, camera, nodes, nodes->time + node, 1, error) : status;
+/* Nodes whose rows are worked out and projected together: a launch costs what a thousand rows do, and more than so many don't
+ * stay in caches. */
+enum { BATCH_ROWS = 1 << 13, BATCH_SLOTS = 256 };
+typedef struct moved_batch {
+    int *wanted, *row; /* (Gaussians) of a node, and their rows */
+    int limit;         /* rows */
+    int slots;
+    double time[BATCH_SLOTS];
+} moved_batch;
+
+static void begin_batch(tides_renderer *renderer, td_point_nodes *nodes, moved_batch *batch) {
+    td_dynamic_rows_open(&renderer->dynamic);
+    nodes->entries = nodes->job_count = batch->slots = 0;
 }
 
-/* All nodes, one by one, of so many Gaussians as rows of motions have room for beside what the sweep has cached. */
+static tides_status end_batch(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
+                              moved_batch *batch, tides_error *error) {
+    tides_status status = td_rows_send(&renderer->dynamic, renderer->backend, error);
+    if (status == TIDES_OK) status = send(renderer, camera, nodes, batch->time, batch->slots, error);
+    begin_batch(renderer, nodes, batch);
+    return status;
+}
+
+/* One node of gaussians[from .. end), some of which move by themselves, as a slot of the batch. */
+static tides_status add_moved(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, int level,
+                              int node, int from, int end, moved_batch *batch, tides_error *error) {
+    const int is_last = node == nodes->pieces << level, padding = TD_PAD * renderer->store.objects;
+    tides_status status = TIDES_OK;
+    int count = 0;
+    for (int i = from; i < end; i++)
+        if (is_wanted(nodes, i, level, node)) batch->wanted[count++] = nodes->gaussians[i];
+    if (count == 0) return status;
+    if (renderer->dynamic.rows.count + count + padding > batch->limit || batch->slots == BATCH_SLOTS)
+        status = end_batch(renderer, camera, nodes, batch, error);
+    if (status == TIDES_OK)
+        status = td_dynamic_rows_ask(&renderer->dynamic, batch->wanted, count, nodes->time[node],
+                                     is_last ? TD_SIDE_ENDS : TD_SIDE_BEGINS, batch->row, error);
+    if (status == TIDES_OK) status = add_node(renderer, nodes, level, node, batch->slots, from, end, batch->row, error);
+    batch->time[batch->slots++] = nodes->time[node];
+    return status;
+}
+
+/* All nodes, of so many Gaussians at a time as rows of motions have room for beside what the sweep has cached. */
 static tides_status project_all_moved(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
                                       int level, int slots, tides_error *error) {
-    const int chunk = renderer->row_limit / 2;
     int *wanted = td_alloc(2 * (size_t)nodes->count, sizeof *wanted, error);
     tides_status status = wanted ? TIDES_OK : TIDES_NO_MEMORY;
+    moved_batch batch = {.wanted = wanted, .row = wanted ? wanted + nodes->count : NULL};
+    batch.limit = renderer->row_limit / 2 < BATCH_ROWS ? renderer->row_limit / 2 : BATCH_ROWS;
+    begin_batch(renderer, nodes, &batch);
     for (int node = 0; node < slots; node++)
-        for (int from = 0; from < nodes->count && status == TIDES_OK; from += chunk)
-            status =
-                project_moved(renderer, camera, nodes, level, node, from,
-                              nodes->count - from > chunk ? from + chunk : nodes->count, wanted, wanted + nodes->count, error);
+        for (int from = 0; from < nodes->count && status == TIDES_OK; from += batch.limit)
+            status = add_moved(renderer, camera, nodes, level, node, from,
+                               nodes->count - from > batch.limit ? from + batch.limit : nodes->count, &batch, error);
+    if (status == TIDES_OK) status = end_batch(renderer, camera, nodes, &batch, error);
     free(wanted);
     return status;
 }

@@ -1,4 +1,4 @@
-/* Rows of some dynamic Gaussians at one time, for whoever needs them outside a tile's jobs: nodes of record paths. */
+/* Rows of some dynamic Gaussians at some times, for whoever needs them outside a tile's jobs: nodes of record paths. */
 #include "render/dynamic/td_dynamic.h"
 
 /* The object that a Gaussian belongs to; NULL where it doesn't move by itself. */
@@ -14,15 +14,16 @@ static void take_cached(const td_dynamic *dynamic, const td_row_cache *cached, c
     }
 }
 
-tides_status td_dynamic_rows_at(td_dynamic *dynamic, td_backend *backend, const int *gaussians, int count, double time,
-                                int side, int *rows, tides_error *error) {
+void td_dynamic_rows_open(td_dynamic *dynamic) { td_rows_begin(dynamic, dynamic->store->count + dynamic->cached_rows); }
+
+tides_status td_dynamic_rows_ask(td_dynamic *dynamic, const int *gaussians, int count, double time, int side, int *rows,
+                                 tides_error *error) {
     const td_row_cache *cached = dynamic->cached_rows ? td_dynamic_find_cached(dynamic, time, side) : NULL;
     tides_status status = TIDES_OK;
     if (cached) {
         take_cached(dynamic, cached, gaussians, count, rows);
         return status;
     }
-    td_rows_begin(dynamic, dynamic->store->count + dynamic->cached_rows);
     for (int i = 0; i < count && status == TIDES_OK;) {
         const td_dynamic_object *object = object_of(dynamic, gaussians[i]);
         int first = dynamic->rows.count;
@@ -33,5 +34,12 @@ tides_status td_dynamic_rows_at(td_dynamic *dynamic, td_backend *backend, const 
         }
         if (object && status == TIDES_OK) status = td_rows_end_run(dynamic, object, first, time, side, error);
     }
-    return status == TIDES_OK && dynamic->rows.count ? td_rows_send(dynamic, backend, error) : status;
+    return status;
+}
+
+tides_status td_dynamic_rows_at(td_dynamic *dynamic, td_backend *backend, const int *gaussians, int count, double time,
+                                int side, int *rows, tides_error *error) {
+    td_dynamic_rows_open(dynamic);
+    tides_status status = td_dynamic_rows_ask(dynamic, gaussians, count, time, side, rows, error);
+    return status == TIDES_OK ? td_rows_send(dynamic, backend, error) : status;
 }

@@ -137,8 +137,14 @@ tides_status td_rows_end_between(td_dynamic *dynamic, const td_dynamic_object *o
 /* Has the backend work out the batch. */
 tides_status td_rows_send(td_dynamic *dynamic, td_backend *backend, tides_error *error);
 
-/* Rows of `count` Gaussians of the store, in order, at a time: those cached by the sweep, or worked out behind these, until the
- * next batch begins; what doesn't move by itself is its own row (rows_at.c). */
+/* Rows of `count` Gaussians of the store, in order, at a time, and then at others (rows_at.c): those cached by the sweep, or
+ * dynamic->rows.count behind these that td_rows_send works out, until the next batch begins; what doesn't move by itself is its
+ * own row. Each run of an object is padded to TD_PAD. */
+void td_dynamic_rows_open(td_dynamic *dynamic);
+tides_status td_dynamic_rows_ask(td_dynamic *dynamic, const int *gaussians, int count, double time, int side, int *rows,
+                                 tides_error *error);
+
+/* All of that for one time. */
 tides_status td_dynamic_rows_at(td_dynamic *dynamic, td_backend *backend, const int *gaussians, int count, double time,
                                 int side, int *rows, tides_error *error);
 
