@@ -9,6 +9,10 @@
 /* Steps of a macro step are too many for caches, and are asked for so many pixels ahead. */
 enum { AHEAD = 6 };
 
+/* Points of the first batch: the device has nothing to do till then. Each next one is twice as large: asking for a point takes
+ * as long as a core of two takes to look it up, or half of that. */
+enum { FIRST = 1024 };
+
 /* -- asking ---------------------------------------------------------------------------------------------------------------- */
 
 tides_status td_solve_ask(tides_simulator *s, const td_tile *tile, int32_t local, double time, const td_asked *asked,
@@ -122,8 +126,10 @@ int td_solve_is_busy(const td_solve *solve) {
 
 int td_solve_has_enough(const tides_simulator *s) {
     const td_solve *solve = &s->solve;
-    return solve->batch[solve->asking].points >= solve->enough && td_renderer_points_go_on(s->renderer);
+    return solve->batch[solve->asking].points >= solve->enough_now && td_renderer_points_go_on(s->renderer);
 }
+
+void td_solve_begin_batches(td_solve *solve) { solve->enough_now = solve->enough < FIRST ? solve->enough : FIRST; }
 
 void td_solve_clear_batches(tides_simulator *s) {
     td_renderer_points_drop(s->renderer);
@@ -142,6 +148,7 @@ tides_status td_solve_turn(tides_simulator *s, tides_error *error) {
     }
     if (status == TIDES_OK) status = send(s, full, error);
     solve->asking = (solve->asking + 1) % TD_SOLVE_BATCHES;
+    solve->enough_now = 2 * solve->enough_now < solve->enough ? 2 * solve->enough_now : solve->enough;
     if (status == TIDES_OK) status = take(s, back, error);
     back->points = 0;
     return status == TIDES_OK ? run_pixels(s, back, 0, error) : status;

@@ -113,7 +113,8 @@ typedef struct td_solve {
     size_t trust_capacity;
     td_solve_batch batch[TD_SOLVE_BATCHES]; /* in turns (solve_batches.c) */
     int asking;                             /* which is filled: td_solve_asking */
-    size_t enough;                          /* points that are worth a batch, while a device is at the one before */
+    size_t enough;                          /* points that are worth a batch, while a device is at the one before, */
+    size_t enough_now;                      /* and of the first ones, when it has nothing to do */
 } td_solve;
 
 /* What the parameters ask for (precision, unsolved), once the renderer has its PSF; TIDES_UNSUPPORTED where it can't be had.
@@ -151,6 +152,7 @@ TIDES_MUST_CHECK tides_status td_solve_look_up(tides_simulator *s, tides_error *
  * worth it; whether anything is asked for still, or there; and all forgotten. */
 TIDES_MUST_CHECK tides_status td_solve_turn(tides_simulator *s, tides_error *error);
 int td_solve_has_enough(const tides_simulator *s);
+void td_solve_begin_batches(td_solve *solve); /* before any of a macro step's */
 int td_solve_is_busy(const td_solve *solve);
 void td_solve_clear_batches(tides_simulator *s);
 
