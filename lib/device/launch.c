@@ -137,6 +137,13 @@ done:
     return status;
 }
 
+size_t td_even_items(int lanes, int count, size_t *local) {
+    enum { CPU_ITEMS = 64, GPU_GROUP = 64 };
+    *local = lanes > 1 ? 1 : GPU_GROUP;
+    if (lanes > 1) return CPU_ITEMS;
+    return count > GPU_GROUP ? ((size_t)count + GPU_GROUP - 1) / GPU_GROUP * GPU_GROUP : GPU_GROUP;
+}
+
 tides_status td_flush(tides_device *device, tides_error *error) {
     tides_status status = td_check_forked(error);
     if (status != TIDES_OK) return status;

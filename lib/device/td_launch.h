@@ -64,6 +64,10 @@ typedef struct td_argument {
 tides_status td_launch(tides_device *device, cl_kernel kernel, cl_uint dimensions, const size_t *global, const size_t *local,
                        const td_argument *arguments, cl_uint count, cl_event *event, tides_error *error);
 
+/* Work-items that share out `count` of what is even, for kernels of so many lanes; and of a group: on a CPU one for each of its
+ * threads, which take turns, on a GPU one for each. */
+size_t td_even_items(int lanes, int count, size_t *local);
+
 /* Has what was enqueued begin, where a driver would wait for more of it. */
 tides_status td_flush(tides_device *device, tides_error *error);
 

@@ -5,9 +5,6 @@
 
 #include <stdlib.h>
 
-/* Work-items of a group on a GPU; or all of them that share out paths on a CPU. */
-enum { GROUP = 64 };
-
 typedef struct opencl_exact {
     td_exact base;
     tides_device *device;
@@ -63,7 +60,7 @@ static tides_status nodes(td_exact *exact, const td_node_request *request, tides
     opencl_exact *e = (opencl_exact *)exact;
     tides_status status = send(e, request, error);
     if (status != TIDES_OK || request->job_count == 0) return status;
-    size_t local = e->device->info.lanes > 1 ? 1 : GROUP, global = (size_t)request->job_count * local;
+    size_t local = e->device->info.lanes > 1 ? 1 : 64, global = (size_t)request->job_count * local;
     cl_int first_rate = e->first_rate, first_moved = exact->gaussians;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(e->image),     TD_BUFFER_ARGUMENT(e->jobs),
                                      TD_BUFFER_ARGUMENT(e->gaussians), TD_BUFFER_ARGUMENT(e->places),
@@ -80,8 +77,7 @@ static tides_status nodes(td_exact *exact, const td_node_request *request, tides
 static tides_status halve(td_exact *exact, const td_halve_request *request, tides_error *error) {
     opencl_exact *e = (opencl_exact *)exact;
     const cl_int count = request->count, level = request->level, pieces = request->pieces;
-    const int on_cpu = e->device->info.lanes > 1;
-    const size_t local = on_cpu ? 1 : GROUP, global = on_cpu ? GROUP : ((size_t)count + GROUP) / GROUP * GROUP;
+    size_t local, global = td_even_items((int)e->device->info.lanes, count, &local);
     const size_t ints = (size_t)count * sizeof(cl_int), row = TD_PATH_STRIDE;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(e->rows),   TD_BUFFER_ARGUMENT(e->from), TD_BUFFER_ARGUMENT(e->to),
                                      TD_VALUE_ARGUMENT(count),      TD_VALUE_ARGUMENT(level),    TD_VALUE_ARGUMENT(pieces),

@@ -54,6 +54,7 @@ tides_status td_point_nodes_create(const tides_renderer *renderer, td_exact *sha
 void td_point_nodes_release(td_point_nodes *nodes) {
     if (!nodes->is_shared) td_exact_destroy(nodes->exact);
     free(nodes->knot);
+    free(nodes->piece_length);
     free(nodes->path);
     free(nodes->gaussians);
     free(nodes->level);
@@ -186,8 +187,7 @@ static tides_status refine(td_point_nodes *nodes, int i, tides_error *error) {
 
 /* The object whose motion model moves Gaussian i, or NULL. */
 static const td_dynamic_object *moved_by(const tides_renderer *renderer, const td_point_nodes *nodes, int i) {
-    const int mover = renderer->store.mover[renderer->store.object[nodes->gaussians[i]]];
-    return mover >= 0 ? &renderer->dynamic.object[mover] : NULL;
+    return td_dynamic_object_of(&renderer->dynamic, nodes->gaussians[i]);
 }
 
 /* What the rows of Gaussian i allow its paths to be good to: those that a motion model moves are in the backend's precision. */
@@ -245,30 +245,19 @@ static tides_status open_curves(td_point_nodes *nodes, int i, int k, int from, i
     return status;
 }
 
-static int has_expensive(const td_dynamic *dynamic) {
-    int any = 0;
-    for (int k = 0; k < dynamic->objects; k++) any |= dynamic->object[k].expensive;
-    return any;
-}
-
 /* Rows of the next level for those whose curves are open. */
 static tides_status halve_open(td_point_nodes *nodes, int level, tides_error *error) {
     if (nodes->halves == 0) return TIDES_OK;
-    double *lengths = td_alloc((size_t)nodes->pieces, sizeof *lengths, error);
-    if (!lengths) return TIDES_NO_MEMORY;
-    for (int k = 0; k < nodes->pieces; k++) lengths[k] = nodes->knot[k + 1] - nodes->knot[k];
-    const td_halve_request request = {nodes->halve_from, nodes->halve_to, nodes->halves,  level,
-                                      nodes->pieces,     lengths,         nodes->rows + 1};
-    const tides_status status = td_exact_halve(nodes->exact, &request, error);
-    free(lengths);
-    return status;
+    const td_halve_request request = {nodes->halve_from, nodes->halve_to,     nodes->halves,  level,
+                                      nodes->pieces,     nodes->piece_length, nodes->rows + 1};
+    return td_exact_halve(nodes->exact, &request, error);
 }
 
 /* How well the paths of a level do: those of `count` Gaussians, whose first rows are in nodes->tried. `each`: by curve, too. */
 static tides_status measure(td_point_nodes *nodes, td_points_engine *engine, int level, int count, int each,
                             tides_error *error) {
-    const td_points_misfits request = {nodes->exact, nodes->rows, nodes->tried,  count,
-                                       level,        nodes->knot, nodes->pieces, TD_POINT_PATH_TARGET};
+    const td_points_misfits request = {nodes->exact, nodes->rows,         nodes->tried,  count,
+                                       level,        nodes->piece_length, nodes->pieces, TD_POINT_PATH_TARGET};
     td_points_fit fit = nodes->fit;
     tides_status status = TIDES_OK;
     if (count == 0) return status;
@@ -282,7 +271,7 @@ static tides_status measure(td_point_nodes *nodes, td_points_engine *engine, int
 /* Compares the paths of a level with those of the level before, and gives the next level to those that need it. */
 static tides_status try_level(const tides_renderer *renderer, td_point_nodes *nodes, td_points_engine *engine, int level,
                               tides_error *error) {
-    const int each = has_expensive(&renderer->dynamic) && level < MOST_LEVEL;
+    const int each = td_dynamic_has_expensive(&renderer->dynamic) && level < MOST_LEVEL;
     int count = 0;
     for (int i = 0; i < nodes->count; i++)
         if (nodes->level[i] == level) nodes->tried[count++] = nodes->first[i];
@@ -315,13 +304,20 @@ static tides_status lay_curves(td_point_nodes *nodes, tides_error *error) {
         const int level = nodes->level[i], stride = !moves ? 0 : level == 0 ? 2 : 1; /* level 0 has the rows of level 1 */
         nodes->path[nodes->gaussians[i]] = nodes->curves * TD_PATH_LEVELS + level;
         for (int k = 0; k < nodes->pieces << level; k++) {
-            const double h = nodes->knot[(k >> level) + 1] - nodes->knot[k >> level];
+            const double h = nodes->piece_length[k >> level];
             nodes->row[2 * nodes->curves] = nodes->first[i] + stride * k;
             nodes->row[2 * nodes->curves + 1] = nodes->first[i] + stride * (k + 1);
             nodes->length[nodes->curves++] = (moves ? h : TD_POINT_INSTANT) / (double)(1 << level);
         }
     }
     return TIDES_OK;
+}
+
+static tides_status measure_pieces(td_point_nodes *nodes, tides_error *error) {
+    tides_status status = td_reserve((void **)&nodes->piece_length, &nodes->piece_capacity, (size_t)nodes->pieces,
+                                     sizeof *nodes->piece_length, error);
+    for (int k = 0; k < nodes->pieces && status == TIDES_OK; k++) nodes->piece_length[k] = nodes->knot[k + 1] - nodes->knot[k];
+    return status;
 }
 
 /* Are more than few bent? */
@@ -333,7 +329,8 @@ static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *
                               const td_point_span *span, td_point_nodes *nodes, int *bent, tides_error *error) {
     const int may_bend = *bent;
     *bent = 0;
-    tides_status status = find_listed(renderer, span, nodes, error);
+    tides_status status = measure_pieces(nodes, error);
+    if (status == TIDES_OK) status = find_listed(renderer, span, nodes, error);
     nodes->tally = (td_path_tally){0};
     nodes->moving = 0;
     if (status == TIDES_OK && td_point_is_instant(nodes)) return td_point_rows_project(renderer, camera, nodes, 0, error);

@@ -11,7 +11,6 @@ enum {
     TEST_REALS = 8,   /* TD_TEST_REALS */
     /* Work-items: on a CPU one for each of its threads, which take turns; on a GPU as many as memory for their rooms has
      * room for, up to what fills a large one several times over. */
-    CPU_EVEN = 64,
     GPU_WORKERS = 1 << 16,
     GPU_GROUP = 64
 };
@@ -38,19 +37,12 @@ typedef struct opencl_points {
 
 static int on_gpu(const opencl_points *p) { return p->base.lanes == 1; }
 
-/* Work-items that share out what is even. */
-static size_t even_items(const opencl_points *p, int count, size_t *local) {
-    *local = on_gpu(p) ? GPU_GROUP : 1;
-    if (!on_gpu(p)) return CPU_EVEN;
-    return count > GPU_GROUP ? ((size_t)count + GPU_GROUP - 1) / GPU_GROUP * GPU_GROUP : GPU_GROUP;
-}
-
 /* The last lanes write a little further. */
 static cl_int misfit_stride(const td_points_misfits *request) { return request->count + TD_PAD; }
 
 static tides_status launch_misfits(opencl_points *p, const td_buffer *rows, const td_points_misfits *request, cl_int asks_each,
                                    tides_error *error) {
-    size_t local, global = even_items(p, request->count, &local);
+    size_t local, global = td_even_items(p->base.lanes, request->count, &local);
     const cl_int count = request->count, level = request->level, pieces = request->pieces, stride = misfit_stride(request);
     const cl_double target = request->target, rounding = DBL_EPSILON / 2;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image), {rows, NULL, 0},
@@ -68,11 +60,11 @@ static tides_status misfits(td_points_engine *engine, const td_points_misfits *r
     const size_t stride = (size_t)misfit_stride(request), pieces = (size_t)request->pieces, count = (size_t)request->count;
     const size_t each = fit->each ? td_points_tried(request) : 0, all = (3 + each) * stride;
     if (request->count == 0) return TIDES_OK;
-    double *host = td_alloc(all + pieces, sizeof *host, error), *lengths = host ? host + all : NULL;
+    double *host = td_alloc(all, sizeof *host, error);
     if (!host) return TIDES_NO_MEMORY;
-    for (size_t i = 0; i < pieces; i++) lengths[i] = request->knot[i + 1] - request->knot[i];
     tides_status status = td_buffer_write(p->device, &p->first, request->first, stride * sizeof(cl_int), error);
-    if (status == TIDES_OK) status = td_buffer_write(p->device, &p->piece_lengths, lengths, pieces * sizeof(cl_double), error);
+    if (status == TIDES_OK)
+        status = td_buffer_write(p->device, &p->piece_lengths, request->lengths, pieces * sizeof(cl_double), error);
     if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->misfits, all * sizeof(cl_double), error);
     if (status == TIDES_OK) status = launch_misfits(p, td_exact_row_buffer(request->exact), request, each > 0, error);
     if (status == TIDES_OK) status = td_buffer_read(p->device, &p->misfits, host, all * sizeof *host, error);
@@ -89,7 +81,7 @@ static tides_status misfits(td_points_engine *engine, const td_points_misfits *r
 
 static tides_status make_splats(opencl_points *p, tides_error *error) {
     const cl_int count = p->at.seen_count;
-    size_t local, global = even_items(p, count, &local);
+    size_t local, global = td_even_items(p->base.lanes, count, &local);
     const td_buffer *rows = p->at.exact ? td_exact_row_buffer(p->at.exact) : &p->image;
     const td_points_slices *slices = &p->at.slices;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),     {rows, NULL, 0},

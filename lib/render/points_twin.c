@@ -54,20 +54,19 @@ static tides_status misfits(td_points_engine *engine, const td_points_misfits *r
                             tides_error *error) {
     twin *t = (twin *)engine;
     const td_path_terms terms = {request->target, 0, DBL_EPSILON / 2, 0};
-    const size_t pieces = (size_t)request->pieces, count = (size_t)request->count, tried = td_points_tried(request);
-    double *lengths = td_alloc(pieces + tried, sizeof *lengths, error), *each = lengths ? lengths + pieces : NULL;
-    if (!lengths) return TIDES_NO_MEMORY;
-    for (int i = 0; i < request->pieces; i++) lengths[i] = request->knot[i + 1] - request->knot[i];
+    const size_t count = (size_t)request->count, tried = td_points_tried(request);
+    double *each = td_alloc(tried, sizeof *each, error);
+    if (!each) return TIDES_NO_MEMORY;
     tides_status status = take_rows(t, request->exact, request->row_count, error);
     for (int i = 0; i < request->count && status == TIDES_OK; i++) {
-        const td_path_misfits of =
-            td_path_try_each(t->rows, request->first[i], request->level, request->pieces, lengths, &terms, &t->image, each, 1);
+        const td_path_misfits of = td_path_try_each(t->rows, request->first[i], request->level, request->pieces,
+                                                    request->lengths, &terms, &t->image, each, 1);
         fit->worst[i] = (float)of.worst;
         fit->bent[i] = (float)of.bent;
         fit->calm[i] = (float)of.calm;
         for (size_t curve = 0; curve < tried && fit->each; curve++) fit->each[curve * count + (size_t)i] = (float)each[curve];
     }
-    free(lengths);
+    free(each);
     return status;
 }
 

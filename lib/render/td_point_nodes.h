@@ -31,8 +31,9 @@ typedef struct td_point_nodes {
     int is_shared;   /* it is another's */
     double *knot;    /* (pieces + 1) where the pieces of the interval begin and end [s after the epoch] */
     int pieces;
-    int *path;      /* (store.count) as td_points_interval has it */
-    int *gaussians; /* (count) those in a list */
+    double *piece_length; /* (pieces) [s] */
+    int *path;            /* (store.count) as td_points_interval has it */
+    int *gaussians;       /* (count) those in a list */
     int count;
     uint8_t *level; /* (count) 2^level curves a piece */
     int *open_at;   /* (count) of those that have a level's rows from the one before, but for what was open: */
@@ -55,8 +56,8 @@ typedef struct td_point_nodes {
     int *entry, *at;     /* (entries) Gaussians, and rows, of the jobs */
     td_node_job *jobs;
     int entries, job_count;
-    size_t open_capacity, each_capacity, knot_capacity, row_capacity, length_capacity, time_capacity, entry_capacity[2],
-        job_capacity;
+    size_t open_capacity, each_capacity, knot_capacity, piece_capacity, row_capacity, length_capacity, time_capacity,
+        entry_capacity[2], job_capacity;
 } td_point_nodes;
 
 /* Of an instant one row of each is enough. */

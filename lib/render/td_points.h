@@ -62,8 +62,8 @@ typedef struct td_points_misfits {
     td_exact *exact;
     int row_count; /* in all */
     const int *first;
-    int count, level;   /* level: 1 at least */
-    const double *knot; /* (pieces + 1) [s] */
+    int count, level;      /* level: 1 at least */
+    const double *lengths; /* (pieces) [s] */
     int pieces;
     double target; /* of log_luminance */
 } td_points_misfits;

@@ -239,7 +239,6 @@ tides_status td_solve_steps(tides_simulator *s, double start, double stop, tides
     td_solve *solve = &s->solve;
     solve->looked_count = solve->found_count = 0;
     td_solve_clear_batches(s);
-    td_solve_begin_batches(solve);
     tides_status status = begin_units(s, start, stop, error);
     while (status == TIDES_OK && td_solve_is_busy(solve)) status = td_solve_turn(s, error);
     if (status != TIDES_OK) td_solve_clear_batches(s);

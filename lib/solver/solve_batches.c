@@ -129,12 +129,11 @@ int td_solve_has_enough(const tides_simulator *s) {
     return solve->batch[solve->asking].points >= solve->enough_now && td_renderer_points_go_on(s->renderer);
 }
 
-void td_solve_begin_batches(td_solve *solve) { solve->enough_now = solve->enough < FIRST ? solve->enough : FIRST; }
-
 void td_solve_clear_batches(tides_simulator *s) {
     td_renderer_points_drop(s->renderer);
     for (int k = 0; k < TD_SOLVE_BATCHES; k++) s->solve.batch[k].points = s->solve.batch[k].pixels = 0;
     s->solve.references = 0;
+    s->solve.enough_now = s->solve.enough < FIRST ? s->solve.enough : FIRST;
 }
 
 tides_status td_solve_turn(tides_simulator *s, tides_error *error) {

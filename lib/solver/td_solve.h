@@ -152,7 +152,6 @@ TIDES_MUST_CHECK tides_status td_solve_look_up(tides_simulator *s, tides_error *
  * worth it; whether anything is asked for still, or there; and all forgotten. */
 TIDES_MUST_CHECK tides_status td_solve_turn(tides_simulator *s, tides_error *error);
 int td_solve_has_enough(const tides_simulator *s);
-void td_solve_begin_batches(td_solve *solve); /* before any of a macro step's */
 int td_solve_is_busy(const td_solve *solve);
 void td_solve_clear_batches(tides_simulator *s);
 

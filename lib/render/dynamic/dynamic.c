@@ -199,3 +199,9 @@ int td_dynamic_knot_within(const td_dynamic *dynamic, double start, double stop)
     size_t first = knot_from(dynamic, start + same_time);
     return first < dynamic->knot_count && dynamic->knots[first] < stop - same_time;
 }
+
+int td_dynamic_has_expensive(const td_dynamic *dynamic) {
+    int expensive = 0;
+    for (int p = 0; p < dynamic->objects; p++) expensive |= dynamic->object[p].expensive;
+    return expensive;
+}

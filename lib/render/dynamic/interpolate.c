@@ -10,9 +10,7 @@
 
 tides_status td_dynamic_interpolate(td_dynamic *dynamic, td_backend *backend, double tolerance, double time_tolerance_s,
                                     tides_error *error) {
-    int expensive = 0;
-    for (int p = 0; p < dynamic->objects; p++) expensive |= dynamic->object[p].expensive;
-    if (!expensive || !dynamic->cached_rows) return TIDES_OK;
+    if (!td_dynamic_has_expensive(dynamic) || !dynamic->cached_rows) return TIDES_OK;
     dynamic->misfit = td_alloc((size_t)dynamic->gaussians, sizeof *dynamic->misfit, error);
     if (!dynamic->misfit) return TIDES_NO_MEMORY;
     dynamic->tolerance = tolerance;

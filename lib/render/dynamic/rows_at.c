@@ -1,15 +1,9 @@
 /* Rows of some dynamic Gaussians at some times, for whoever needs them outside a tile's jobs: nodes of record paths. */
 #include "render/dynamic/td_dynamic.h"
 
-/* The object that a Gaussian belongs to; NULL where it doesn't move by itself. */
-static const td_dynamic_object *object_of(const td_dynamic *dynamic, int gaussian) {
-    int mover = dynamic->store->mover[dynamic->store->object[gaussian]];
-    return mover < 0 ? NULL : &dynamic->object[mover];
-}
-
 static void take_cached(const td_dynamic *dynamic, const td_row_cache *cached, const int *gaussians, int count, int *rows) {
     for (int i = 0; i < count; i++) {
-        const td_dynamic_object *object = object_of(dynamic, gaussians[i]);
+        const td_dynamic_object *object = td_dynamic_object_of(dynamic, gaussians[i]);
         rows[i] = object ? cached->row + gaussians[i] - object->first + object->base : gaussians[i];
     }
 }
@@ -25,10 +19,10 @@ tides_status td_dynamic_rows_ask(td_dynamic *dynamic, const int *gaussians, int 
         return status;
     }
     for (int i = 0; i < count && status == TIDES_OK;) {
-        const td_dynamic_object *object = object_of(dynamic, gaussians[i]);
+        const td_dynamic_object *object = td_dynamic_object_of(dynamic, gaussians[i]);
         int first = dynamic->rows.count;
         if (object) status = td_rows_reserve(dynamic, count - i + TD_PAD, error);
-        for (; i < count && object_of(dynamic, gaussians[i]) == object && status == TIDES_OK; i++) {
+        for (; i < count && td_dynamic_object_of(dynamic, gaussians[i]) == object && status == TIDES_OK; i++) {
             rows[i] = object ? dynamic->rows.row + dynamic->rows.count : gaussians[i];
             if (object) td_rows_add(dynamic, object, gaussians[i]);
         }

@@ -101,6 +101,15 @@ void td_dynamic_set_epoch(td_dynamic *dynamic, double epoch);
 /* The scales of time of an object's Gaussians, where the model has them for each. */
 tides_status td_dynamic_find_scales(const td_store *store, td_dynamic_object *object, tides_error *error);
 
+/* The object that a Gaussian of the store belongs to; NULL where it doesn't move by itself. */
+static inline const td_dynamic_object *td_dynamic_object_of(const td_dynamic *dynamic, int gaussian) {
+    const int mover = dynamic->store->mover[dynamic->store->object[gaussian]];
+    return mover < 0 ? NULL : &dynamic->object[mover];
+}
+
+/* 1 where some object's model is expensive. */
+int td_dynamic_has_expensive(const td_dynamic *dynamic);
+
 /* The highest level of all that moves in the interval swept last: its motion happens on 2^-level of that. */
 int td_dynamic_finest(const td_dynamic *dynamic);
 
