@@ -74,7 +74,10 @@ PAGE     := $(wildcard share/page/*)
 LIB_OBJ  := $(LIB_SRC:%.c=$(OUT)/%.o) $(OUT)/kernels_embedded.o $(OUT)/presets_embedded.o $(OUT)/page_embedded.o
 CLI_OBJ  := $(CLI_SRC:%.c=$(OUT)/%.o)
 SUPPORT_OBJ := $(patsubst %.c,$(OUT)/%.o,$(wildcard tests/support/*.c))
-TEST_SRC := $(wildcard tests/unit/test_*.c tests/derivatives/test_*.c tests/kernels/test_*.c tests/property/test_*.c)
+TEST_SRC := $(wildcard tests/unit/test_*.c tests/derivatives/test_*.c tests/kernels/test_*.c tests/property/test_*.c \
+                       tests/oracle/test_*.c)
+# A simulator of the tests' own, which includes nothing of lib/ or kernels/, and the programs that hold the library against it.
+ORACLE_OBJ := $(patsubst %.c,$(OUT)/%.o,$(filter-out tests/oracle/test_% tests/oracle/check_lost.c,$(wildcard tests/oracle/*.c)))
 TESTS    := $(TEST_SRC:%.c=$(OUT)/%)
 GOLDEN   := $(patsubst %.c,$(OUT)/%,$(wildcard tests/golden/test_*.c))
 
@@ -141,6 +144,9 @@ $(OUT)/libtides-limit.so: $(if $(filter 4,$(LIMIT_FITS)),$(LIMIT_OBJ))
 $(OUT)/tests/%: $(OUT)/tests/%.o $(SUPPORT_OBJ) $(OUT)/libtides.a
 	$(LINK) -o $@ $< $(SUPPORT_OBJ) $(OUT)/libtides.a $(TIDES_LDLIBS) $(LDLIBS) -lcmocka
 
+$(OUT)/tests/oracle/%: $(OUT)/tests/oracle/%.o $(ORACLE_OBJ) $(OUT)/libtides.a
+	$(LINK) -o $@ $< $(ORACLE_OBJ) $(OUT)/libtides.a $(TIDES_LDLIBS) $(LDLIBS) -lcmocka
+
 .PHONY: tests
 tests: $(TESTS) $(GOLDEN) ## Build the test programs
 
@@ -155,7 +161,7 @@ $(OUT)/tests/fuzz/fuzz_batch: TIDES_LDLIBS += $(CLI_LDLIBS)
 BENCH    := $(patsubst %.c,$(OUT)/%,$(wildcard tests/bench/bench_*.c))
 
 .SECONDARY: # keep the tests' objects
--include $(LIB_OBJ:.o=.d) $(CLI_OBJ:.o=.d) $(LIMIT_OBJ:.o=.d) $(TESTS:=.d) $(GOLDEN:=.d) $(FUZZ:=.d) $(BENCH:=.d) $(SUPPORT_OBJ:.o=.d)
+-include $(LIB_OBJ:.o=.d) $(CLI_OBJ:.o=.d) $(LIMIT_OBJ:.o=.d) $(TESTS:=.d) $(GOLDEN:=.d) $(FUZZ:=.d) $(BENCH:=.d) $(SUPPORT_OBJ:.o=.d) $(ORACLE_OBJ:.o=.d) $(OUT)/tests/oracle/check_lost.d
 
 # -- set-up and demo ---------------------------------------------------------------------------------------------------
 # The flags above are found when make starts, so whatever installs packages starts make afresh before it builds.

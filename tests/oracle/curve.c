@@ -1,0 +1,120 @@
+/* Curves through samples: slopes by what each law says, values by the cubics that have them. */
+#include "tests/oracle/curve.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void *oracle_alloc(size_t count, size_t size) {
+    void *memory = calloc(count ? count : 1, size ? size : 1);
+    if (!memory) {
+        fprintf(stderr, "oracle: no memory for %zu x %zu bytes\n", count, size);
+        exit(2);
+    }
+    return memory;
+}
+
+oracle_curve oracle_curve_make(int count, int width, int law) {
+    oracle_curve c = {count, width, law, NULL, NULL, NULL};
+    const size_t all = (size_t)count * (size_t)width;
+    c.time = oracle_alloc((size_t)count, sizeof(double));
+    c.value = oracle_alloc(all, sizeof(double));
+    c.slope = oracle_alloc(all, sizeof(double));
+    return c;
+}
+
+void oracle_curve_free(oracle_curve *c) {
+    free(c->time);
+    free(c->value);
+    free(c->slope);
+    memset(c, 0, sizeof *c);
+}
+
+static double span(const oracle_curve *c, int i) { return c->time[i + 1] - c->time[i]; }
+static double value_of(const oracle_curve *c, int i, int k) { return c->value[(size_t)i * (size_t)c->width + (size_t)k]; }
+static double secant(const oracle_curve *c, int i, int k) { return (value_of(c, i + 1, k) - value_of(c, i, k)) / span(c, i); }
+
+/* The slopes m of a spline solve lower m[i-1] + middle m[i] + upper m[i+1] = right (the second derivative is continuous at
+ * inner samples, and the third at the first and last inner ones). One number, by elimination. */
+static void spline_slopes(const oracle_curve *c, int k, double *upper, double *right) {
+    const int last = c->count - 1;
+    const double h0 = span(c, 0), h1 = span(c, 1), g0 = span(c, last - 1), g1 = span(c, last - 2);
+    double middle = h1;
+    upper[0] = (h0 + h1) / middle;
+    right[0] = ((3 * h0 + 2 * h1) * h1 * secant(c, 0, k) + h0 * h0 * secant(c, 1, k)) / (h0 + h1) / middle;
+    for (int i = 1; i < last; i++) {
+        const double before = span(c, i - 1), after = span(c, i);
+        middle = 2 * (before + after) - after * upper[i - 1];
+        upper[i] = before / middle;
+        right[i] = (3 * (after * secant(c, i - 1, k) + before * secant(c, i, k)) - after * right[i - 1]) / middle;
+    }
+    const double end = ((3 * g0 + 2 * g1) * g1 * secant(c, last - 1, k) + g0 * g0 * secant(c, last - 2, k)) / (g0 + g1);
+    right[last] = (end - (g0 + g1) * right[last - 1]) / (g1 - (g0 + g1) * upper[last - 1]);
+    for (int i = last; i-- > 0;) right[i] -= upper[i] * right[i + 1];
+}
+
+/* Of the parabola through three samples. */
+static void parabola_slopes(const oracle_curve *c, int k, double *right) {
+    const double h0 = span(c, 0), h1 = span(c, 1), d0 = secant(c, 0, k), d1 = secant(c, 1, k), bend = (d1 - d0) / (h0 + h1);
+    right[0] = d0 - bend * h0;
+    right[1] = d0 + bend * h0;
+    right[2] = d1 + bend * h1;
+}
+
+static void catmull_rom_slopes(const oracle_curve *c, int k, double *right) {
+    const int last = c->count - 1;
+    right[0] = 0.5 * secant(c, 0, k);
+    right[last] = 0.5 * secant(c, last - 1, k);
+    for (int i = 1; i < last; i++)
+        right[i] = (value_of(c, i + 1, k) - value_of(c, i - 1, k)) / (c->time[i + 1] - c->time[i - 1]);
+}
+
+void oracle_curve_finish(oracle_curve *c) {
+    if (c->count < 2) return;
+    double *upper = oracle_alloc((size_t)c->count, sizeof *upper), *right = oracle_alloc((size_t)c->count, sizeof *right);
+    for (int k = 0; k < c->width; k++) {
+        memset(right, 0, (size_t)c->count * sizeof *right);
+        if (c->law == ORACLE_CATMULL_ROM)
+            catmull_rom_slopes(c, k, right);
+        else if (c->law == ORACLE_SPLINE && c->count == 2)
+            right[0] = right[1] = secant(c, 0, k);
+        else if (c->law == ORACLE_SPLINE && c->count == 3)
+            parabola_slopes(c, k, right);
+        else if (c->law == ORACLE_SPLINE)
+            spline_slopes(c, k, upper, right);
+        for (int i = 0; i < c->count; i++) c->slope[(size_t)i * (size_t)c->width + (size_t)k] = right[i];
+    }
+    free(upper);
+    free(right);
+}
+
+oracle_place oracle_curve_find(const oracle_curve *c, double time) {
+    oracle_place p = {0, {1, 0}, {0, 0}};
+    if (c->count < 2) return p;
+    int low = 0, high = c->count - 1;
+    while (high - low > 1) {
+        const int middle = (low + high) / 2;
+        if (c->time[middle] <= time)
+            low = middle;
+        else
+            high = middle;
+    }
+    const double h = span(c, low), u = (time - c->time[low]) / h, v = 1 - u;
+    p.interval = low;
+    p.value[0] = v * v * (1 + 2 * u);
+    p.value[1] = u * u * (1 + 2 * v);
+    p.slope[0] = h * u * v * v;
+    p.slope[1] = -h * u * u * v;
+    return p;
+}
+
+void oracle_curve_at(const oracle_curve *c, const oracle_place *p, int first, int n, double *out) {
+    const size_t at = (size_t)p->interval * (size_t)c->width + (size_t)first;
+    if (c->count < 2) {
+        memcpy(out, c->value + at, (size_t)n * sizeof *out);
+        return;
+    }
+    const double *x0 = c->value + at, *x1 = x0 + c->width, *m0 = c->slope + at, *m1 = m0 + c->width;
+    for (int k = 0; k < n; k++)
+        out[k] = x0[k] + p->value[1] * (x1[k] - x0[k]) + p->slope[0] * m0[k] + p->slope[1] * m1[k];
+}

@@ -1,0 +1,89 @@
+/* Swaps and kinks between two samples. */
+#include "tests/oracle/doubt.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Soft depths within which two splats mix: e^-14 is a millionth. */
+#define MIXED 14.0
+
+static void append(oracle_doubts *all, const oracle_doubt *one) {
+    if (all->count == all->capacity) {
+        const int capacity = 2 * all->capacity + 64;
+        oracle_doubt *grown = oracle_alloc((size_t)capacity, sizeof *grown);
+        if (all->count) memcpy(grown, all->doubt, (size_t)all->count * sizeof *grown);
+        free(all->doubt);
+        all->doubt = grown;
+        all->capacity = capacity;
+    }
+    all->doubt[all->count++] = *one;
+}
+
+/* Two splats whose distance in depth goes from `before` to `after`: while they mix, if they do. */
+static void add_swap(int i, int j, double before, double after, double from, double to, oracle_doubts *all) {
+    const double change = after - before;
+    oracle_doubt d = {i, j, from, to, fabs(change) / (to - from), 0};
+    if (fmin(fabs(before), fabs(after)) > MIXED && before * after > 0) return;
+    if (d.rate * (to - from) > 1) { /* the straight line from one to the other, and a little more */
+        double enter = (-MIXED - before) / change, leave = (MIXED - before) / change;
+        if (enter > leave) enter = leave, leave = (-MIXED - before) / change;
+        d.from = from + fmax(0, enter - 0.02) * (to - from);
+        d.to = from + fmin(1, leave + 0.02) * (to - from);
+    }
+    append(all, &d);
+}
+
+static void add_swaps(const oracle_shown *a, const oracle_shown *b, double from, double to, const int *order, int count,
+                      oracle_doubts *all) {
+    double most = 0, least = 0;
+    for (int k = 0; k < count; k++) {
+        const double shift = b[order[k]].place - a[order[k]].place;
+        if (!b[order[k]].visible) continue;
+        most = k == 0 || shift > most ? shift : most;
+        least = k == 0 || shift < least ? shift : least;
+    }
+    const double window = MIXED + (most - least);
+    for (int k = 0; k < count; k++)
+        for (int n = k + 1; n < count && a[order[n]].place - a[order[k]].place <= window; n++) {
+            const int i = order[k], j = order[n];
+            if (!b[i].visible || !b[j].visible) continue;
+            add_swap(i, j, a[j].place - a[i].place, b[j].place - b[i].place, from, to, all);
+        }
+}
+
+static void add_kinks(const oracle_shown *a, const oracle_shown *b, double from, double to, const int *order, int count,
+                      oracle_doubts *all) {
+    for (int k = 0; k < count; k++) {
+        const int i = order[k];
+        for (int c = 0; c < 3; c++) {
+            const double before = a[i].raw[c], after = b[i].raw[c];
+            if (!b[i].visible || (before > 0) == (after > 0)) continue;
+            const double at = from + (to - from) * before / (before - after), slack = 0.1 * (to - from);
+            const oracle_doubt d = {i, -1, at - slack, at + slack, 0, fabs(after - before)};
+            append(all, &d);
+        }
+    }
+}
+
+void oracle_find_doubts(const oracle_shown *a, const oracle_shown *b, double from, double to, const int *order, int count,
+                        oracle_doubts *doubts) {
+    add_swaps(a, b, from, to, order, count, doubts);
+    add_kinks(a, b, from, to, order, count, doubts);
+}
+
+double oracle_doubt_size(const oracle_doubt *d, const oracle_shown *i, const oracle_shown *j, double x, double y,
+                         double shown) {
+    const double first = i->visible ? oracle_tau(i, x, y) : 0;
+    if (!(first > 0)) return 0;
+    if (d->j < 0) return first * d->change / shown;
+    const double second = j->visible ? oracle_tau(j, x, y) : 0;
+    return first * second * fabs(i->light - j->light) / shown;
+}
+
+double oracle_doubt_share(const oracle_doubt *d, double a, double b, double whole) {
+    const double way = d->rate * (b - a);
+    if (b < d->from || a > d->to) return 0;
+    if (d->j < 0) return 0.5 * (b - a) / whole;
+    return fmin(1, 0.25 * way * way);
+}

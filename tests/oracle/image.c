@@ -1,0 +1,297 @@
+/* Image formation in double precision, splat by splat and pixel by pixel. */
+#include "tests/oracle/image.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Rules `smooth`, as docs and lib/render/rules.c's table state them. */
+#define NEAR 0.2
+#define NEAR_FULL 0.25
+#define ALPHA_MAX 0.99
+#define TAPER_BEGIN (0.1 / 255)
+#define TAPER_END (1.0 / 255)
+#define SOFT_DEPTH 1e-4
+#define DILATION 0.3
+#define MARGIN 0.3 /* of tan(fov/2): how far beyond the border the Jacobian goes on */
+#define FAR 40.0   /* e^-40 is nothing beside 1 */
+static const double luminance[3] = {0.2126, 0.7152, 0.0722};
+
+static double smootherstep(double x) {
+    const double s = x < 0 ? 0 : x > 1 ? 1 : x;
+    return s * s * s * (10 + s * (6 * s - 15));
+}
+
+/* -- where things are --------------------------------------------------------------------------------------------------- */
+
+static void rotation_of(const double given[4], double r[9]) {
+    double q[4], square = 0;
+    for (int k = 0; k < 4; k++) square += given[k] * given[k];
+    for (int k = 0; k < 4; k++) q[k] = given[k] / sqrt(square);
+    const double w = q[0], x = q[1], y = q[2], z = q[3];
+    const double m[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
+                         2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+                         2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
+    memcpy(r, m, sizeof m);
+}
+
+static void pose_at(const oracle_curve *path, double time, double rotation[9], double position[3]) {
+    double pose[7] = {0, 0, 0, 1, 0, 0, 0};
+    if (path->count > 0) {
+        const oracle_place place = oracle_curve_find(path, time);
+        oracle_curve_at(path, &place, 0, 7, pose);
+    }
+    rotation_of(pose + 3, rotation);
+    memcpy(position, pose, 3 * sizeof *position);
+}
+
+void oracle_look(const oracle_scene *s, double time, oracle_view *view) {
+    double eye[9], at[3];
+    pose_at(&s->camera, time, eye, at);
+    view->time = time;
+    for (int k = 0; k < s->objects; k++) {
+        oracle_seen *seen = &view->object[k];
+        double turn[9], place[3], away[3];
+        pose_at(&s->object[k].path, time, turn, place);
+        for (int i = 0; i < 3; i++) away[i] = place[i] - at[i];
+        for (int i = 0; i < 3; i++) {
+            for (int j = 0; j < 3; j++)
+                seen->rotation[3 * i + j] = eye[i] * turn[j] + eye[3 + i] * turn[3 + j] + eye[6 + i] * turn[6 + j];
+            seen->shift[i] = eye[i] * away[0] + eye[3 + i] * away[1] + eye[6 + i] * away[2];
+            seen->eye[i] = -(turn[i] * away[0] + turn[3 + i] * away[1] + turn[6 + i] * away[2]);
+        }
+        seen->place = oracle_curve_find(&s->object[k].keys, time);
+    }
+}
+
+void oracle_factor(const oracle_splat *splat, double factor[9]) {
+    rotation_of(splat->quaternion, factor);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) factor[3 * i + j] *= exp(splat->log_scale[j]);
+}
+
+/* A Gaussian's numbers at the view's time, those that keyframes change. */
+static void numbers_at(const oracle_object *o, const oracle_seen *seen, int i, oracle_splat *splat, double factor[9]) {
+    const int first = i * ORACLE_NUMBERS;
+    *splat = o->splat[i];
+    memcpy(factor, o->factor[i], 9 * sizeof *factor);
+    if (o->moves & ORACLE_MOVES_MEAN) oracle_curve_at(&o->keys, &seen->place, first + ORACLE_MEAN, 3, splat->mean);
+    if (o->moves & ORACLE_MOVES_OPACITY) oracle_curve_at(&o->keys, &seen->place, first + ORACLE_LOGIT, 1, &splat->logit);
+    if (o->moves & ORACLE_MOVES_SH)
+        oracle_curve_at(&o->keys, &seen->place, first + ORACLE_COLOUR, 3 * (o->degree + 1) * (o->degree + 1), splat->sh[0]);
+    if (!(o->moves & ORACLE_MOVES_SCALE)) return;
+    oracle_curve_at(&o->keys, &seen->place, first + ORACLE_LOG_SCALE, 3, splat->log_scale);
+    oracle_factor(splat, factor);
+}
+
+/* -- colour --------------------------------------------------------------------------------------------------------------- */
+
+static void harmonics(const double d[3], int degree, double basis[ORACLE_SH]) {
+    const double x = d[0], y = d[1], z = d[2];
+    basis[0] = 0.28209479177387814;
+    if (degree < 1) return;
+    basis[1] = -0.4886025119029199 * y, basis[2] = 0.4886025119029199 * z, basis[3] = -0.4886025119029199 * x;
+    if (degree < 2) return;
+    basis[4] = 1.0925484305920792 * x * y, basis[5] = -1.0925484305920792 * y * z;
+    basis[6] = 0.31539156525252005 * (2 * z * z - x * x - y * y), basis[7] = -1.0925484305920792 * x * z;
+    basis[8] = 0.5462742152960396 * (x * x - y * y);
+    if (degree < 3) return;
+    basis[9] = -0.5900435899266435 * y * (3 * x * x - y * y), basis[10] = 2.890611442640554 * x * y * z;
+    basis[11] = -0.4570457994644658 * y * (4 * z * z - x * x - y * y);
+    basis[12] = 0.3731763325901154 * z * (2 * z * z - 3 * x * x - 3 * y * y);
+    basis[13] = -0.4570457994644658 * x * (4 * z * z - x * x - y * y);
+    basis[14] = 1.445305721320277 * z * (x * x - y * y), basis[15] = -0.5900435899266435 * x * (x * x - 3 * y * y);
+}
+
+static void colour_of(const oracle_splat *splat, const double eye[3], int degree, oracle_shown *out) {
+    double d[3], length = 0, basis[ORACLE_SH];
+    for (int k = 0; k < 3; k++) d[k] = splat->mean[k] - eye[k];
+    length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    for (int k = 0; k < 3; k++) d[k] /= length;
+    harmonics(d, degree, basis);
+    out->light = 0;
+    for (int c = 0; c < 3; c++) {
+        double sum = 0.5;
+        for (int k = 0; k < (degree + 1) * (degree + 1); k++) sum += basis[k] * splat->sh[k][c];
+        out->raw[c] = luminance[c] * sum;
+        if (sum > 0) out->light += out->raw[c];
+    }
+}
+
+/* -- projection ----------------------------------------------------------------------------------------------------------- */
+
+static double within(double x, double low, double high) { return x < low ? low : x > high ? high : x; }
+
+/* Rows of J W M: the Gaussian's factor as the screen sees it. */
+static void screen_rows(const oracle_scene *s, const oracle_seen *seen, const double p[3], const double factor[9],
+                        double row[2][3]) {
+    const double tan_x = 0.5 * s->width / s->focal, tan_y = 0.5 * s->height / s->focal, *r = seen->rotation;
+    const double slope[2] = {within(p[0] / p[2], -(1 + MARGIN) * tan_x, (1 + MARGIN) * tan_x),
+                             within(p[1] / p[2], -(1 + MARGIN) * tan_y, (1 + MARGIN) * tan_y)};
+    for (int i = 0; i < 2; i++) {
+        double map[3];
+        for (int j = 0; j < 3; j++) map[j] = s->focal / p[2] * (r[3 * i + j] - slope[i] * r[6 + j]);
+        for (int j = 0; j < 3; j++) row[i][j] = map[0] * factor[j] + map[1] * factor[3 + j] + map[2] * factor[6 + j];
+    }
+}
+
+static void spread(const double row[2][3], oracle_shown *out) {
+    const double *a = row[0], *b = row[1];
+    const double n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    const double xx = a[0] * a[0] + a[1] * a[1] + a[2] * a[2], yy = b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
+    const double xy = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    /* |a x b|^2 is xx yy - xy^2 without the cancellation of a needle. */
+    const double det = n[0] * n[0] + n[1] * n[1] + n[2] * n[2] + DILATION * (xx + yy) + DILATION * DILATION;
+    out->xx = (yy + DILATION) / det;
+    out->xy = -xy / det;
+    out->yy = (xx + DILATION) / det;
+    out->reach_x = sqrt(out->power * (xx + DILATION));
+    out->reach_y = sqrt(out->power * (yy + DILATION));
+}
+
+void oracle_project(const oracle_scene *s, const oracle_view *view, int id, oracle_shown *out) {
+    const oracle_object *o = &s->object[s->owner[id]];
+    const oracle_seen *seen = &view->object[s->owner[id]];
+    oracle_splat splat;
+    double factor[9], p[3], row[2][3];
+    numbers_at(o, seen, s->own[id], &splat, factor);
+    for (int i = 0; i < 3; i++)
+        p[i] = seen->rotation[3 * i] * splat.mean[0] + seen->rotation[3 * i + 1] * splat.mean[1] +
+               seen->rotation[3 * i + 2] * splat.mean[2] + seen->shift[i];
+    out->id = id;
+    out->visible = 0;
+    out->place = p[2] > 0 ? log(p[2]) / SOFT_DEPTH : -1e30;
+    if (!(p[2] > NEAR)) return;
+    out->opacity = smootherstep((p[2] - NEAR) / (NEAR_FULL - NEAR)) / (1 + exp(-splat.logit));
+    if (!(out->opacity > TAPER_BEGIN)) return;
+    out->visible = 1;
+    out->power = 2 * log(out->opacity / TAPER_BEGIN);
+    out->u = s->focal * p[0] / p[2] + 0.5 * s->width;
+    out->v = s->focal * p[1] / p[2] + 0.5 * s->height;
+    screen_rows(s, seen, p, factor, row);
+    spread((const double(*)[3])row, out);
+    colour_of(&splat, seen->eye, o->degree, out);
+}
+
+double oracle_tau(const oracle_shown *splat, double x, double y) {
+    const double dx = x - splat->u, dy = y - splat->v;
+    const double q = dx * (splat->xx * dx + 2 * splat->xy * dy) + splat->yy * dy * dy;
+    if (!(q < splat->power)) return 0;
+    const double alpha = splat->opacity * exp(-0.5 * q);
+    const double share = alpha >= TAPER_END ? 1 : smootherstep((alpha - TAPER_BEGIN) / (TAPER_END - TAPER_BEGIN));
+    return (alpha < ALPHA_MAX ? alpha : ALPHA_MAX) * share;
+}
+
+/* -- light ---------------------------------------------------------------------------------------------------------------- */
+
+void oracle_light_start(oracle_light *l) {
+    memset(l, 0, sizeof *l);
+    l->left = 1;
+}
+
+/* Light goes a way of x on through what is open (docs/soft_order.md, "One step for each splat"). */
+static void pass(oracle_light *l, double x) {
+    if (l->open == 1 && x >= FAR) { /* alone: hard order */
+        l->shown += l->left * l->tau * l->light;
+        l->left *= 1 - l->tau;
+        l->open = 0;
+        return;
+    }
+    if (l->open == 1) {
+        l->a = -log1p(-l->tau);
+        l->b = l->a * l->light;
+        l->open = 2;
+    }
+    const double taken = -l->left * expm1(l->a * expm1(-x));
+    if (l->a > 0) l->shown += l->b / l->a * taken;
+    l->left -= taken;
+    l->a *= exp(-x);
+    l->b *= exp(-x);
+    if (x >= FAR) l->open = 0;
+}
+
+void oracle_light_add(oracle_light *l, double place, double tau, double light) {
+    if (l->open) pass(l, place - l->place);
+    l->place = place;
+    if (!l->open) {
+        l->tau = tau;
+        l->light = light;
+        l->open = 1;
+        return;
+    }
+    const double a = -log1p(-tau);
+    l->a += a;
+    l->b += a * light;
+}
+
+double oracle_light_end(const oracle_scene *s, oracle_light *l) {
+    if (l->open) pass(l, 10 * FAR);
+    return log(l->shown + l->left * s->background + s->log_eps);
+}
+
+/* -- images --------------------------------------------------------------------------------------------------------------- */
+
+static int nearest_first(const void *a, const void *b) {
+    const double x = ((const oracle_shown *)a)->place, y = ((const oracle_shown *)b)->place;
+    return (x > y) - (x < y);
+}
+
+int oracle_show(const oracle_scene *s, double time, oracle_shown *shown) {
+    oracle_view view;
+    int count = 0;
+    oracle_look(s, time, &view);
+    for (int id = 0; id < s->splats; id++) {
+        oracle_project(s, &view, id, &shown[count]);
+        count += shown[count].visible;
+    }
+    qsort(shown, (size_t)count, sizeof *shown, nearest_first);
+    return count;
+}
+
+/* Pixels [first, last] whose centres may lie within `reach` of `middle`. */
+static void pixels_within(double middle, double reach, int size, int *first, int *last) {
+    *first = (int)floor(within(middle - reach - 1, 0, size));
+    *last = (int)ceil(within(middle + reach, -1, size - 1));
+}
+
+void oracle_image(const oracle_scene *s, const oracle_shown *shown, int count, oracle_light *lights, double *image) {
+    const int pixels = s->width * s->height;
+    for (int i = 0; i < pixels; i++) oracle_light_start(&lights[i]);
+    for (int k = 0; k < count; k++) {
+        int x0, x1, y0, y1;
+        pixels_within(shown[k].u, shown[k].reach_x, s->width, &x0, &x1);
+        pixels_within(shown[k].v, shown[k].reach_y, s->height, &y0, &y1);
+        for (int y = y0; y <= y1; y++)
+            for (int x = x0; x <= x1; x++) {
+                const double tau = oracle_tau(&shown[k], x + 0.5, y + 0.5);
+                if (tau > 0) oracle_light_add(&lights[y * s->width + x], shown[k].place, tau, shown[k].light);
+            }
+    }
+    for (int i = 0; i < pixels; i++) image[i] = oracle_light_end(s, &lights[i]);
+}
+
+typedef struct taker {
+    double place, tau, light;
+} taker;
+
+double oracle_point(const oracle_scene *s, const int *ids, int count, int x, int y, double time) {
+    enum { MOST = 4096 };
+    static taker list[MOST];
+    oracle_view view;
+    oracle_shown shown;
+    oracle_light light;
+    int n = 0;
+    oracle_look(s, time, &view);
+    for (int k = 0; k < count; k++) {
+        oracle_project(s, &view, ids[k], &shown);
+        const double tau = shown.visible ? oracle_tau(&shown, x + 0.5, y + 0.5) : 0;
+        if (!(tau > 0)) continue;
+        if (n == MOST) abort();
+        int at = n++;
+        for (; at > 0 && list[at - 1].place > shown.place; at--) list[at] = list[at - 1];
+        list[at] = (taker){shown.place, tau, shown.light};
+    }
+    oracle_light_start(&light);
+    for (int k = 0; k < n; k++) oracle_light_add(&light, list[k].place, list[k].tau, list[k].light);
+    return oracle_light_end(s, &light);
+}

@@ -1,0 +1,55 @@
+/* The oracle's image: rules `smooth` in double precision (docs/DESIGN.md 3.1, docs/soft_order.md), values alone. */
+#ifndef TESTS_ORACLE_IMAGE_H
+#define TESTS_ORACLE_IMAGE_H
+
+#include "tests/oracle/scene.h"
+
+/* An object before the camera: p_camera = rotation p + shift; the eye in its coordinates; its keyframes' place. */
+typedef struct oracle_seen {
+    double rotation[9], shift[3], eye[3];
+    oracle_place place;
+} oracle_seen;
+
+typedef struct oracle_view {
+    double time;
+    oracle_seen object[ORACLE_OBJECTS];
+} oracle_view;
+
+/* A Gaussian on the screen. */
+typedef struct oracle_shown {
+    int id, visible;           /* not where it is in front of the near plane or below the taper everywhere */
+    double u, v;               /* its middle [px] */
+    double xx, xy, yy;         /* the inverse covariance [1/px^2] */
+    double opacity, power;     /* at the middle; d^T Q d where the taper ends */
+    double reach_x, reach_y;   /* half-widths of the box around it [px] */
+    double place;              /* ln z / soft_depth */
+    double light;              /* luminance */
+    double raw[3];             /* colour before the clamp at 0, by channel, times its share of luminance */
+} oracle_shown;
+
+/* Light on its way to one pixel: what is left of it, what the pixel shows; of the splats that take light out now the densities
+ * A and B, or, where it is one alone, tau and its light. */
+typedef struct oracle_light {
+    double left, shown, a, b, place, tau, light;
+    int open; /* how many: 0, 1, more: 2 */
+} oracle_light;
+
+void oracle_factor(const oracle_splat *splat, double factor[9]);
+void oracle_look(const oracle_scene *scene, double time, oracle_view *view);
+void oracle_project(const oracle_scene *scene, const oracle_view *view, int id, oracle_shown *out);
+/* What it takes of the light at a pixel's centre. */
+double oracle_tau(const oracle_shown *splat, double x, double y);
+
+/* Splats in the order of their depths, nearest first; L of what has come. */
+void oracle_light_start(oracle_light *light);
+void oracle_light_add(oracle_light *light, double place, double tau, double luminance);
+double oracle_light_end(const oracle_scene *scene, oracle_light *light);
+
+/* All splats at a time, the nearest first: shown (splats). How many are visible. */
+int oracle_show(const oracle_scene *scene, double time, oracle_shown *shown);
+/* L of all pixels of those: image (width x height), lights (width x height) scratch. */
+void oracle_image(const oracle_scene *scene, const oracle_shown *shown, int count, oracle_light *lights, double *image);
+/* L of pixel (x, y) at a time, of the splats whose numbers are listed. */
+double oracle_point(const oracle_scene *scene, const int *ids, int count, int x, int y, double time);
+
+#endif

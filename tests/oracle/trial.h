@@ -1,0 +1,24 @@
+/* One random scene: the library's run of it against the oracle's events; and what many of them come to. */
+#ifndef TESTS_ORACLE_TRIAL_H
+#define TESTS_ORACLE_TRIAL_H
+
+#include "tests/oracle/verdict.h"
+
+typedef struct trial_options {
+    const char *device;
+    int dump, finer, images;
+} trial_options;
+
+typedef struct trial_result {
+    verdict v;
+    int kind, failed; /* failed: the library refused, or ended with an error */
+    unsigned long long seed;
+} trial_result;
+
+/* Runs the scene and prints its line. */
+trial_result trial_run(const trial_options *options, int kind, unsigned long long seed);
+
+/* The criteria of issue 38 over all scenes, a line for each; and "N passed, N failed". How many failed. */
+int trial_sum_up(const trial_options *options, const trial_result *results, int count);
+
+#endif
