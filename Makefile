@@ -331,6 +331,13 @@ live-example: all ## A camera follows a ball by its own events for 10 s: build/t
 	TIDES_LIBRARY='$(CURDIR)/$(OUT)/libtides.so' PYTHONPATH='$(CURDIR)/python_ctypes' PYTHONDONTWRITEBYTECODE=1 \
 	    $(PYTHON) python_ctypes/examples/track_ball.py build/track_ball.png
 
+.PHONY: check-lost check-lost-built
+check-lost: ## Events against an oracle's own on TIDES_TRIALS=500 random scenes of the hard kinds: an hour or two
+	@sh scripts/deps.sh build -q
+	@$(AGAIN) check-lost-built
+check-lost-built: $(OUT)/tests/oracle/check_lost
+	@POCL_CACHE_DIR='$(CURDIR)/build/pocl-cache' $(OUT)/tests/oracle/check_lost
+
 .PHONY: check-live
 check-live: all ## Live for long: that example keeps its ball in view for 10 s, and the process doesn't grow; minutes
 	TIDES_LIVE_SECONDS=10 TIDES_LIBRARY='$(CURDIR)/$(OUT)/libtides.so' PYTHONPATH='$(CURDIR)/python_ctypes' PYTHONDONTWRITEBYTECODE=1 \

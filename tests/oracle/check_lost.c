@@ -4,17 +4,16 @@
  *   --kind NAME   scenes of one kind; --list names them      --dump     each event that is lost or false
  *   --trials N    so many scenes (TIDES_TRIALS, 500)         --finer N  the oracle against itself, N times as many samples
  *   --seed N      the first one's seed (TIDES_SEED, 1)       --images N the oracle's L against the library's, at N times
- *   --device NAME the library's device (cpu)                 --jobs N   processes (2) */
+ *   --device NAME the library's device (cpu)                 --share X  images X times as wide (1)
+ *   --jobs N      processes (2) */
 #include "tests/oracle/trial.h"
 #include "tests/oracle/worlds.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-enum { SCENES = 500, MOST_JOBS = 64 };
+enum { SCENES = 500 };
 
 typedef struct options {
     trial_options trial;
@@ -59,6 +58,8 @@ static void read_option(options *o, const char *name, const char *value) {
         o->trial.finer = atoi(value);
     } else if (strcmp(name, "--images") == 0) {
         o->trial.images = atoi(value);
+    } else if (strcmp(name, "--share") == 0) {
+        o->trial.share = atof(value);
     } else if (strcmp(name, "--jobs") == 0) {
         o->jobs = atoi(value);
     } else {
@@ -67,34 +68,8 @@ static void read_option(options *o, const char *name, const char *value) {
     }
 }
 
-static void work(const options *o, int job, int out) {
-    const int kinds = oracle_world_kinds();
-    for (int k = job; k < o->trials; k += o->jobs) {
-        const int kind = o->kind >= 0 ? o->kind : k % kinds;
-        const trial_result r = trial_run(&o->trial, kind, o->seed + (unsigned)(o->kind >= 0 ? k : k / kinds));
-        if (write(out, &r, sizeof r) != (ssize_t)sizeof r) exit(2);
-    }
-}
-
-/* Starts the processes, before any of them has a device: what they find out comes through a pipe, a result at a time. */
-static int start(const options *o) {
-    int ends[2];
-    if (pipe(ends) != 0) exit(2);
-    for (int job = 0; job < o->jobs; job++) {
-        const pid_t child = fork();
-        if (child < 0) exit(2);
-        if (child > 0) continue;
-        close(ends[0]);
-        work(o, job, ends[1]);
-        exit(0);
-    }
-    close(ends[1]);
-    return ends[0];
-}
-
 int main(int argc, char **argv) {
-    options o = {{"cpu", 0, 0, 0}, -1, (int)number_of("TIDES_TRIALS", SCENES), 2, number_of("TIDES_SEED", 1)};
-    int finished = 0;
+    options o = {{"cpu", 0, 0, 0, 1}, -1, (int)number_of("TIDES_TRIALS", SCENES), 2, number_of("TIDES_SEED", 1)};
     setvbuf(stdout, NULL, _IOLBF, 0);
     read_option(&o, NULL, NULL);
     for (int i = 1; i < argc; i++) {
@@ -106,12 +81,10 @@ int main(int argc, char **argv) {
             i++;
         }
     }
-    o.jobs = o.jobs < 1 ? 1 : o.jobs > MOST_JOBS ? MOST_JOBS : o.jobs > o.trials ? (o.trials > 0 ? o.trials : 1) : o.jobs;
-    trial_result *results = calloc((size_t)(o.trials > 0 ? o.trials : 1), sizeof *results);
-    const int from = start(&o);
+    if (o.trials < 1 || o.jobs < 1) return 2;
+    trial_result *results = calloc((size_t)o.trials, sizeof *results);
     if (!results) return 2;
-    while (finished < o.trials && read(from, &results[finished], sizeof *results) == (ssize_t)sizeof *results) finished++;
-    while (wait(NULL) > 0) continue;
+    const int finished = trial_run_all(&o.trial, o.kind, o.seed, o.trials, o.jobs, results);
     const int failed = trial_sum_up(&o.trial, results, finished) + (finished < o.trials);
     if (finished < o.trials) printf("%d scenes have no result\n", o.trials - finished);
     free(results);

@@ -70,20 +70,6 @@ void oracle_factor(const oracle_splat *splat, double factor[9]) {
         for (int j = 0; j < 3; j++) factor[3 * i + j] *= exp(splat->log_scale[j]);
 }
 
-/* A Gaussian's numbers at the view's time, those that keyframes change. */
-static void numbers_at(const oracle_object *o, const oracle_seen *seen, int i, oracle_splat *splat, double factor[9]) {
-    const int first = i * ORACLE_NUMBERS;
-    *splat = o->splat[i];
-    memcpy(factor, o->factor[i], 9 * sizeof *factor);
-    if (o->moves & ORACLE_MOVES_MEAN) oracle_curve_at(&o->keys, &seen->place, first + ORACLE_MEAN, 3, splat->mean);
-    if (o->moves & ORACLE_MOVES_OPACITY) oracle_curve_at(&o->keys, &seen->place, first + ORACLE_LOGIT, 1, &splat->logit);
-    if (o->moves & ORACLE_MOVES_SH)
-        oracle_curve_at(&o->keys, &seen->place, first + ORACLE_COLOUR, 3 * (o->degree + 1) * (o->degree + 1), splat->sh[0]);
-    if (!(o->moves & ORACLE_MOVES_SCALE)) return;
-    oracle_curve_at(&o->keys, &seen->place, first + ORACLE_LOG_SCALE, 3, splat->log_scale);
-    oracle_factor(splat, factor);
-}
-
 /* -- colour --------------------------------------------------------------------------------------------------------------- */
 
 static void harmonics(const double d[3], int degree, double basis[ORACLE_SH]) {
@@ -103,16 +89,16 @@ static void harmonics(const double d[3], int degree, double basis[ORACLE_SH]) {
     basis[14] = 1.445305721320277 * z * (x * x - y * y), basis[15] = -0.5900435899266435 * x * (x * x - 3 * y * y);
 }
 
-static void colour_of(const oracle_splat *splat, const double eye[3], int degree, oracle_shown *out) {
+static void colour_of(const double mean[3], const double (*sh)[3], const double eye[3], int degree, oracle_shown *out) {
     double d[3], length = 0, basis[ORACLE_SH];
-    for (int k = 0; k < 3; k++) d[k] = splat->mean[k] - eye[k];
+    for (int k = 0; k < 3; k++) d[k] = mean[k] - eye[k];
     length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
     for (int k = 0; k < 3; k++) d[k] /= length;
     harmonics(d, degree, basis);
     out->light = 0;
     for (int c = 0; c < 3; c++) {
         double sum = 0.5;
-        for (int k = 0; k < (degree + 1) * (degree + 1); k++) sum += basis[k] * splat->sh[k][c];
+        for (int k = 0; k < (degree + 1) * (degree + 1); k++) sum += basis[k] * sh[k][c];
         out->raw[c] = luminance[c] * sum;
         if (sum > 0) out->light += out->raw[c];
     }
@@ -149,28 +135,77 @@ static void spread(const double row[2][3], oracle_shown *out) {
     out->reach_y = sqrt(out->power * (yy + DILATION));
 }
 
-void oracle_project(const oracle_scene *s, const oracle_view *view, int id, oracle_shown *out) {
-    const oracle_object *o = &s->object[s->owner[id]];
-    const oracle_seen *seen = &view->object[s->owner[id]];
-    oracle_splat splat;
-    double factor[9], p[3], row[2][3];
-    numbers_at(o, seen, s->own[id], &splat, factor);
-    for (int i = 0; i < 3; i++)
-        p[i] = seen->rotation[3 * i] * splat.mean[0] + seen->rotation[3 * i + 1] * splat.mean[1] +
-               seen->rotation[3 * i + 2] * splat.mean[2] + seen->shift[i];
+/* A Gaussian at the view's time, at rest in its object or as keyframes have it: its mean there and before the camera. */
+typedef struct placed {
+    double mean[3], logit, p[3], moved[9];
+    const double *factor;
+} placed;
+
+static void place(const oracle_object *o, const oracle_seen *seen, int i, placed *at) {
+    const oracle_splat *splat = &o->splat[i];
+    const double *r = seen->rotation, *mean = at->mean;
+    const int first = i * ORACLE_NUMBERS;
+    memcpy(at->mean, splat->mean, sizeof at->mean);
+    at->logit = splat->logit;
+    at->factor = o->factor[i];
+    if (o->moves & ORACLE_MOVES_MEAN) oracle_curve_at(&o->keys, &seen->place, first + ORACLE_MEAN, 3, at->mean);
+    if (o->moves & ORACLE_MOVES_OPACITY) oracle_curve_at(&o->keys, &seen->place, first + ORACLE_LOGIT, 1, &at->logit);
+    if (o->moves & ORACLE_MOVES_SCALE) {
+        oracle_splat scaled = *splat;
+        oracle_curve_at(&o->keys, &seen->place, first + ORACLE_LOG_SCALE, 3, scaled.log_scale);
+        oracle_factor(&scaled, at->moved);
+        at->factor = at->moved;
+    }
+    for (int k = 0; k < 3; k++) at->p[k] = r[3 * k] * mean[0] + r[3 * k + 1] * mean[1] + r[3 * k + 2] * mean[2] + seen->shift[k];
+}
+
+/* All but depth and colour. */
+static void shape_of(const oracle_scene *s, const oracle_seen *seen, const placed *at, int id, oracle_shown *out) {
+    const double *p = at->p;
+    double row[2][3];
     out->id = id;
     out->visible = 0;
-    out->place = p[2] > 0 ? log(p[2]) / SOFT_DEPTH : -1e30;
     if (!(p[2] > NEAR)) return;
-    out->opacity = smootherstep((p[2] - NEAR) / (NEAR_FULL - NEAR)) / (1 + exp(-splat.logit));
+    out->opacity = smootherstep((p[2] - NEAR) / (NEAR_FULL - NEAR)) / (1 + exp(-at->logit));
     if (!(out->opacity > TAPER_BEGIN)) return;
     out->visible = 1;
     out->power = 2 * log(out->opacity / TAPER_BEGIN);
     out->u = s->focal * p[0] / p[2] + 0.5 * s->width;
     out->v = s->focal * p[1] / p[2] + 0.5 * s->height;
-    screen_rows(s, seen, p, factor, row);
+    screen_rows(s, seen, p, at->factor, row);
     spread((const double(*)[3])row, out);
-    colour_of(&splat, seen->eye, o->degree, out);
+}
+
+static void look_of(const oracle_scene *s, const oracle_seen *seen, const placed *at, oracle_shown *out) {
+    const oracle_object *o = &s->object[s->owner[out->id]];
+    const int i = s->own[out->id], entries = 3 * (o->degree + 1) * (o->degree + 1);
+    double moved[ORACLE_SH][3];
+    out->place = log(at->p[2]) / SOFT_DEPTH;
+    if (o->moves & ORACLE_MOVES_SH) {
+        oracle_curve_at(&o->keys, &seen->place, i * ORACLE_NUMBERS + ORACLE_COLOUR, entries, moved[0]);
+        colour_of(at->mean, (const double(*)[3])moved, seen->eye, o->degree, out);
+    } else {
+        colour_of(at->mean, (const double(*)[3])o->splat[i].sh, seen->eye, o->degree, out);
+    }
+}
+
+void oracle_project(const oracle_scene *s, const oracle_view *view, int id, oracle_shown *out) {
+    const oracle_seen *seen = &view->object[s->owner[id]];
+    placed at;
+    place(&s->object[s->owner[id]], seen, s->own[id], &at);
+    shape_of(s, seen, &at, id, out);
+    if (out->visible) look_of(s, seen, &at, out);
+}
+
+/* tau at a pixel; depth and colour where that isn't 0. */
+static double project_to(const oracle_scene *s, const oracle_view *view, int id, double x, double y, oracle_shown *out) {
+    const oracle_seen *seen = &view->object[s->owner[id]];
+    placed at;
+    place(&s->object[s->owner[id]], seen, s->own[id], &at);
+    shape_of(s, seen, &at, id, out);
+    const double tau = out->visible ? oracle_tau(out, x, y) : 0;
+    if (tau > 0) look_of(s, seen, &at, out);
+    return tau;
 }
 
 double oracle_tau(const oracle_shown *splat, double x, double y) {
@@ -202,11 +237,11 @@ static void pass(oracle_light *l, double x) {
         l->b = l->a * l->light;
         l->open = 2;
     }
-    const double taken = -l->left * expm1(l->a * expm1(-x));
+    const double fall = expm1(-x), taken = -l->left * expm1(l->a * fall);
     if (l->a > 0) l->shown += l->b / l->a * taken;
     l->left -= taken;
-    l->a *= exp(-x);
-    l->b *= exp(-x);
+    l->a *= 1 + fall;
+    l->b *= 1 + fall;
     if (x >= FAR) l->open = 0;
 }
 
@@ -283,8 +318,7 @@ double oracle_point(const oracle_scene *s, const int *ids, int count, int x, int
     int n = 0;
     oracle_look(s, time, &view);
     for (int k = 0; k < count; k++) {
-        oracle_project(s, &view, ids[k], &shown);
-        const double tau = shown.visible ? oracle_tau(&shown, x + 0.5, y + 0.5) : 0;
+        const double tau = project_to(s, &view, ids[k], x + 0.5, y + 0.5, &shown);
         if (!(tau > 0)) continue;
         if (n == MOST) abort();
         int at = n++;

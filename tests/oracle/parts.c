@@ -60,7 +60,7 @@ oracle_curve parts_path(const parts_motion *m, double stop, int least) {
     const int count = (int)fmax(least, ceil(turn / (2 * PARTS_PI) * 48) + 1);
     oracle_curve path = oracle_path_make(count, ORACLE_SPLINE);
     for (int i = 0; i < count; i++) {
-        const double t = stop * i / (count - 1), d = t - m->centre;
+        const double t = i + 1 < count ? stop * i / (count - 1) : stop, d = t - m->centre;
         double *p = path.value + 7 * i;
         path.time[i] = t;
         for (int k = 0; k < 3; k++) p[k] = m->place[k] + d * (m->velocity[k] + d * m->bend[k]);
@@ -72,13 +72,13 @@ oracle_curve parts_path(const parts_motion *m, double stop, int least) {
 }
 
 void parts_camera(oracle_scene *s, parts_seed *seed, int width, double stop) {
-    s->width = width;
-    s->height = width * 3 / 4;
-    s->focal = 1.25 * width;
+    s->width = (int)(s->share * width / 4) * 4;
+    s->height = s->width * 3 / 4;
+    s->focal = 1.25 * s->width;
     s->stop = stop;
     s->log_eps = 1e-3;
     s->leak_hz = 0.3;
-    s->spacing = 20e-6;
-    s->threshold_on = parts_log(seed, 0.05, 0.3);
+    s->spacing = 40e-6;
+    s->threshold_on = parts_log(seed, 0.015, 0.2);
     s->threshold_off = parts_one_of(seed, 3) ? s->threshold_on : s->threshold_on * parts_between(seed, 0.6, 1.5);
 }

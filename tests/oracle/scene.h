@@ -32,6 +32,7 @@ typedef struct oracle_object {
 typedef struct oracle_scene {
     char kind[32];
     unsigned long long seed;
+    double share; /* of a kind's width: 1, or less for small images */
     int width, height;
     double focal, background, log_eps, threshold_on, threshold_off, leak_hz, stop;
     oracle_curve camera; /* (7) camera to world, OpenCV axes; no samples: in the origin */

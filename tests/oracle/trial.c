@@ -7,7 +7,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <time.h>
+#include <unistd.h>
 
 /* Of a million events: lost and false ones; uncertain ones where none is wrong. For each wrong one so many uncertain ones. */
 #define MOST_WRONG 5.0
@@ -18,7 +20,7 @@
 
 static double seconds(void) {
     struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
@@ -50,7 +52,7 @@ static library_run run_of(const oracle_scene *s, int finer) {
 static void print_line(const oracle_scene *s, const verdict *v) {
     const double *t = v->true_ns, *r = v->reported_ns;
     printf("%-10s %4llu %7zu events -%zu +%zu in %zu px, uncertain %llu  true %.3g %.3g %.3g (%.3g)  reported %.3g %.3g %.3g ns  "
-           "%.2f s, oracle %.1f s%s%s\n",
+           "%.2f s, oracle %.2f s%s%s\n",
            s->kind, s->seed, v->events, v->lost, v->false_ones, v->wrong_pixels, v->uncertain, t[0], t[1], t[2], t[3], r[0], r[1],
            r[2], v->run_s, v->oracle_s, v->lost + v->false_ones > v->uncertain ? "  UNCOUNTED" : "",
            verdict_dishonest(v) ? "  TOO SMALL" : "");
@@ -66,14 +68,14 @@ static void compare_images(const oracle_scene *s, int times) {
         printf("%-10s %4llu images: %s\n", s->kind, s->seed, error.text);
 }
 
-trial_result trial_run(const trial_options *o, int kind, unsigned long long seed) {
+static trial_result run_one(const trial_options *o, int kind, unsigned long long seed) {
     trial_result result;
     library_run run;
     tides_error error;
     memset(&result, 0, sizeof result);
     result.kind = kind;
     result.seed = seed;
-    oracle_scene scene = oracle_world_make(kind, seed);
+    oracle_scene scene = oracle_world_make(kind, seed, o->share);
     if (o->images > 0) {
         compare_images(&scene, o->images);
         oracle_scene_free(&scene);
@@ -98,6 +100,34 @@ trial_result trial_run(const trial_options *o, int kind, unsigned long long seed
     oracle_events_free(&truth);
     oracle_scene_free(&scene);
     return result;
+}
+
+static void work(const trial_options *o, int kind, unsigned long long seed, int first, int count, int stride, int out) {
+    const int kinds = oracle_world_kinds();
+    for (int k = first; k < count; k += stride) {
+        const trial_result r = run_one(o, kind >= 0 ? kind : k % kinds, seed + (unsigned)(kind >= 0 ? k : k / kinds));
+        if (write(out, &r, sizeof r) != (ssize_t)sizeof r) _exit(2);
+    }
+}
+
+int trial_run_all(const trial_options *o, int kind, unsigned long long seed, int count, int jobs, trial_result *results) {
+    int ends[2], finished = 0;
+    fflush(stdout);
+    if (pipe(ends) != 0) return 0;
+    for (int job = 0; job < jobs; job++) {
+        const pid_t child = fork();
+        if (child != 0) continue;
+        close(ends[0]);
+        setvbuf(stdout, NULL, _IOLBF, 0);
+        work(o, kind, seed, job, count, jobs, ends[1]);
+        fflush(stdout);
+        _exit(0);
+    }
+    close(ends[1]);
+    while (finished < count && read(ends[0], &results[finished], sizeof *results) == (ssize_t)sizeof *results) finished++;
+    close(ends[0]);
+    while (wait(NULL) > 0) continue;
+    return finished;
 }
 
 /* -- all of them ----------------------------------------------------------------------------------------------------------- */

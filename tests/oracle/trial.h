@@ -7,6 +7,7 @@
 typedef struct trial_options {
     const char *device;
     int dump, finer, images;
+    double share; /* of a kind's width */
 } trial_options;
 
 typedef struct trial_result {
@@ -15,8 +16,9 @@ typedef struct trial_result {
     unsigned long long seed;
 } trial_result;
 
-/* Runs the scene and prints its line. */
-trial_result trial_run(const trial_options *options, int kind, unsigned long long seed);
+/* Scenes [0, count): all kinds in turn, or one (`kind` not below 0), from a seed on; in `jobs` processes, which are started
+ * before any has a device. Each prints its line. How many of the results (count) are there: all but where a process died. */
+int trial_run_all(const trial_options *options, int kind, unsigned long long seed, int count, int jobs, trial_result *results);
 
 /* The criteria of issue 38 over all scenes, a line for each; and "N passed, N failed". How many failed. */
 int trial_sum_up(const trial_options *options, const trial_result *results, int count);

@@ -39,6 +39,7 @@ static void spin(oracle_scene *s, parts_seed *seed) {
     for (int k = 0; k < 3; k++) m.axis[k] /= sqrt(length);
     o->path = parts_path(&m, s->stop, 31);
     s->background = 0.2;
+    s->spacing = 20e-6;
 }
 
 static parts_motion wander(parts_seed *seed, double speed, double spin_rate) {
@@ -106,7 +107,7 @@ static void edge(oracle_scene *s, parts_seed *seed) {
     o->path = oracle_path_make(SAMPLES, ORACLE_SPLINE);
     const double speed = parts_sign(seed) * parts_log(seed, 50, 3000) * px, begin = parts_between(seed, 0.002, 0.015);
     for (int i = 0; i < SAMPLES; i++) {
-        const double t = s->stop * i / (SAMPLES - 1), gone = fmin(fmax(t - begin, 0), 0.01);
+        const double t = i + 1 < SAMPLES ? s->stop * i / (SAMPLES - 1) : s->stop, gone = fmin(fmax(t - begin, 0), 0.01);
         double *p = o->path.value + 7 * i;
         o->path.time[i] = t;
         p[0] = -4 * px + speed * gone;
@@ -196,13 +197,14 @@ enum { KINDS = sizeof kinds / sizeof *kinds };
 int oracle_world_kinds(void) { return KINDS; }
 const char *oracle_world_name(int kind) { return kinds[kind % KINDS].name; }
 
-oracle_scene oracle_world_make(int kind, unsigned long long seed) {
+oracle_scene oracle_world_make(int kind, unsigned long long seed, double share) {
     const struct kind *k = &kinds[kind % KINDS];
     parts_seed draws = seed * 0x2545f4914f6cdd1du + (unsigned)(kind % KINDS) * 0x9e3779b97f4a7c15u;
     oracle_scene scene;
     memset(&scene, 0, sizeof scene);
     snprintf(scene.kind, sizeof scene.kind, "%s", k->name);
     scene.seed = seed;
+    scene.share = share;
     k->make(&scene, &draws);
     oracle_scene_finish(&scene);
     return scene;

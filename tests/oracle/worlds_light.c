@@ -28,6 +28,8 @@ static void any_camera(oracle_scene *s, parts_seed *seed, double speed) {
 /* One wide splat. */
 void oracle_lamp(oracle_scene *s, parts_seed *seed) {
     parts_camera(s, seed, 32 + 16 * parts_one_of(seed, 3), 5e-3 * (4 + parts_one_of(seed, 6)));
+    s->threshold_on *= 3;
+    s->threshold_off *= 3;
     oracle_object *o = parts_object(s);
     const oracle_splat one = parts_splat(0.1, 0, 2, parts_between(seed, 0.4, 0.8), parts_between(seed, 0.5, 0.99), 1);
     oracle_object_add(o, &one);
@@ -39,9 +41,11 @@ void oracle_lamp(oracle_scene *s, parts_seed *seed) {
 /* A hundred, or a thousand, under one lamp. */
 void oracle_lamps(oracle_scene *s, parts_seed *seed) {
     static const double half[3] = {1.1, 0.8, 0.5};
-    parts_camera(s, seed, 40, 5e-3 * (3 + parts_one_of(seed, 3)));
+    const int many = parts_one_of(seed, 3) == 0;
+    parts_camera(s, seed, many ? 24 : 40, 5e-3 * (many ? 2 : 3 + parts_one_of(seed, 3)));
+    s->threshold_on = s->threshold_off = parts_log(seed, 0.08, 0.3);
     oracle_object *o = parts_object(s);
-    if (parts_one_of(seed, 3))
+    if (!many)
         parts_cloud(o, seed, 100, half, 2.3, 0.03, 0.3, 0.2, 0.95);
     else
         parts_cloud(o, seed, 1000, half, 2.3, 0.02, 0.08, 0.2, 0.95);
@@ -127,7 +131,7 @@ void oracle_fade(oracle_scene *s, parts_seed *seed) {
     }
     oracle_object_key(o, ORACLE_MOVES_OPACITY, frames, parts_one_of(seed, 2) ? ORACLE_CATMULL_ROM : ORACLE_SPLINE);
     for (int f = 0; f < frames; f++) {
-        o->keys.time[f] = s->stop * f / (frames - 1);
+        o->keys.time[f] = f + 1 < frames ? s->stop * f / (frames - 1) : s->stop;
         for (int i = 0; i < count; i++) parts_set_opacity(oracle_object_frame(o, f, i), parts_log(seed, 2e-4, 0.3));
     }
     if (parts_one_of(seed, 2)) any_camera(s, seed, 3);
@@ -148,7 +152,7 @@ void oracle_stops(oracle_scene *s, parts_seed *seed) {
         double gone[3] = {0, 0, 0};
         int rests = 1;
         for (int f = 0; f < FRAMES; f++) {
-            if (i == 0) o->keys.time[f] = s->stop * f / (FRAMES - 1);
+            if (i == 0) o->keys.time[f] = f + 1 < FRAMES ? s->stop * f / (FRAMES - 1) : s->stop;
             for (int k = 0; k < 3; k++) oracle_object_frame(o, f, i)->mean[k] += gone[k];
             if (parts_one_of(seed, 3) == 0) rests = !rests;
             for (int k = 0; k < 3 && !rests; k++) gone[k] += parts_between(seed, -0.05, 0.05);
@@ -160,6 +164,7 @@ void oracle_stops(oracle_scene *s, parts_seed *seed) {
 /* Narrow and faint splats that pass pixels at speed before black, so that all of their way is through the taper. */
 void oracle_taper(oracle_scene *s, parts_seed *seed) {
     parts_camera(s, seed, 40, 0.02);
+    s->spacing = 20e-6;
     for (int i = 0; i < 12; i++) {
         oracle_object *o = parts_object(s);
         parts_motion m = {.axis = {0, 0, 1}, .centre = parts_between(seed, 0, s->stop)};

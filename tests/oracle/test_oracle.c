@@ -1,0 +1,62 @@
+/* The library's events against the oracle's: 20 small scenes of the hard kinds, by the criteria of `make check-lost` (trial.h).
+ * What the oracle is worth is tested first: its L is the library's double reference's, and its events are those of four times
+ * as many samples. Truth is worked out as the test runs.
+ *
+ * TIDES_SEED=N: the first scene's seed. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "tests/oracle/trial.h"
+#include "tests/oracle/worlds.h"
+
+#include <stdlib.h>
+
+enum { SCENES = 20, TIMES = 9, JOBS = 2, FINER = 4 };
+#define SHARE 0.5
+/* What rounding of either does to L where a pixel is dark. */
+#define SAME_L 2e-12
+
+static unsigned long long first_seed(void) {
+    const char *text = getenv("TIDES_SEED");
+    return text && *text ? strtoull(text, NULL, 10) : 1;
+}
+
+static void test_images(void **state) {
+    (void)state;
+    for (int kind = 0; kind < oracle_world_kinds(); kind++) {
+        oracle_scene scene = oracle_world_make(kind, first_seed(), SHARE);
+        library_difference d;
+        tides_error error;
+        if (!library_compare_images(&scene, TIMES, &d, &error)) fail_msg("%s: %s", scene.kind, error.text);
+        if (!(d.most < SAME_L)) fail_msg("%s: L off by %g at (%d, %d), %.9g s", scene.kind, d.most, d.x, d.y, d.time);
+        oracle_scene_free(&scene);
+    }
+}
+
+static void run_all(const trial_options *options, int count) {
+    trial_result results[SCENES];
+    assert_int_equal(trial_run_all(options, -1, first_seed(), count, JOBS, results), count);
+    assert_int_equal(trial_sum_up(options, results, count), 0);
+}
+
+static void test_oracle_is_sure(void **state) {
+    const trial_options options = {.device = "cpu", .finer = FINER, .share = 0.25};
+    (void)state;
+    run_all(&options, oracle_world_kinds());
+}
+
+static void test_few_are_lost(void **state) {
+    const trial_options options = {.device = "cpu", .share = SHARE};
+    (void)state;
+    run_all(&options, SCENES);
+}
+
+int main(void) {
+    /* Processes are started before this one has a device. */
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_oracle_is_sure), cmocka_unit_test(test_few_are_lost),
+                                       cmocka_unit_test(test_images)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
