@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LIMIT_S 1e-3
+/* An event that is as late as this is another crossing of its level: the one before it was missed. */
+#define LIMIT_S 1e-4
 
 typedef struct spike {
     double time;

@@ -136,7 +136,7 @@ void oracle_fade(oracle_scene *s, parts_seed *seed) {
     }
     if (parts_one_of(seed, 2)) any_camera(s, seed, 3);
     const oracle_splat wall = parts_splat(0, 0, 3, 2, 0.99, 5.6);
-    if (parts_one_of(seed, 2)) oracle_object_add(parts_object(s), &wall);
+    if (parts_one_of(seed, 4) == 0) oracle_object_add(parts_object(s), &wall);
 }
 
 /* Keyframed places that rest, start, and stop. */
