@@ -8,6 +8,9 @@
 /* Soft depths within which two splats mix: e^-14 is a millionth. */
 #define MIXED 14.0
 
+/* Soft depths from sample to sample from which on a swap isn't seen by them. */
+#define RESOLVED 0.3
+
 static void append(oracle_doubts *all, const oracle_doubt *one) {
     if (all->count == all->capacity) {
         const int capacity = 2 * all->capacity + 64;
@@ -85,5 +88,6 @@ double oracle_doubt_share(const oracle_doubt *d, double a, double b, double whol
     const double way = d->rate * (b - a);
     if (b < d->from || a > d->to) return 0;
     if (d->j < 0) return 0.5 * (b - a) / whole;
-    return fmin(1, 0.25 * way * way);
+    /* Of what is smooth between samples these show the bend, and what is left is of third order. */
+    return way < RESOLVED ? 0.125 * way * way * way : fmin(1, 0.25 * way * way);
 }

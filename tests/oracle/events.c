@@ -13,7 +13,7 @@
 /* Times that are nearer than this aren't told apart, roots are found to a tenth of it. */
 #define LEAST_S 1e-10
 /* Between two knots of a path at least so many samples, as long as these aren't nearer than that. */
-enum { PER_KNOT = 8, PER_PIXEL = 256 };
+enum { PER_KNOT = 8 };
 #define CLOSEST_S 1e-6
 
 /* Where a splat was at a sample [px]. */
@@ -33,9 +33,11 @@ typedef struct finder {
     /* The pixel and interval in hand. */
     int pixel, interval, listed;
     int *list; /* (splats) those that may show there, once `listed` is 0 or more */
-    oracle_doubt own[PER_PIXEL];
-    double size[PER_PIXEL]; /* of those doubts */
-    int owns;
+    struct own_doubt {
+        const oracle_doubt *doubt;
+        double size;
+    } *own; /* doubts that concern it */
+    int owns, own_room;
     double reference;
 } finder;
 
@@ -193,6 +195,11 @@ static void own_doubts(finder *f) {
     oracle_view view;
     f->owns = 0;
     if (!(f->hidden[at] > 0)) return;
+    if (all->count > f->own_room) {
+        free(f->own);
+        f->own_room = 2 * all->count;
+        f->own = oracle_alloc((size_t)f->own_room, sizeof *f->own);
+    }
     oracle_look(s, f->time[f->interval], &view);
     for (int n = 0; n < all->count; n++) {
         oracle_shown i, j;
@@ -202,9 +209,7 @@ static void own_doubts(finder *f) {
         if (all->doubt[n].j >= 0) oracle_project(s, &view, all->doubt[n].j, &j);
         const double size = 2 * oracle_doubt_size(&all->doubt[n], &i, &j, x, y, exp(f->image[at]));
         if (!(size > 1e-7 * s->threshold_on)) continue;
-        if (f->owns == PER_PIXEL) abort();
-        f->own[f->owns] = all->doubt[n];
-        f->size[f->owns++] = size;
+        f->own[f->owns++] = (struct own_doubt){&all->doubt[n], size};
     }
 }
 
@@ -212,7 +217,7 @@ static double doubt_of(const finder *f, double a, double b) {
     const double whole = f->time[f->interval + 1] - f->time[f->interval];
     const double part = (b - a) / whole; /* as a bend does, it falls with the square */
     double sum = FLOOR * fmin(f->scene->threshold_on, f->scene->threshold_off) * part * part + 1e-13;
-    for (int k = 0; k < f->owns; k++) sum += f->size[k] * oracle_doubt_share(&f->own[k], a, b, whole);
+    for (int k = 0; k < f->owns; k++) sum += f->own[k].size * oracle_doubt_share(f->own[k].doubt, a, b, whole);
     return sum;
 }
 
@@ -353,6 +358,7 @@ oracle_events oracle_find_events(const oracle_scene *scene, int finer) {
     free(f->boxes);
     free(f->doubts);
     free(f->list);
+    free(f->own);
     free(f);
     return found;
 }

@@ -14,6 +14,7 @@
 #define SOFT_DEPTH 1e-4
 #define DILATION 0.3
 #define MARGIN 0.3 /* of tan(fov/2): how far beyond the border the Jacobian goes on */
+#define BEYOND 16.0 /* d^T Q d from which on no alpha is above the taper's begin: 2 ln 2550 is 15.7 */
 #define FAR 40.0   /* e^-40 is nothing beside 1 */
 static const double luminance[3] = {0.2126, 0.7152, 0.0722};
 
@@ -64,6 +65,8 @@ void oracle_look(const oracle_scene *s, double time, oracle_view *view) {
     }
 }
 
+double oracle_opacity(double logit) { return 1 / (1 + exp(-logit)); }
+
 void oracle_factor(const oracle_splat *splat, double factor[9]) {
     rotation_of(splat->quaternion, factor);
     for (int i = 0; i < 3; i++)
@@ -90,10 +93,12 @@ static void harmonics(const double d[3], int degree, double basis[ORACLE_SH]) {
 }
 
 static void colour_of(const double mean[3], const double (*sh)[3], const double eye[3], int degree, oracle_shown *out) {
-    double d[3], length = 0, basis[ORACLE_SH];
-    for (int k = 0; k < 3; k++) d[k] = mean[k] - eye[k];
-    length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    for (int k = 0; k < 3; k++) d[k] /= length;
+    double d[3] = {0, 0, 0}, basis[ORACLE_SH];
+    if (degree > 0) {
+        for (int k = 0; k < 3; k++) d[k] = mean[k] - eye[k];
+        const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+        for (int k = 0; k < 3; k++) d[k] /= length;
+    }
     harmonics(d, degree, basis);
     out->light = 0;
     for (int c = 0; c < 3; c++) {
@@ -131,13 +136,13 @@ static void spread(const double row[2][3], oracle_shown *out) {
     out->xx = (yy + DILATION) / det;
     out->xy = -xy / det;
     out->yy = (xx + DILATION) / det;
-    out->reach_x = sqrt(out->power * (xx + DILATION));
-    out->reach_y = sqrt(out->power * (yy + DILATION));
+    out->across = xx + DILATION;
+    out->down = yy + DILATION;
 }
 
 /* A Gaussian at the view's time, at rest in its object or as keyframes have it: its mean there and before the camera. */
 typedef struct placed {
-    double mean[3], logit, p[3], moved[9];
+    double mean[3], p[3], opacity, moved[9];
     const double *factor;
 } placed;
 
@@ -146,10 +151,14 @@ static void place(const oracle_object *o, const oracle_seen *seen, int i, placed
     const double *r = seen->rotation, *mean = at->mean;
     const int first = i * ORACLE_NUMBERS;
     memcpy(at->mean, splat->mean, sizeof at->mean);
-    at->logit = splat->logit;
+    at->opacity = o->opacity[i];
     at->factor = o->factor[i];
     if (o->moves & ORACLE_MOVES_MEAN) oracle_curve_at(&o->keys, &seen->place, first + ORACLE_MEAN, 3, at->mean);
-    if (o->moves & ORACLE_MOVES_OPACITY) oracle_curve_at(&o->keys, &seen->place, first + ORACLE_LOGIT, 1, &at->logit);
+    if (o->moves & ORACLE_MOVES_OPACITY) {
+        double logit;
+        oracle_curve_at(&o->keys, &seen->place, first + ORACLE_LOGIT, 1, &logit);
+        at->opacity = oracle_opacity(logit);
+    }
     if (o->moves & ORACLE_MOVES_SCALE) {
         oracle_splat scaled = *splat;
         oracle_curve_at(&o->keys, &seen->place, first + ORACLE_LOG_SCALE, 3, scaled.log_scale);
@@ -166,10 +175,10 @@ static void shape_of(const oracle_scene *s, const oracle_seen *seen, const place
     out->id = id;
     out->visible = 0;
     if (!(p[2] > NEAR)) return;
-    out->opacity = smootherstep((p[2] - NEAR) / (NEAR_FULL - NEAR)) / (1 + exp(-at->logit));
+    out->opacity = at->opacity;
+    if (p[2] < NEAR_FULL) out->opacity *= smootherstep((p[2] - NEAR) / (NEAR_FULL - NEAR));
     if (!(out->opacity > TAPER_BEGIN)) return;
     out->visible = 1;
-    out->power = 2 * log(out->opacity / TAPER_BEGIN);
     out->u = s->focal * p[0] / p[2] + 0.5 * s->width;
     out->v = s->focal * p[1] / p[2] + 0.5 * s->height;
     screen_rows(s, seen, p, at->factor, row);
@@ -194,7 +203,11 @@ void oracle_project(const oracle_scene *s, const oracle_view *view, int id, orac
     placed at;
     place(&s->object[s->owner[id]], seen, s->own[id], &at);
     shape_of(s, seen, &at, id, out);
-    if (out->visible) look_of(s, seen, &at, out);
+    if (!out->visible) return;
+    const double power = 2 * log(out->opacity / TAPER_BEGIN);
+    out->reach_x = sqrt(power * out->across);
+    out->reach_y = sqrt(power * out->down);
+    look_of(s, seen, &at, out);
 }
 
 /* tau at a pixel; depth and colour where that isn't 0. */
@@ -211,8 +224,9 @@ static double project_to(const oracle_scene *s, const oracle_view *view, int id,
 double oracle_tau(const oracle_shown *splat, double x, double y) {
     const double dx = x - splat->u, dy = y - splat->v;
     const double q = dx * (splat->xx * dx + 2 * splat->xy * dy) + splat->yy * dy * dy;
-    if (!(q < splat->power)) return 0;
+    if (!(q < BEYOND)) return 0;
     const double alpha = splat->opacity * exp(-0.5 * q);
+    if (!(alpha > TAPER_BEGIN)) return 0;
     const double share = alpha >= TAPER_END ? 1 : smootherstep((alpha - TAPER_BEGIN) / (TAPER_END - TAPER_BEGIN));
     return (alpha < ALPHA_MAX ? alpha : ALPHA_MAX) * share;
 }

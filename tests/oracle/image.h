@@ -20,7 +20,8 @@ typedef struct oracle_shown {
     int id, visible;           /* not where it is in front of the near plane or below the taper everywhere */
     double u, v;               /* its middle [px] */
     double xx, xy, yy;         /* the inverse covariance [1/px^2] */
-    double opacity, power;     /* at the middle; d^T Q d where the taper ends */
+    double opacity;            /* at the middle */
+    double across, down;       /* variances [px^2] */
     double reach_x, reach_y;   /* half-widths of the box around it [px] */
     double place;              /* ln z / soft_depth */
     double light;              /* luminance */
@@ -34,6 +35,7 @@ typedef struct oracle_light {
     int open; /* how many: 0, 1, more: 2 */
 } oracle_light;
 
+double oracle_opacity(double logit);
 void oracle_factor(const oracle_splat *splat, double factor[9]);
 void oracle_look(const oracle_scene *scene, double time, oracle_view *view);
 void oracle_project(const oracle_scene *scene, const oracle_view *view, int id, oracle_shown *out);

@@ -185,6 +185,15 @@ static tides_status compare_at(const oracle_scene *s, const library_world *w, ti
     return status;
 }
 
+/* Times all over a scene, every other one between two neighbouring samples of an object's path. */
+static double time_of(const oracle_scene *s, int k) {
+    const double share = fmod(0.5 + k * 0.6180339887498949, 1);
+    const oracle_curve *path = &s->object[k / 2 % s->objects].path;
+    if (k % 2 == 0 || path->count < 2) return share * s->stop;
+    const int i = k / 2 % (path->count - 1);
+    return path->time[i] + share * (path->time[i + 1] - path->time[i]);
+}
+
 int library_compare_images(const oracle_scene *s, int times, library_difference *difference, tides_error *said) {
     library_world w;
     tides_renderer *renderer = NULL;
@@ -194,7 +203,7 @@ int library_compare_images(const oracle_scene *s, int times, library_difference 
     if (status == TIDES_OK)
         status = tides_renderer_create(w.device, w.scene, &w.intrinsics, &w.image, NULL, NULL, &renderer, said);
     for (int k = 0; k < times && status == TIDES_OK; k++)
-        status = compare_at(s, &w, renderer, s->stop * fmod(0.5 + k * 0.6180339887498949, 1), difference, said);
+        status = compare_at(s, &w, renderer, time_of(s, k), difference, said);
     tides_renderer_destroy(renderer);
     free_world(&w);
     return status == TIDES_OK;

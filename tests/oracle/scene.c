@@ -63,7 +63,11 @@ static void finish_object(oracle_object *o) {
         for (int i = 0; i < o->count; i++) round_splat(oracle_object_frame(o, f, i));
     oracle_curve_finish(&o->keys);
     o->factor = oracle_alloc((size_t)o->count, sizeof *o->factor);
-    for (int i = 0; i < o->count; i++) oracle_factor(&o->splat[i], o->factor[i]);
+    o->opacity = oracle_alloc((size_t)o->count, sizeof *o->opacity);
+    for (int i = 0; i < o->count; i++) {
+        oracle_factor(&o->splat[i], o->factor[i]);
+        o->opacity[i] = oracle_opacity(o->splat[i].logit);
+    }
 }
 
 void oracle_scene_finish(oracle_scene *s) {
@@ -90,6 +94,7 @@ void oracle_scene_free(oracle_scene *s) {
         oracle_curve_free(&o->keys);
         free(o->splat);
         free(o->factor);
+        free(o->opacity);
     }
     free(s->owner);
     free(s->own);

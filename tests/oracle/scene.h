@@ -26,7 +26,8 @@ typedef struct oracle_object {
     int degree, count, capacity, moves;
     oracle_splat *splat;
     oracle_curve keys; /* (count x ORACLE_NUMBERS), with `moves` */
-    double (*factor)[9]; /* rotation times scales of each as it is at rest */
+    double (*factor)[9]; /* rotation times scales of each as it is at rest, */
+    double *opacity;     /* and opacity */
 } oracle_object;
 
 typedef struct oracle_scene {

@@ -54,29 +54,28 @@ static double cost_of(const spike *a, const spike *b, double limit) {
     return a->polarity != b->polarity || apart > limit ? 3 : 0.5 * apart / (apart + 1e-4);
 }
 
-/* Fewest left over, by dynamic programming from the ends back; cost: (n + 1) x (m + 1). */
-static void align(judge *j, const spike *a, size_t n, const spike *b, size_t m) {
-    const int equal = j->scene->threshold_on == j->scene->threshold_off;
-    const double limit = equal ? LIMIT_S : INFINITY;
+/* cost (n + 1) x (m + 1): of what is left of both from (i, k) on, where fewest are left over. */
+static double *costs_of(const spike *a, size_t n, const spike *b, size_t m, double limit) {
     double *cost = oracle_alloc((n + 1) * (m + 1), sizeof *cost);
-    int odd = 0;
     for (size_t i = n + 1; i-- > 0;)
         for (size_t k = m + 1; k-- > 0;) {
             double *at = cost + i * (m + 1) + k;
-            if (i == n || k == m) {
+            if (i == n || k == m)
                 *at = (double)(n - i + m - k);
-                continue;
-            }
-            *at = fmin(at[m + 2] + cost_of(&a[i], &b[k], limit), 1 + fmin(at[m + 1], at[1]));
+            else
+                *at = fmin(at[m + 2] + cost_of(&a[i], &b[k], limit), 1 + fmin(at[m + 1], at[1]));
         }
+    return cost;
+}
+
+/* Takes them for each other so that fewest are left over, by dynamic programming. */
+static void align(judge *j, const spike *a, size_t n, const spike *b, size_t m, double limit, int counts) {
+    double *cost = costs_of(a, n, b, m, limit);
     for (size_t i = 0, k = 0; i < n || k < m;) {
         const double *at = cost + i * (m + 1) + k;
-        if (i < n && k < m && at[0] == at[m + 2] + cost_of(&a[i], &b[k], limit)) {
-            match(j, &a[i++], &b[k++], equal || !odd);
-            continue;
-        }
-        odd = 1;
-        if (i < n && (k == m || at[0] == 1 + at[m + 1]))
+        if (i < n && k < m && at[0] == at[m + 2] + cost_of(&a[i], &b[k], limit))
+            match(j, &a[i++], &b[k++], counts);
+        else if (i < n && (k == m || at[0] == 1 + at[m + 1]))
             leave(j, 0, &a[i++], b, m);
         else
             leave(j, 1, &b[k++], a, n);
@@ -88,11 +87,20 @@ static void judge_pixel(judge *j, const spike *a, size_t n, const spike *b, size
     const size_t before = j->v->lost + j->v->false_ones;
     size_t same = 0;
     while (same < n && same < m && cost_of(&a[same], &b[same], LIMIT_S) < 1) same++;
-    if (same == n && same == m)
+    if (same == n && same == m) {
         for (size_t k = 0; k < n; k++) match(j, &a[k], &b[k], 1);
-    else
-        align(j, a, n, b, m);
-    j->v->wrong_pixels += j->v->lost + j->v->false_ones > before;
+        return;
+    }
+    j->v->wrong_pixels++;
+    if (j->scene->threshold_on == j->scene->threshold_off) {
+        align(j, a, n, b, m, LIMIT_S, 1);
+        return;
+    }
+    for (size_t k = 0; k < same; k++) match(j, &a[k], &b[k], 1);
+    align(j, a + same, n - same, b + same, m - same, INFINITY, 0);
+    if (j->v->lost + j->v->false_ones > before) return;
+    leave(j, 0, &a[same], b, m); /* as many, but at other times */
+    leave(j, 1, &b[same], a, n);
 }
 
 /* The library's events pixel by pixel: (count), those of pixel i from first[i] on. */

@@ -17,9 +17,9 @@ typedef struct verdict {
 typedef void verdict_odd(void *user, const oracle_scene *scene, int is_false, int pixel, double time, int polarity,
                          double nearest);
 
-/* A pixel's events are taken for each other in their order, of one polarity, no more than 0.1 ms apart, so that fewest
- * are left over. Where thresholds differ, what follows a lost or false event of a pixel has another reference: there it is
- * matched in order alone, and its times don't count. `odd` (nullable) is told of each that is left over. */
+/* A pixel's events are taken for each other in their order, of one polarity, no more than 0.1 ms apart, so that fewest are left
+ * over. Where thresholds differ, all that follows a lost or false event of a pixel has another reference: there they are taken
+ * for each other by polarity alone, and their times don't count. `odd` (nullable) is told of each that is left over. */
 verdict verdict_of(const oracle_scene *scene, const oracle_events *truth, const library_run *run, verdict_odd *odd, void *user);
 
 /* Event times are whole nanoseconds, floored: in their middle they are off by at most half of one. */

@@ -63,7 +63,7 @@ static void crowd(oracle_scene *s, parts_seed *seed) {
     m.place[2] = 2.3;
     m.centre = 0.5 * s->stop;
     o->path = parts_path(&m, s->stop, 31);
-    const parts_motion eye = wander(seed, parts_log(seed, 0.5, 5), parts_between(seed, -8, 8));
+    const parts_motion eye = wander(seed, parts_log(seed, 1, 15), parts_between(seed, -15, 15));
     s->camera = parts_path(&eye, s->stop, 31);
     s->background = 0.1;
 }
@@ -73,8 +73,10 @@ static void sweep(oracle_scene *s, parts_seed *seed) {
     static const double half[3] = {1.5, 1, 0.8};
     parts_camera(s, seed, 48, 0.02);
     parts_cloud(parts_object(s), seed, 30 + parts_one_of(seed, 60), half, 2.2, 0.2, 0.6, 0.1, 0.95);
-    const parts_motion eye = wander(seed, 1, parts_sign(seed) * parts_log(seed, 1, 40));
+    const parts_motion eye = wander(seed, 1, parts_sign(seed) * parts_log(seed, 3, 60));
     s->camera = parts_path(&eye, s->stop, 31);
+    s->threshold_on *= 0.3;
+    s->threshold_off *= 0.3;
     s->background = 0.1;
 }
 
@@ -108,7 +110,7 @@ static void edge(oracle_scene *s, parts_seed *seed) {
             oracle_object_add(o, &one);
         }
     o->path = oracle_path_make(SAMPLES, ORACLE_SPLINE);
-    const double speed = parts_sign(seed) * parts_log(seed, 50, 3000) * px, begin = parts_between(seed, 0.002, 0.015);
+    const double speed = parts_sign(seed) * parts_log(seed, 300, 5000) * px, begin = parts_between(seed, 0.002, 0.015);
     for (int i = 0; i < SAMPLES; i++) {
         const double t = i + 1 < SAMPLES ? s->stop * i / (SAMPLES - 1) : s->stop, gone = fmin(fmax(t - begin, 0), 0.01);
         double *p = o->path.value + 7 * i;
