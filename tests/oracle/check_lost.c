@@ -5,7 +5,7 @@
  *   --trials N    so many scenes (TIDES_TRIALS, 500)         --finer N  the oracle against itself, N times as many samples
  *   --seed N      the first one's seed (TIDES_SEED, 1)       --images N the oracle's L against the library's, at N times
  *   --device NAME the library's device (cpu)                 --share X  images X times as wide (1)
- *   --jobs N      processes (2) */
+ *   --jobs N      processes (2)                              --brute N  the oracle against 50 ns samples of N pixels */
 #include "tests/oracle/trial.h"
 #include "tests/oracle/worlds.h"
 
@@ -58,6 +58,8 @@ static void read_option(options *o, const char *name, const char *value) {
         o->trial.finer = atoi(value);
     } else if (strcmp(name, "--images") == 0) {
         o->trial.images = atoi(value);
+    } else if (strcmp(name, "--brute") == 0) {
+        o->trial.brute = atoi(value);
     } else if (strcmp(name, "--share") == 0) {
         o->trial.share = atof(value);
     } else if (strcmp(name, "--jobs") == 0) {
@@ -69,7 +71,7 @@ static void read_option(options *o, const char *name, const char *value) {
 }
 
 int main(int argc, char **argv) {
-    options o = {{"cpu", 0, 0, 0, 1}, -1, (int)number_of("TIDES_TRIALS", SCENES), 2, number_of("TIDES_SEED", 1)};
+    options o = {{.device = "cpu", .share = 1}, -1, (int)number_of("TIDES_TRIALS", SCENES), 2, number_of("TIDES_SEED", 1)};
     setvbuf(stdout, NULL, _IOLBF, 0);
     read_option(&o, NULL, NULL);
     for (int i = 1; i < argc; i++) {

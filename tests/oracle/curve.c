@@ -115,6 +115,5 @@ void oracle_curve_at(const oracle_curve *c, const oracle_place *p, int first, in
         return;
     }
     const double *x0 = c->value + at, *x1 = x0 + c->width, *m0 = c->slope + at, *m1 = m0 + c->width;
-    for (int k = 0; k < n; k++)
-        out[k] = x0[k] + p->value[1] * (x1[k] - x0[k]) + p->slope[0] * m0[k] + p->slope[1] * m1[k];
+    for (int k = 0; k < n; k++) out[k] = x0[k] + p->value[1] * (x1[k] - x0[k]) + p->slope[0] * m0[k] + p->slope[1] * m1[k];
 }

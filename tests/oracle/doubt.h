@@ -6,10 +6,10 @@
 #include "tests/oracle/image.h"
 
 typedef struct oracle_doubt {
-    int i, j;          /* the splats; j below 0: a kink of i's colour */
-    double from, to;   /* [s] while it lasts */
-    double rate;       /* swap: soft depths per second */
-    double change;     /* kink: by how much the colour changes in the interval */
+    int i, j;        /* the splats; j below 0: a kink of i's colour */
+    double from, to; /* [s] while it lasts */
+    double rate;     /* swap: soft depths per second */
+    double change;   /* kink: by how much the colour changes in the interval */
 } oracle_doubt;
 
 typedef struct oracle_doubts {

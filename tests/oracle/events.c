@@ -24,9 +24,9 @@ typedef struct box {
 typedef struct finder {
     const oracle_scene *scene;
     oracle_events *found;
-    double *time;  /* (count) */
-    double *image; /* (count x pixels) L */
-    box *boxes;    /* (count x splats); rx below 0 where it isn't visible */
+    double *time;          /* (count) */
+    double *image;         /* (count x pixels) L */
+    box *boxes;            /* (count x splats); rx below 0 where it isn't visible */
     oracle_doubts *doubts; /* (count - 1) */
     float *hidden;         /* ((count - 1) x pixels) what doubts may hide, all together */
     int count, pixels;
@@ -36,7 +36,7 @@ typedef struct finder {
     struct own_doubt {
         const oracle_doubt *doubt;
         double size;
-    } *own; /* doubts that concern it */
+    } * own; /* doubts that concern it */
     int owns, own_room;
     double reference;
 } finder;
@@ -52,12 +52,13 @@ static int rising(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Knots of a curve, and samples between. Counts them where `time` is NULL. */
-static int add_knots(const oracle_curve *c, double stop, int finer, double *time) {
+/* Knots of a curve, and samples between where those of the grid, `spacing` apart, are too few. Counts them where `time` is NULL.
+ */
+static int add_knots(const oracle_curve *c, double stop, double spacing, int finer, double *time) {
     int n = 0;
     for (int i = 0; i + 1 < c->count; i++) {
         const double h = c->time[i + 1] - c->time[i];
-        const int parts = (int)fmin(PER_KNOT * finer, fmax(1, h * finer / CLOSEST_S));
+        const int parts = h >= PER_KNOT * spacing ? 1 : (int)fmin(PER_KNOT * finer, fmax(1, h * finer / CLOSEST_S));
         for (int k = 0; k < parts; k++) {
             const double t = c->time[i] + h * k / parts;
             if (t <= 0 || t >= stop) continue;
@@ -69,10 +70,10 @@ static int add_knots(const oracle_curve *c, double stop, int finer, double *time
 }
 
 static int all_knots(const oracle_scene *s, int finer, double *time) {
-    int n = add_knots(&s->camera, s->stop, finer, time);
+    int n = add_knots(&s->camera, s->stop, s->spacing, finer, time);
     for (int k = 0; k < s->objects; k++) {
-        n += add_knots(&s->object[k].path, s->stop, finer, time ? time + n : NULL);
-        n += add_knots(&s->object[k].keys, s->stop, finer, time ? time + n : NULL);
+        n += add_knots(&s->object[k].path, s->stop, s->spacing, finer, time ? time + n : NULL);
+        n += add_knots(&s->object[k].keys, s->stop, s->spacing, finer, time ? time + n : NULL);
     }
     return n;
 }
@@ -85,11 +86,13 @@ static void make_grid(finder *f, int finer) {
     all_knots(s, finer, f->time + even + 1);
     qsort(f->time, (size_t)(even + knots + 1), sizeof *f->time, rising);
     f->count = 1;
-    for (int k = 1; k <= even + knots; k++)
-        if (f->time[k] - f->time[f->count - 1] > 0.25 * CLOSEST_S / finer || f->time[k] == s->stop) f->time[f->count++] = f->time[k];
+    for (int k = 1; k <= even + knots; k++) {
+        const double after = f->time[k] - f->time[f->count - 1];
+        if (after > 0.25 * CLOSEST_S / finer || (after > 0 && f->time[k] == s->stop)) f->time[f->count++] = f->time[k];
+    }
 }
 
-/* -- what all pixels share -------------------------------------------------------------------------------------------------- */
+/* -- what all pixels share ------------------------------------------------------------------------------------------------- */
 
 /* Splats by number. */
 static void by_number(const oracle_scene *s, const oracle_shown *shown, int count, oracle_shown *all, int *order, box *boxes) {
@@ -120,7 +123,8 @@ static void hide(const finder *f, int k, const oracle_shown *all) {
         const int x1 = (int)fmin(last_pixel(i->u, i->reach_x, s->width), last_pixel(j->u, j->reach_x, s->width));
         const int y1 = (int)fmin(last_pixel(i->v, i->reach_y, s->height), last_pixel(j->v, j->reach_y, s->height));
         const int x0 = (int)fmax(first_pixel(i->u, i->reach_x, s->width), first_pixel(j->u, j->reach_x, s->width));
-        for (int y = (int)fmax(first_pixel(i->v, i->reach_y, s->height), first_pixel(j->v, j->reach_y, s->height)); y <= y1; y++)
+        for (int y = (int)fmax(first_pixel(i->v, i->reach_y, s->height), first_pixel(j->v, j->reach_y, s->height)); y <= y1;
+             y++)
             for (int x = x0; x <= x1; x++) {
                 const int at = y * s->width + x;
                 /* Twice: splats move on within the interval. */
@@ -323,7 +327,8 @@ static void find_in_pixel(finder *f, int pixel) {
         const spot a = {f->time[k], f->image[at] + leak_at(s, f->time[k])};
         const spot b = {f->time[k + 1], f->image[at + (size_t)f->pixels] + leak_at(s, f->time[k + 1])};
         const double bend = bend_of(f, k), e = bend + floor_of + f->hidden[at];
-        if (f->reference + s->threshold_on > fmax(a.s, b.s) + e && f->reference - s->threshold_off < fmin(a.s, b.s) - e) continue;
+        if (f->reference + s->threshold_on > fmax(a.s, b.s) + e && f->reference - s->threshold_off < fmin(a.s, b.s) - e)
+            continue;
         f->interval = k;
         f->listed = -1;
         own_doubts(f);

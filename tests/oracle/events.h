@@ -18,7 +18,7 @@ typedef struct oracle_event {
 typedef struct oracle_events {
     oracle_event *event;
     size_t count, capacity;
-    size_t *first;                  /* (pixels + 1) */
+    size_t *first;         /* (pixels + 1) */
     size_t samples, looks; /* what it took: pixels on the grid, and single ones between */
 } oracle_events;
 

@@ -13,9 +13,9 @@
 #define TAPER_END (1.0 / 255)
 #define SOFT_DEPTH 1e-4
 #define DILATION 0.3
-#define MARGIN 0.3 /* of tan(fov/2): how far beyond the border the Jacobian goes on */
+#define MARGIN 0.3  /* of tan(fov/2): how far beyond the border the Jacobian goes on */
 #define BEYOND 16.0 /* d^T Q d from which on no alpha is above the taper's begin: 2 ln 2550 is 15.7 */
-#define FAR 40.0   /* e^-40 is nothing beside 1 */
+#define FAR 40.0    /* e^-40 is nothing beside 1 */
 static const double luminance[3] = {0.2126, 0.7152, 0.0722};
 
 static double smootherstep(double x) {
@@ -165,7 +165,8 @@ static void place(const oracle_object *o, const oracle_seen *seen, int i, placed
         oracle_factor(&scaled, at->moved);
         at->factor = at->moved;
     }
-    for (int k = 0; k < 3; k++) at->p[k] = r[3 * k] * mean[0] + r[3 * k + 1] * mean[1] + r[3 * k + 2] * mean[2] + seen->shift[k];
+    for (int k = 0; k < 3; k++)
+        at->p[k] = r[3 * k] * mean[0] + r[3 * k + 1] * mean[1] + r[3 * k + 2] * mean[2] + seen->shift[k];
 }
 
 /* All but depth and colour. */

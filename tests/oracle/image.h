@@ -17,15 +17,15 @@ typedef struct oracle_view {
 
 /* A Gaussian on the screen. */
 typedef struct oracle_shown {
-    int id, visible;           /* not where it is in front of the near plane or below the taper everywhere */
-    double u, v;               /* its middle [px] */
-    double xx, xy, yy;         /* the inverse covariance [1/px^2] */
-    double opacity;            /* at the middle */
-    double across, down;       /* variances [px^2] */
-    double reach_x, reach_y;   /* half-widths of the box around it [px] */
-    double place;              /* ln z / soft_depth */
-    double light;              /* luminance */
-    double raw[3];             /* colour before the clamp at 0, by channel, times its share of luminance */
+    int id, visible;         /* not where it is in front of the near plane or below the taper everywhere */
+    double u, v;             /* its middle [px] */
+    double xx, xy, yy;       /* the inverse covariance [1/px^2] */
+    double opacity;          /* at the middle */
+    double across, down;     /* variances [px^2] */
+    double reach_x, reach_y; /* half-widths of the box around it [px] */
+    double place;            /* ln z / soft_depth */
+    double light;            /* luminance */
+    double raw[3];           /* colour before the clamp at 0, by channel, times its share of luminance */
 } oracle_shown;
 
 /* Light on its way to one pixel: what is left of it, what the pixel shows; of the splats that take light out now the densities

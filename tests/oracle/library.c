@@ -28,7 +28,8 @@ static void free_world(library_world *w) {
 static float *column(const oracle_splat *splats, size_t count, int first, int n) {
     float *out = oracle_alloc(count * (size_t)n, sizeof *out);
     for (size_t i = 0; i < count; i++)
-        for (int k = 0; k < n; k++) out[i * (size_t)n + (size_t)k] = (float)((const double *)(const void *)&splats[i])[first + k];
+        for (int k = 0; k < n; k++)
+            out[i * (size_t)n + (size_t)k] = (float)((const double *)(const void *)&splats[i])[first + k];
     return out;
 }
 
@@ -51,7 +52,8 @@ static void free_columns(columns *c) {
 }
 
 static tides_status make_motion(const oracle_object *o, tides_motion **motion, tides_error *error) {
-    columns c = columns_of((const oracle_splat *)(const void *)o->keys.value, (size_t)o->keys.count * (size_t)o->count, o->degree);
+    columns c =
+        columns_of((const oracle_splat *)(const void *)o->keys.value, (size_t)o->keys.count * (size_t)o->count, o->degree);
     const tides_keyframes_motion arrays = {.frames = o->keys.count,
                                            .count = o->count,
                                            .time = o->keys.time,
@@ -202,8 +204,7 @@ int library_compare_images(const oracle_scene *s, int times, library_difference 
     w.image.smoothing.stop_change = ALL_LIGHT;
     if (status == TIDES_OK)
         status = tides_renderer_create(w.device, w.scene, &w.intrinsics, &w.image, NULL, NULL, &renderer, said);
-    for (int k = 0; k < times && status == TIDES_OK; k++)
-        status = compare_at(s, &w, renderer, time_of(s, k), difference, said);
+    for (int k = 0; k < times && status == TIDES_OK; k++) status = compare_at(s, &w, renderer, time_of(s, k), difference, said);
     tides_renderer_destroy(renderer);
     free_world(&w);
     return status == TIDES_OK;

@@ -43,8 +43,8 @@ void parts_shape(oracle_splat *splat, parts_seed *seed, double low, double high)
 
 oracle_object *parts_object(oracle_scene *scene) { return &scene->object[scene->objects++]; }
 
-void parts_cloud(oracle_object *object, parts_seed *seed, int count, const double half[3], double depth, double low, double high,
-                 double faintest, double most_opaque) {
+void parts_cloud(oracle_object *object, parts_seed *seed, int count, const double half[3], double depth, double low,
+                 double high, double faintest, double most_opaque) {
     for (int i = 0; i < count; i++) {
         const double x = parts_between(seed, -half[0], half[0]), y = parts_between(seed, -half[1], half[1]);
         const double z = depth + parts_between(seed, -half[2], half[2]);

@@ -23,8 +23,8 @@ void parts_shape(oracle_splat *splat, parts_seed *seed, double low, double high)
 /* The next object of a scene. */
 oracle_object *parts_object(oracle_scene *scene);
 /* `count` random splats in a box about (0, 0, depth). */
-void parts_cloud(oracle_object *object, parts_seed *seed, int count, const double half[3], double depth, double low, double high,
-                 double faintest, double most_opaque);
+void parts_cloud(oracle_object *object, parts_seed *seed, int count, const double half[3], double depth, double low,
+                 double high, double faintest, double most_opaque);
 
 /* Position (t - centre) velocity + (t - centre)^2 bend + place; turned by spin (t - centre) about an axis. */
 typedef struct parts_motion {

@@ -15,7 +15,14 @@ typedef struct oracle_splat {
 } oracle_splat;
 
 /* Its numbers one after the other, and where each part begins. */
-enum { ORACLE_MEAN = 0, ORACLE_QUATERNION = 3, ORACLE_LOG_SCALE = 7, ORACLE_LOGIT = 10, ORACLE_COLOUR = 11, ORACLE_NUMBERS = 59 };
+enum {
+    ORACLE_MEAN = 0,
+    ORACLE_QUATERNION = 3,
+    ORACLE_LOG_SCALE = 7,
+    ORACLE_LOGIT = 10,
+    ORACLE_COLOUR = 11,
+    ORACLE_NUMBERS = 59
+};
 
 /* Parts that keyframes change. */
 enum { ORACLE_MOVES_MEAN = 1, ORACLE_MOVES_OPACITY = 2, ORACLE_MOVES_SH = 4, ORACLE_MOVES_SCALE = 8 };
@@ -25,7 +32,7 @@ typedef struct oracle_object {
     oracle_curve path; /* (7) position, quaternion wxyz: object to world; no samples: at rest in the origin */
     int degree, count, capacity, moves;
     oracle_splat *splat;
-    oracle_curve keys; /* (count x ORACLE_NUMBERS), with `moves` */
+    oracle_curve keys;   /* (count x ORACLE_NUMBERS), with `moves` */
     double (*factor)[9]; /* rotation times scales of each as it is at rest, */
     double *opacity;     /* and opacity */
 } oracle_object;
@@ -39,9 +46,9 @@ typedef struct oracle_scene {
     oracle_curve camera; /* (7) camera to world, OpenCV axes; no samples: in the origin */
     oracle_object object[ORACLE_OBJECTS];
     int objects;
-    int splats;            /* of all objects, numbered through; */
-    int *owner, *own;      /* (splats) the object of each, and its number there */
-    double spacing;        /* [s] of the samples that the event finder begins with */
+    int splats;       /* of all objects, numbered through; */
+    int *owner, *own; /* (splats) the object of each, and its number there */
+    double spacing;   /* [s] of the samples that the event finder begins with */
 } oracle_scene;
 
 /* Appends a Gaussian to an object, its numbers rounded to single precision. */

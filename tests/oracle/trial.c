@@ -1,6 +1,7 @@
 /* Trials, and the criteria of issue 38. */
 #include "tests/oracle/trial.h"
 
+#include "tests/oracle/brute.h"
 #include "tests/oracle/worlds.h"
 
 #include <math.h>
@@ -26,8 +27,9 @@ static double seconds(void) {
 
 static void print_odd(void *user, const oracle_scene *s, int is_false, int pixel, double time, int polarity, double nearest) {
     (void)user;
-    printf("    %s %s (%d, %d) at %.9f ms, %s nearest %.9f ms (%.3g us)\n", is_false ? "false" : "lost ", polarity > 0 ? "ON " : "OFF",
-           pixel % s->width, pixel / s->width, 1e3 * time, is_false ? "true" : "library's", 1e3 * nearest, 1e6 * (nearest - time));
+    printf("    %s %s (%d, %d) at %.9f ms, %s nearest %.9f ms (%.3g us)\n", is_false ? "false" : "lost ",
+           polarity > 0 ? "ON " : "OFF", pixel % s->width, pixel / s->width, 1e3 * time, is_false ? "true" : "library's",
+           1e3 * nearest, 1e6 * (nearest - time));
 }
 
 /* The oracle's own events, of `finer` times as many samples, as a run. */
@@ -51,10 +53,11 @@ static library_run run_of(const oracle_scene *s, int finer) {
 
 static void print_line(const oracle_scene *s, const verdict *v) {
     const double *t = v->true_ns, *r = v->reported_ns;
-    printf("%-10s %4llu %7zu events -%zu +%zu in %zu px, uncertain %llu  true %.3g %.3g %.3g (%.3g)  reported %.3g %.3g %.3g ns  "
+    printf("%-10s %4llu %7zu events -%zu +%zu in %zu px, uncertain %llu  true %.3g %.3g %.3g (%.3g)  reported %.3g %.3g %.3g "
+           "ns  "
            "%.2f s, oracle %.2f s%s%s\n",
-           s->kind, s->seed, v->events, v->lost, v->false_ones, v->wrong_pixels, v->uncertain, t[0], t[1], t[2], t[3], r[0], r[1],
-           r[2], v->run_s, v->oracle_s, v->lost + v->false_ones > v->uncertain ? "  UNCOUNTED" : "",
+           s->kind, s->seed, v->events, v->lost, v->false_ones, v->wrong_pixels, v->uncertain, t[0], t[1], t[2], t[3], r[0],
+           r[1], r[2], v->run_s, v->oracle_s, v->lost + v->false_ones > v->uncertain ? "  UNCOUNTED" : "",
            verdict_dishonest(v) ? "  TOO SMALL" : "");
 }
 
@@ -68,6 +71,27 @@ static void compare_images(const oracle_scene *s, int times) {
         printf("%-10s %4llu images: %s\n", s->kind, s->seed, error.text);
 }
 
+/* Pixels spread over the image, every 50 ns. */
+static void compare_brute(const oracle_scene *s, int count) {
+    oracle_events events = oracle_find_events(s, 1);
+    const int pixels = s->width * s->height;
+    size_t differ = 0, compared = 0;
+    for (int k = 0; k < count; k++) {
+        const int pixel = (int)((pixels / 2 + (long)k * 7919) % pixels);
+        differ += oracle_brute_differences(s, &events, pixel, 50e-9);
+        compared += events.first[pixel + 1] - events.first[pixel];
+    }
+    printf("%-10s %4llu brute force: %zu of %zu events differ\n", s->kind, s->seed, differ, compared);
+    oracle_events_free(&events);
+}
+
+/* What is asked for in place of the library's events; 0: those. */
+static int run_other(const trial_options *o, const oracle_scene *s) {
+    if (o->images > 0) compare_images(s, o->images);
+    if (o->brute > 0) compare_brute(s, o->brute);
+    return o->images > 0 || o->brute > 0;
+}
+
 static trial_result run_one(const trial_options *o, int kind, unsigned long long seed) {
     trial_result result;
     library_run run;
@@ -76,8 +100,7 @@ static trial_result run_one(const trial_options *o, int kind, unsigned long long
     result.kind = kind;
     result.seed = seed;
     oracle_scene scene = oracle_world_make(kind, seed, o->share);
-    if (o->images > 0) {
-        compare_images(&scene, o->images);
+    if (run_other(o, &scene)) {
         oracle_scene_free(&scene);
         return result;
     }
@@ -182,10 +205,10 @@ int trial_sum_up(const trial_options *o, const trial_result *results, int count)
     const totals t = add_up(results, count);
     double least[3], median[3];
     int failed = 0;
-    if (o->images > 0 || count == 0) return 0;
+    if (o->images > 0 || o->brute > 0 || count == 0) return 0;
     for (int k = 0; k < 3; k++) median[k] = ratio_of(results, count, k, &least[k]);
-    printf("%d scenes, %.0f events: %.4g lost or false and %.4g uncertain per million; runs %.0f s, oracle %.0f s\n", count, t.events,
-           1e6 * t.wrong / t.events, 1e6 * t.uncertain / t.events, t.run_s, t.oracle_s);
+    printf("%d scenes, %.0f events: %.4g lost or false and %.4g uncertain per million; runs %.0f s, oracle %.0f s\n", count,
+           t.events, 1e6 * t.wrong / t.events, 1e6 * t.uncertain / t.events, t.run_s, t.oracle_s);
     printf("reported over true, median (smallest): p50 %.3g (%.3g), p95 %.3g (%.3g), p99 %.3g (%.3g)\n", median[0], least[0],
            median[1], least[1], median[2], least[2]);
     failed += says(t.failed == 0, "every scene ran");

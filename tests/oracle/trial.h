@@ -6,8 +6,8 @@
 
 typedef struct trial_options {
     const char *device;
-    int dump, finer, images;
-    double share; /* of a kind's width */
+    int dump, finer, images, brute; /* brute: so many pixels */
+    double share;                   /* of a kind's width */
 } trial_options;
 
 typedef struct trial_result {

@@ -147,7 +147,8 @@ verdict verdict_of(const oracle_scene *s, const oracle_events *truth, const libr
     for (size_t k = 0; k < truth->count; k++) own[k] = (spike){truth->event[k].time, truth->event[k].polarity};
     for (size_t i = 0; i < pixels; i++) {
         j.pixel = (int)i;
-        judge_pixel(&j, own + truth->first[i], truth->first[i + 1] - truth->first[i], theirs + first[i], first[i + 1] - first[i]);
+        judge_pixel(&j, own + truth->first[i], truth->first[i + 1] - truth->first[i], theirs + first[i],
+                    first[i + 1] - first[i]);
     }
     sum_up(&j, run);
     free(j.errors);
