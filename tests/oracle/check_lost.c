@@ -5,6 +5,7 @@
  *   --trials N    so many scenes (TIDES_TRIALS, 500)         --finer N  the oracle against itself, N times as many samples
  *   --seed N      the first one's seed (TIDES_SEED, 1)       --images N the oracle's L against the library's, at N times
  *   --device NAME the library's device (cpu)                 --share X  images X times as wide (1)
+ *   --solve off|float, --tolerance X, --step S  settings of the library's run
  *   --jobs N      processes (2)                              --brute N  the oracle against 50 ns samples of N pixels */
 #include "tests/oracle/trial.h"
 #include "tests/oracle/worlds.h"
@@ -38,51 +39,64 @@ static int list_kinds(void) {
     return 0;
 }
 
-/* An option with a value. */
-static void read_option(options *o, const char *name, const char *value) {
-    const char *kind = getenv("TIDES_KIND");
-    if (!name) {
-        if (kind && *kind) o->kind = kind_named(kind);
-    } else if (!value) {
-        fprintf(stderr, "check_lost: %s needs a value\n", name);
-        exit(2);
-    } else if (strcmp(name, "--kind") == 0) {
+static int32_t solve_named(const char *name) {
+    return strcmp(name, "off") == 0 ? TIDES_SOLVE_OFF : strcmp(name, "float") == 0 ? TIDES_SOLVE_FLOAT : TIDES_SOLVE_AUTO;
+}
+
+/* An option with a value; 0 where there's none of that name. */
+static int read_option(options *o, const char *name, const char *value) {
+    const struct {
+        const char *name;
+        int *number;
+    } numbers[] = {{"--trials", &o->trials},
+                   {"--jobs", &o->jobs},
+                   {"--finer", &o->trial.finer},
+                   {"--images", &o->trial.images},
+                   {"--brute", &o->trial.brute}};
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
+        if (strcmp(name, numbers[k].name) == 0) {
+            *numbers[k].number = atoi(value);
+            return 1;
+        }
+    if (strcmp(name, "--kind") == 0)
         o->kind = kind_named(value);
-    } else if (strcmp(name, "--trials") == 0) {
-        o->trials = atoi(value);
-    } else if (strcmp(name, "--seed") == 0) {
+    else if (strcmp(name, "--seed") == 0)
         o->seed = strtoull(value, NULL, 10);
-    } else if (strcmp(name, "--device") == 0) {
+    else if (strcmp(name, "--device") == 0)
         o->trial.device = value;
-    } else if (strcmp(name, "--finer") == 0) {
-        o->trial.finer = atoi(value);
-    } else if (strcmp(name, "--images") == 0) {
-        o->trial.images = atoi(value);
-    } else if (strcmp(name, "--brute") == 0) {
-        o->trial.brute = atoi(value);
-    } else if (strcmp(name, "--share") == 0) {
+    else if (strcmp(name, "--share") == 0)
         o->trial.share = atof(value);
-    } else if (strcmp(name, "--jobs") == 0) {
-        o->jobs = atoi(value);
-    } else {
-        fprintf(stderr, "check_lost: no option %s\n", name);
-        exit(2);
+    else if (strcmp(name, "--solve") == 0)
+        o->trial.stepping.solve = solve_named(value);
+    else if (strcmp(name, "--tolerance") == 0)
+        o->trial.stepping.tolerance = atof(value);
+    else if (strcmp(name, "--step") == 0)
+        o->trial.stepping.step_s = atof(value);
+    else
+        return 0;
+    return 1;
+}
+
+static void read_options(options *o, int argc, char **argv) {
+    const char *kind = getenv("TIDES_KIND");
+    if (kind && *kind) o->kind = kind_named(kind);
+    for (int i = 1; i < argc; i++) {
+        if (strcmp(argv[i], "--list") == 0) exit(list_kinds());
+        if (strcmp(argv[i], "--dump") == 0)
+            o->trial.dump = 1;
+        else if (i + 1 < argc && read_option(o, argv[i], argv[i + 1]))
+            i++;
+        else {
+            fprintf(stderr, "check_lost: %s: no such option, or it needs a value\n", argv[i]);
+            exit(2);
+        }
     }
 }
 
 int main(int argc, char **argv) {
-    options o = {{.device = "cpu", .share = 1}, -1, (int)number_of("TIDES_TRIALS", SCENES), 2, number_of("TIDES_SEED", 1)};
+    options o = {trial_defaults(), -1, (int)number_of("TIDES_TRIALS", SCENES), 2, number_of("TIDES_SEED", 1)};
     setvbuf(stdout, NULL, _IOLBF, 0);
-    read_option(&o, NULL, NULL);
-    for (int i = 1; i < argc; i++) {
-        if (strcmp(argv[i], "--list") == 0) return list_kinds();
-        if (strcmp(argv[i], "--dump") == 0) {
-            o.trial.dump = 1;
-        } else {
-            read_option(&o, argv[i], argv[i + 1]);
-            i++;
-        }
-    }
+    read_options(&o, argc, argv);
     if (o.trials < 1 || o.jobs < 1) return 2;
     trial_result *results = calloc((size_t)o.trials, sizeof *results);
     if (!results) return 2;

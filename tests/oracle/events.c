@@ -45,15 +45,14 @@ typedef struct spot {
     double t, s;
 } spot;
 
-/* -- the grid ------------------------------------------------------------------------------------------------------------- */
+/* -- the grid ------------------------------------------------------------------------------------------------------------ */
 
 static int rising(const void *a, const void *b) {
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
 }
 
-/* Knots of a curve, and samples between where those of the grid, `spacing` apart, are too few. Counts them where `time` is NULL.
- */
+/* Knots of a curve, and samples between where those of the grid, `spacing` apart, are too few. Counts them without `time`. */
 static int add_knots(const oracle_curve *c, double stop, double spacing, int finer, double *time) {
     int n = 0;
     for (int i = 0; i + 1 < c->count; i++) {

@@ -135,22 +135,19 @@ static int keep(void *user, const tides_event *events, size_t count) {
     return 0;
 }
 
-int library_simulate(const oracle_scene *s, const char *device, void (*tune)(tides_stepping *), library_run *run,
+int library_simulate(const oracle_scene *s, const char *device, const tides_stepping *stepping, library_run *run,
                      tides_error *said) {
     library_world w;
     tides_sensor sensor;
-    tides_stepping stepping;
     tides_simulator *simulator = NULL;
     tides_sensor_defaults(&sensor);
-    tides_stepping_defaults(&stepping);
     sensor.threshold_on = s->threshold_on;
     sensor.threshold_off = s->threshold_off;
     sensor.leak_rate_hz = s->leak_hz;
-    if (tune) tune(&stepping);
     memset(run, 0, sizeof *run);
     tides_status status = make_world(s, device, &w, said);
     if (status == TIDES_OK)
-        status = tides_simulator_create(w.device, w.scene, w.camera, &w.intrinsics, &w.image, &sensor, &stepping, 0, s->stop,
+        status = tides_simulator_create(w.device, w.scene, w.camera, &w.intrinsics, &w.image, &sensor, stepping, 0, s->stop,
                                         NULL, NULL, &simulator, said);
     if (status == TIDES_OK) status = tides_simulator_run(simulator, s->stop, keep, run, NULL, NULL, said);
     if (status == TIDES_OK) tides_simulator_stats(simulator, &run->stats);

@@ -12,8 +12,8 @@ typedef struct library_run {
     tides_stats stats;
 } library_run;
 
-/* 1; 0 with a line in `said` where something fails. `tune` (nullable) may change the settings. */
-int library_simulate(const oracle_scene *scene, const char *device, void (*tune)(tides_stepping *), library_run *run,
+/* 1; 0 with a line in `said` where something fails. `stepping`: the defaults, or what is tried. */
+int library_simulate(const oracle_scene *scene, const char *device, const tides_stepping *stepping, library_run *run,
                      tides_error *said);
 void library_run_free(library_run *run);
 

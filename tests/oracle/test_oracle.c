@@ -43,14 +43,17 @@ static void run_all(const trial_options *options, int count) {
 }
 
 static void test_oracle_is_sure(void **state) {
-    const trial_options options = {.device = "cpu", .finer = FINER, .share = 0.25};
+    trial_options options = trial_defaults();
     (void)state;
+    options.finer = FINER;
+    options.share = 0.5 * SHARE;
     run_all(&options, oracle_world_kinds());
 }
 
 static void test_few_are_lost(void **state) {
-    const trial_options options = {.device = "cpu", .share = SHARE};
+    trial_options options = trial_defaults();
     (void)state;
+    options.share = SHARE;
     run_all(&options, SCENES);
 }
 

@@ -19,6 +19,12 @@
 #define MOST_RATIO 5.0 /* reported p95 over the true one, in the median */
 #define LEAST_NS 1.0   /* what is below it counts as it: the unit of event times */
 
+trial_options trial_defaults(void) {
+    trial_options o = {.device = "cpu", .share = 1};
+    tides_stepping_defaults(&o.stepping);
+    return o;
+}
+
 static double seconds(void) {
     struct timespec now;
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
@@ -110,7 +116,7 @@ static trial_result run_one(const trial_options *o, int kind, unsigned long long
     if (o->finer > 1)
         run = run_of(&scene, o->finer);
     else
-        result.failed = !library_simulate(&scene, o->device, NULL, &run, &error);
+        result.failed = !library_simulate(&scene, o->device, &o->stepping, &run, &error);
     if (result.failed) {
         printf("%-10s %4llu FAILED: %s\n", scene.kind, seed, error.text);
     } else {

@@ -6,6 +6,7 @@
 
 typedef struct trial_options {
     const char *device;
+    tides_stepping stepping;
     int dump, finer, images, brute; /* brute: so many pixels */
     double share;                   /* of a kind's width */
 } trial_options;
@@ -15,6 +16,9 @@ typedef struct trial_result {
     int kind, failed; /* failed: the library refused, or ended with an error */
     unsigned long long seed;
 } trial_result;
+
+/* All defaults. */
+trial_options trial_defaults(void);
 
 /* Scenes [0, count): all kinds in turn, or one (`kind` not below 0), from a seed on; in `jobs` processes, which are started
  * before any has a device. Each prints its line. How many of the results (count) are there: all but where a process died. */
