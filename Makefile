@@ -278,7 +278,7 @@ mutants: ## Change formulas of the kernels and the solver, one at a time: a test
 	@MAKE='$(MAKE)' JOBS=$(JOBS) PYTHON='$(PYTHON)' sh scripts/mutants.sh
 # In the order of what is found soonest; the long sweeps come last.
 CHECKS := lint check check-golden check-clang check-asan check-tsan check-valgrind install-check check-readme check-determinism check-devices \
-          mutants fuzz fuzz-hdf5 faults coverage check-stability
+          mutants fuzz fuzz-hdf5 faults coverage check-lost check-stability
 check-all: ## All checks that there are, one after the other, and a line for each: hours
 	@MAKE='$(MAKE)' sh scripts/check_all.sh $(CHECKS)
 check-stability: ## tides bench stability, all rows: an hour
@@ -332,7 +332,7 @@ live-example: all ## A camera follows a ball by its own events for 10 s: build/t
 	    $(PYTHON) python_ctypes/examples/track_ball.py build/track_ball.png
 
 .PHONY: check-lost check-lost-built
-check-lost: ## Events against an oracle's own on TIDES_TRIALS=500 random scenes of the hard kinds: an hour or two
+check-lost: ## Events against an oracle's own on TIDES_TRIALS=500 random scenes of the hard kinds: an hour
 	@sh scripts/deps.sh build -q
 	@$(AGAIN) check-lost-built
 check-lost-built: $(OUT)/tests/oracle/check_lost
