@@ -17,7 +17,7 @@ typedef struct oracle_view {
 
 /* A Gaussian on the screen. */
 typedef struct oracle_shown {
-    int id, visible;         /* not where it is in front of the near plane or below the taper everywhere */
+    int id, visible;         /* 0: not beyond the near plane, or below the taper; the rest means nothing */
     double u, v;             /* its middle [px] */
     double xx, xy, yy;       /* the inverse covariance [1/px^2] */
     double opacity;          /* at the middle */
