@@ -38,13 +38,15 @@ tides_status td_point_nodes_create(const tides_renderer *renderer, td_exact *sha
     nodes->open_at = td_alloc(count, sizeof *nodes->open_at, error);
     nodes->halve_from = td_alloc(count, sizeof *nodes->halve_from, error);
     nodes->halve_to = td_alloc(count, sizeof *nodes->halve_to, error);
+    nodes->is_direct = td_alloc(count, sizeof *nodes->is_direct, error);
     nodes->settled = td_alloc(count, sizeof *nodes->settled, error);
     nodes->tried = td_alloc(count + TD_PAD, sizeof *nodes->tried, error);
     nodes->fit.worst = td_alloc(count + TD_PAD, sizeof *nodes->fit.worst, error);
     nodes->fit.bent = td_alloc(count + TD_PAD, sizeof *nodes->fit.bent, error);
     nodes->fit.calm = td_alloc(count + TD_PAD, sizeof *nodes->fit.calm, error);
     if (!nodes->path || !nodes->gaussians || !nodes->level || !nodes->first || !nodes->open_at || !nodes->halve_from ||
-        !nodes->halve_to || !nodes->settled || !nodes->tried || !nodes->fit.worst || !nodes->fit.bent || !nodes->fit.calm)
+        !nodes->halve_to || !nodes->is_direct || !nodes->settled || !nodes->tried || !nodes->fit.worst || !nodes->fit.bent ||
+        !nodes->fit.calm)
         return TIDES_NO_MEMORY;
     nodes->exact = shared;
     nodes->is_shared = shared != NULL;
@@ -63,6 +65,7 @@ void td_point_nodes_release(td_point_nodes *nodes) {
     free(nodes->open);
     free(nodes->halve_from);
     free(nodes->halve_to);
+    free(nodes->is_direct);
     free(nodes->settled);
     free(nodes->tried);
     free(nodes->row);
@@ -157,7 +160,7 @@ static tides_status find_listed(const tides_renderer *renderer, const td_point_s
     for (int i = 0; i < renderer->store.count; i++) nodes->path[i] = TD_PATH_UNSEEN;
     for (int i = 0; i < end; i++)
         if (lists->list[i] >= 0) nodes->path[lists->list[i]] = 0;
-    nodes->count = nodes->bent = 0;
+    nodes->count = nodes->bent = nodes->direct = 0;
     for (int i = 0; i < renderer->store.count; i++) {
         if (nodes->path[i] == TD_PATH_UNSEEN) continue;
         int level = td_point_is_instant(nodes) ? 0 : first_level(renderer, nodes, i);
@@ -167,6 +170,7 @@ static tides_status find_listed(const tides_renderer *renderer, const td_point_s
         nodes->level[nodes->count] = (uint8_t)level;
         nodes->open_at[nodes->count] = -1;
         nodes->settled[nodes->count] = 0;
+        nodes->is_direct[nodes->count] = 0;
         nodes->gaussians[nodes->count++] = i;
         rows += td_point_is_instant(nodes) ? 1 : ((int64_t)nodes->pieces << level) + 1;
         if (rows > INT32_MAX / TD_PATH_STRIDE) return too_many(nodes, error);
@@ -201,6 +205,12 @@ static double added_up(const tides_renderer *renderer, const td_point_nodes *nod
     return moved_by(renderer, nodes, i) ? 2 : 1;
 }
 
+/* What costs a hundred times what a cubic does isn't worked out for each pixel that sees it: a network has kinks anywhere. */
+static int may_be_direct(const tides_renderer *renderer, const td_point_nodes *nodes, int i) {
+    const td_dynamic_object *object = moved_by(renderer, nodes, i);
+    return !object || !object->expensive;
+}
+
 /* What Gaussian i needs, whose cubics of the level before are off in the middle as the fit's number k says: its level is
  * enough where a sixteenth of the worst is, by which a smooth path's error falls with each level; at the last it may have a
  * kink, and is taken to be off by all of it the share `bent` of the time. What can't be compared at all crosses the near plane:
@@ -220,6 +230,11 @@ static tides_status choose_level(const tides_renderer *renderer, td_point_nodes 
         falls = 1;
     }
     nodes->bent += is_bent;
+    if (is_bent && may_be_direct(renderer, nodes, i)) {
+        nodes->is_direct[i] = 1;
+        nodes->direct++;
+        return TIDES_OK;
+    }
     if (!(worst > 0 && worst < never)) return TIDES_OK;
     const double calm = fmaxf(nodes->fit.calm[k], nodes->settled[i]) * TD_POINT_PATH_TARGET;
     const double smooth = is_bent || worst <= TD_PATH_BENT * TD_POINT_PATH_TARGET ? calm : worst;

@@ -183,6 +183,30 @@ static tides_status project_all_moved(tides_renderer *renderer, const tides_traj
     return status;
 }
 
+/* One slot: its Gaussians' rows, where some move by themselves, among others'. */
+static tides_status add_slot(tides_renderer *renderer, td_point_nodes *nodes, double time, int slot, int from, int end,
+                             int *row, tides_error *error) {
+    const int moves = renderer->dynamic.gaussians > 0;
+    tides_status status = TIDES_OK;
+    if (moves)
+        status = td_dynamic_rows_ask(&renderer->dynamic, nodes->gaussians + from, end - from, time, TD_SIDE_BEGINS, row, error);
+    return status == TIDES_OK ? add_node(renderer, nodes, 0, 0, slot, from, end, moves ? row : NULL, error) : status;
+}
+
+tides_status td_point_rows_direct(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
+                                  const double *time, const int *end, int slots, tides_error *error) {
+    int *row = td_alloc((size_t)nodes->count + 1, sizeof *row, error);
+    tides_status status = row ? TIDES_OK : TIDES_NO_MEMORY;
+    if (renderer->dynamic.gaussians) td_dynamic_rows_open(&renderer->dynamic);
+    nodes->entries = nodes->job_count = 0;
+    for (int k = 0; k < slots && status == TIDES_OK; k++)
+        status = add_slot(renderer, nodes, time[k], k, k ? end[k - 1] : 0, end[k], row, error);
+    if (status == TIDES_OK && renderer->dynamic.gaussians) status = td_rows_send(&renderer->dynamic, renderer->backend, error);
+    if (status == TIDES_OK) status = send(renderer, camera, nodes, time, slots, error);
+    free(row);
+    return status;
+}
+
 tides_status td_point_rows_project(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, int level,
                                    tides_error *error) {
     const int slots = td_point_is_instant(nodes) ? 1 : (nodes->pieces << level) + 1;

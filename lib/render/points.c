@@ -7,6 +7,7 @@
  * were spared by asking for it late. */
 #include "td_point_nodes.h"
 #include "td_point_order.h"
+#include "td_points_direct.h"
 #include "td_renderer.h"
 
 #include <math.h>
@@ -46,6 +47,7 @@ struct td_points {
     int *which; /* (2 x points asked for) of exact_points */
     size_t which_capacity;
     points_away away;
+    td_points_direct direct;
     double *column[TD_POINT_COLUMNS]; /* (points of a launch + TD_PAD) */
     int *piece;
     td_points_chunk *chunks;
@@ -64,6 +66,7 @@ void td_points_destroy(td_points *points) {
     if (!points) return;
     drop_launch(points);
     if (points->engine) points->engine->type->destroy(points->engine);
+    td_points_direct_release(&points->direct);
     td_point_nodes_release(&points->nodes);
     for (int k = 0; k < TD_POINT_COLUMNS; k++) free(points->column[k]);
     free(points->part);
@@ -105,8 +108,8 @@ static tides_status allocate(const tides_renderer *renderer, td_points *p, tides
     return all ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
-static tides_status create_engine(const tides_renderer *renderer, const td_image_numbers *image, td_points_engine **engine,
-                                  tides_error *error) {
+tides_status td_points_create_engine(const tides_renderer *renderer, const td_image_numbers *image, td_points_engine **engine,
+                                     tides_error *error) {
     return td_device_has_double(renderer->device) ? td_points_create_opencl(renderer->device, image, engine, error)
                                                   : td_points_create_twin(image, engine, error);
 }
@@ -119,7 +122,7 @@ static tides_status create_points(const tides_renderer *renderer, td_exact *shar
     const double begun = td_now();
     tides_status status = allocate(renderer, made, error);
     if (status == TIDES_OK) status = td_point_nodes_create(renderer, shared, &made->nodes, error);
-    if (status == TIDES_OK) status = create_engine(renderer, &image, &made->engine, error);
+    if (status == TIDES_OK) status = td_points_create_engine(renderer, &image, &made->engine, error);
     renderer->backend->stats.time_build_s += td_now() - begun;
     if (status == TIDES_OK)
         *points = made;
@@ -199,7 +202,7 @@ static tides_status begin_part(tides_renderer *renderer, const tides_trajectory 
     if (status != TIDES_OK) return status;
     p->begun = k;
     p->part[k].law = td_path_tally_law(&nodes->tally);
-    return status;
+    return td_points_direct_begin(renderer, nodes, &p->direct, error);
 }
 
 /* The part that a time is in: where one ends, that one. */
@@ -303,20 +306,21 @@ static int lay_launch(const tides_renderer *renderer, td_points *p, const td_poi
     return chunks;
 }
 
+tides_status td_point_take(const td_point *point, const double *found, td_point_value *value, tides_error *error) {
+    *value = (td_point_value){found[0], found[1]};
+    if (isfinite(value->L) && isfinite(value->L_dot)) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_ARGUMENT, "pixel (%d, %d) at %.9g s isn't finite: log_luminance %g, its rate %g",
+                   (int)point->x, (int)point->y, point->time, value->L, value->L_dot);
+}
+
 /* Waits for the launch that is under way, if there is one. */
 static tides_status finish_launch(td_points *p, tides_error *error) {
     const points_away away = p->away;
     if (away.count == 0) return TIDES_OK;
     p->away.count = 0;
     tides_status status = p->engine->type->finish(p->engine, error);
-    for (int i = 0; i < away.count && status == TIDES_OK; i++) {
-        const td_point *point = &away.points[away.order[i]];
-        const double L = p->values[2 * i], L_dot = p->values[2 * i + 1];
-        away.values[away.order[i]] = (td_point_value){L, L_dot};
-        if (isfinite(L) && isfinite(L_dot)) continue;
-        status = td_fail(error, TIDES_BAD_ARGUMENT, "pixel (%d, %d) at %.9g s isn't finite: log_luminance %g, its rate %g",
-                         (int)point->x, (int)point->y, point->time, L, L_dot);
-    }
+    for (int i = 0; i < away.count && status == TIDES_OK; i++)
+        status = td_point_take(&away.points[away.order[i]], p->values + 2 * i, &away.values[away.order[i]], error);
     return status;
 }
 
@@ -339,10 +343,25 @@ static tides_status begin_launch(const tides_renderer *renderer, td_points *p, c
     return status;
 }
 
+/* Those numbered which[0 .. count) that see what no curve follows are worked out; how many are left of which. */
+static tides_status take_direct(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
+                                int *which, int *count, int *order, td_point_value *values, tides_error *error) {
+    int left = 0, direct = 0;
+    for (int i = 0; i < *count; i++)
+        if (td_points_direct_sees(&p->direct, &points[which[i]], renderer->image.width))
+            order[direct++] = which[i];
+        else
+            which[left++] = which[i];
+    *count = left;
+    return td_points_direct_values(renderer, camera, &p->direct, p->nodes.exact, &p->at, points, order, direct, values, error);
+}
+
 /* Points of the part that has its rows: those numbered which[0 .. count), of which order (count) becomes an order. */
-static tides_status points_of_part(tides_renderer *renderer, td_points *p, const td_point *points, const int *which, int count,
-                                   int *order, td_point_value *values, tides_error *error) {
-    tides_status status = order_points(renderer, p, points, which, count, order, error);
+static tides_status points_of_part(tides_renderer *renderer, const tides_trajectory *camera, td_points *p,
+                                   const td_point *points, int *which, int count, int *order, td_point_value *values,
+                                   tides_error *error) {
+    tides_status status = take_direct(renderer, camera, p, points, which, &count, order, values, error);
+    if (status == TIDES_OK) status = order_points(renderer, p, points, which, count, order, error);
     for (int from = 0; from < count && status == TIDES_OK; from += POINTS_AT_ONCE) {
         const points_away next = {points, values, order + from, count - from < POINTS_AT_ONCE ? count - from : POINTS_AT_ONCE};
         status = td_renderer_heed(renderer, (double)from / count, error);
@@ -377,7 +396,7 @@ static tides_status begin_points(tides_renderer *renderer, const tides_trajector
         status = finish_launch(p, error); /* which has its points' numbers where the next part's go */
         if (status == TIDES_OK) status = choose_part(renderer, camera, p, k, points, (int)count, p->which, &some, error);
         if (status == TIDES_OK && some > 0)
-            status = points_of_part(renderer, p, points, p->which, some, p->which + count, values, error);
+            status = points_of_part(renderer, camera, p, points, p->which, some, p->which + count, values, error);
     }
     if (status != TIDES_OK) drop_launch(p);
     return status;

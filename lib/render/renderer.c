@@ -4,6 +4,7 @@
 #include "td_device.h"
 #include "td_renderer.h"
 #include "td_struct.h"
+#include "td_swaps.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -116,6 +117,7 @@ void tides_renderer_destroy(tides_renderer *renderer) {
     if (renderer->backend) renderer->backend->type->destroy(renderer->backend);
     td_points_destroy(renderer->kept);
     td_points_destroy(renderer->points);
+    td_swaps_destroy(renderer->swaps);
     td_candidates_release(&renderer->candidates);
     td_dynamic_release(&renderer->dynamic);
     td_paths_release(&renderer->paths);

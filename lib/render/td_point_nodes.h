@@ -48,6 +48,8 @@ typedef struct td_point_nodes {
     double *length; /* (curves) [s] */
     int curves;
     double halve;        /* where the span is to be cut in two, each part with rows of its own; NAN: it has its rows */
+    uint8_t *is_direct;  /* (count) 1: no curve follows it, and who may see it has all projected (points_direct.c); */
+    int direct;          /* so many */
     int moving, bent;    /* those that move; of which paths are off by more than they should */
     td_path_tally tally; /* of what paths are off by */
     int *tried;          /* (count + TD_PAD) first rows of a level's, */
@@ -76,6 +78,10 @@ tides_status td_point_nodes_find(struct tides_renderer *renderer, const tides_tr
 /* Rows of the Gaussians of a level, at all its nodes that are theirs to have (point_rows.c). */
 tides_status td_point_rows_project(struct tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
                                    int level, tides_error *error);
+
+/* Rows of Gaussians [end[k - 1], end[k]) at time[k], for k below `slots`; none where it is no instant. */
+tides_status td_point_rows_direct(struct tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
+                                  const double *time, const int *end, int slots, tides_error *error);
 
 /* How many slices their interval has, for tests (kernels/point_tests.h). */
 td_points_slices td_point_nodes_slices(const td_point_nodes *nodes);

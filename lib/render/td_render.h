@@ -57,6 +57,21 @@ void td_renderer_put_counts(tides_renderer *renderer, const td_render_counts *co
 tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                tides_error *error);
 
+/* A swap of depth of two splats that a block sees: when, in 1 / TD_SWAP_PARTS of the interval (over 10 ms 1.2 us, a twentieth of
+ * what two splats 4 units away take to pass at 30 units/s), and by how much it moves Y, at most. */
+enum { TD_SWAP_PARTS = 1 << 13 };
+typedef struct td_swap {
+    int32_t block; /* tile * TD_TILE_BLOCKS + the tile's block */
+    int32_t part;
+    float light;
+    float wide; /* so many parts before and after it next to nothing of it is left */
+} td_swap;
+
+/* Looks for those of the interval swept last (swaps.c); none in hard order, where the image jumps at each. Then those of a block of a
+ * tile, in order of time: (count). */
+tides_status td_renderer_find_swaps(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error);
+const td_swap *td_renderer_swaps(const tides_renderer *renderer, int tile, int block, int *count);
+
 /* Of the interval swept last: 1 where something that the tile may see moves on the screen, and the most diameters of its own
  * that one of these travels. */
 int td_renderer_tile_moves(const tides_renderer *renderer, int tile);

@@ -8,6 +8,7 @@
  *   sweep.c, candidates.c                which Gaussians a tile may see in an interval
  *   clusters.c, space_order.c            what of a scene is in view (td_clusters.h); neighbours in space made neighbours
  *   candidate_hints.c                    depth order that one job of a tile leaves to the next
+ *   swaps.c                              when splats change places in depth (td_swaps.h)
  *   paths.c, path_times.c                splats at a few times of an interval, cubics between (td_paths.h)
  *   tiles.c, psf.c, nonfinite.c          tiles at times: rendered, blurred, checked
  *   mosaic.c                             a colour filter: each pixel of the channel that it sees
@@ -136,6 +137,12 @@ void td_renderer_set_part(tides_renderer *renderer, double from, double width);
 int td_renderer_record_limit(const tides_renderer *renderer);
 
 typedef struct td_points td_points;
+struct td_points_engine;
+tides_status td_points_create_engine(const tides_renderer *renderer, const td_image_numbers *image,
+                                     struct td_points_engine **engine, tides_error *error);
+
+/* What an engine found of a point, L and L_dot, becomes its value; TIDES_BAD_ARGUMENT where one isn't finite. */
+tides_status td_point_take(const td_point *point, const double *found, td_point_value *value, tides_error *error);
 void td_points_destroy(td_points *points);
 
 struct tides_renderer {
@@ -172,11 +179,12 @@ struct tides_renderer {
     int record_limit;      /* records per launch */
     int record_limit_told; /* where somebody waits to be told */
     td_record_paths paths;
-    td_points *points; /* exact ones, where they were asked for (points.c) */
-    td_points *kept;   /* those of an instant that is kept, which share what these have */
-    double swept[2];   /* the interval swept last [s after the epoch] */
-    td_psf psf;        /* what the optics make of L and L_dot */
-    td_heed heed;      /* asked before each launch, with */
+    td_points *points;      /* exact ones, where they were asked for (points.c) */
+    td_points *kept;        /* those of an instant that is kept, which share what these have */
+    double swept[2];        /* the interval swept last [s after the epoch] */
+    struct td_swaps *swaps; /* of that (td_swaps.h); NULL: nobody has asked */
+    td_psf psf;             /* what the optics make of L and L_dot */
+    td_heed heed;           /* asked before each launch, with */
     void *heed_user;
     td_share told; /* tides_renderer_set_progress */
     tides_render_stats stats;

@@ -88,6 +88,9 @@ void td_control_judge(tides_simulator *s, td_refine_step *step, double start, do
         double begin = *td_sample_risk(&r->samples, step->begin), end = *td_sample_risk(&r->samples, step->end);
         step->excess = td_greater(step->excess, share / step_factor(td_greater(begin, end)));
     }
+    /* Last, for places that all units have in common are rendered for all of a tile together. */
+    step->swap = controls && may_cut && s->local && step->excess <= 1 ? td_refine_swap(s, step, &step->begins) : 0;
+    if (step->swap) step->excess = unseen;
     step->open = (int16_t)(step->excess > 1 && may_cut);
 }
 

@@ -109,10 +109,27 @@ static void note_falls(td_refine *r, int32_t before, int32_t sample, int32_t cou
     for (int32_t i = 0; i < count; i++) fall[i] = td_probe_fall(deviation[i], last[i]);
 }
 
-/* Cuts a step at the position `at`, where `sample` has been rendered: its second part is the new step `right`. */
-static void cut(const tides_simulator *s, td_refine *r, double start, double stop, int32_t left, int32_t right, uint32_t at,
-                int32_t sample) {
-    td_refine_step *a = &r->step[left], *b = &r->step[right];
+/* Where a step is cut. */
+static uint32_t place_of(const tides_simulator *s, const td_refine_step *step) {
+    return step->swap ? step->swap : td_probe_place(s->refine.macro, step->from, step->to);
+}
+
+/* The part that has a swap in it is looked into anew: what has been seen so far needn't be of the swap. */
+static void begin_anew(td_refine_step *step) {
+    step->probe = -1;
+    step->deviation = step->past[0] = step->past[1] = 0;
+    step->swap = 0;
+}
+
+/* What a sample where a swap begins or ends says of the part without it is what was seen before. */
+static void keep_deviations(td_refine *r, int32_t before, int32_t sample, int32_t count) {
+    memcpy(td_sample_deviation(&r->samples, sample), td_sample_deviation(&r->samples, before), (size_t)count * sizeof(double));
+    memset(td_sample_fall(&r->samples, sample), 0, (size_t)count); /* and nothing of how smooth it is */
+}
+
+/* How far the step is off where it is cut. */
+static void note_deviations(const tides_simulator *s, td_refine *r, double start, double stop, const td_refine_step *a,
+                            uint32_t at, int32_t sample) {
     const double *begin = td_sample_at(&r->samples, a->begin), *end = td_sample_at(&r->samples, a->end);
     const double *inside = td_sample_at(&r->samples, sample);
     const td_signals ends = {begin, begin + r->samples.pixels, end, end + r->samples.pixels};
@@ -121,11 +138,23 @@ static void cut(const tides_simulator *s, td_refine *r, double start, double sto
     td_probe_deviation(h, theta, &ends, inside, inside + r->samples.pixels, s->tile[a->tile].count,
                        td_sample_deviation(&r->samples, sample));
     note_falls(r, a->probe, sample, s->tile[a->tile].count);
+}
+
+/* Cuts a step at the position `at`, where `sample` has been rendered: its second part is the new step `right`. */
+static void cut(const tides_simulator *s, td_refine *r, double start, double stop, int32_t left, int32_t right, uint32_t at,
+                int32_t sample) {
+    td_refine_step *a = &r->step[left], *b = &r->step[right];
+    const int swaps = a->swap > 0, begins = a->begins;
+    if (swaps)
+        keep_deviations(r, a->probe, sample, s->tile[a->tile].count);
+    else
+        note_deviations(s, r, start, stop, a, at, sample);
     a->probe = sample;
-    a->past[1] = a->past[0];
-    a->past[0] = a->deviation;
+    if (!swaps) a->past[1] = a->past[0];
+    if (!swaps) a->past[0] = a->deviation;
     a->cuts++;
     *b = *a;
+    if (swaps) begin_anew(begins ? b : a);
     a->to = b->from = at;
     a->end = b->begin = sample;
     a->next = right;
@@ -149,7 +178,7 @@ static void list_fresh(tides_simulator *s, int32_t step) {
 static void cut_pending(tides_simulator *s, int32_t left, int32_t sample) {
     td_refine *r = &s->refine;
     const int32_t right = next_step(r);
-    const uint32_t at = td_probe_place(r->macro, r->step[left].from, r->step[left].to);
+    const uint32_t at = place_of(s, &r->step[left]);
     cut(s, r, r->start, r->stop, left, right, at, sample);
     list_fresh(s, left);
     list_fresh(s, right);
@@ -189,7 +218,7 @@ static tides_status add_cuts(tides_simulator *s, td_refine *r, double start, dou
     tides_status status = TIDES_OK;
     for (size_t i = 0; i < r->pending_count && status == TIDES_OK; i++) {
         const td_refine_step *step = &r->step[r->pending[i]];
-        uint32_t at = td_probe_place(r->macro, step->from, step->to);
+        const uint32_t at = place_of(s, step);
         status = add_job(s, step->tile, td_refine_time(r, start, stop, at), error);
     }
     return status;

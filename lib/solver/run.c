@@ -165,6 +165,7 @@ static tides_status compare_refined(tides_simulator *s, tides_error *error) {
     const double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
     tides_status status = td_solve_keep_start(s, error);
     if (status == TIDES_OK) status = td_sweep(s, start, stop, error);
+    if (status == TIDES_OK && s->moving_count > 0) status = td_renderer_find_swaps(s->renderer, s->camera, error);
     if (status == TIDES_OK && s->moving_count > 0) status = refine(s, start, stop, error);
     if (status != TIDES_OK) return status; /* whether the pixels still agree on the time has been said */
     status = compare_still(s, start, stop, error);

@@ -10,7 +10,7 @@
 
 /* Rounds of looking up that a pixel may take in a step: each squares what is left of a smooth signal's error, and halves what a
  * kink may be in. What isn't settled then is reported as it stands. */
-enum { MOST_LOOKS = 10 };
+enum { MOST_LOOKS = 10, FIND_BY_PLACE = 2 };
 
 /* References that are taken from the signal: so good that no event which follows feels it [thresholds]. */
 static const double enough_of_threshold = 1e-7;
@@ -207,6 +207,17 @@ static void look_between(const visit *v, int k, approach *worst) {
     }
 }
 
+/* How far beyond the level that the piece went through last its turn at s is: where the model is off by more, the signal may have
+ * turned before the level. Of a kink a cubic makes such turns, whose crossings are sharp, and not there. */
+static double beyond_at(const visit *v, int k, double s) {
+    const td_pieces *pieces = &v->model.pieces;
+    const int n = changes_until(v, s);
+    if (n == 0 || v->changes.change[n - 1].polarity == 0 || v->changes.change[n - 1].s < pieces->from[k]) return INFINITY;
+    const double residual = td_model_value(&pieces->model[k], td_pieces_place(pieces, k, s)) - reference_after(v, n);
+    const double beyond = residual * v->changes.change[n - 1].polarity, known = td_greater(v->model.start, v->model.end);
+    return beyond > known + v->model.floor ? beyond : INFINITY; /* what rests on a level to the last bit is on either side */
+}
+
 /* Where pieces may be off by more than what is left to a level: the worst place of each. */
 static int find_approaches(const visit *v, approach *found, int most) {
     const td_pieces *pieces = &v->model.pieces;
@@ -218,6 +229,7 @@ static int find_approaches(const visit *v, approach *found, int most) {
         for (int i = 0; i < turns; i++) {
             approach at = approach_at(v, k, places[i]);
             at.doubt = td_greater(at.doubt, at.error);
+            at.left = td_lesser(at.left, beyond_at(v, k, at.s));
             take_worse(v, &at, &worst);
         }
         if (may_reach(v, k)) look_between(v, k, &worst);
@@ -258,6 +270,18 @@ static tides_status ask_ends(const visit *v, tides_error *error) {
     return status;
 }
 
+/* Asks for the place of change n, and, where looks at such places have not found it so far, for the middle of its piece: of a
+ * cubic that an end bends down it finds a crossing a little further on each time, and that end is where it isn't right. */
+static tides_status ask_change(const visit *v, int n, tides_error *error) {
+    const td_pieces *pieces = &v->model.pieces;
+    const double at = v->changes.change[n].s;
+    tides_status status = ask(v, at, error);
+    if (status != TIDES_OK || v->looked->looks < FIND_BY_PLACE) return status;
+    const int k = td_pieces_find_from(pieces, 0, at);
+    const double middle = 0.5 * (pieces->from[k] + pieces->from[k + 1]);
+    return fabs(middle - at) > TD_SOLVE_APART ? ask(v, middle, error) : status;
+}
+
 /* Asks for what isn't good enough; `*asked` says whether there was any. Where levels stay in doubt, they are counted. */
 static tides_status judge(visit *v, int *asked, int *doubts, tides_error *error) {
     enum { MOST_APPROACHES = 16 };
@@ -270,7 +294,7 @@ static tides_status judge(visit *v, int *asked, int *doubts, tides_error *error)
     *doubts = 0;
     weigh(v);
     for (int k = 0; k < v->changes.count && status == TIDES_OK && may_ask; k++)
-        if (!is_good(v, k)) status = ask(v, v->changes.change[k].s, error);
+        if (!is_good(v, k)) status = ask_change(v, k, error);
     for (int k = 0; k < count && status == TIDES_OK; k++) {
         if (may_ask && near[k].doubt > v->model.floor)
             status = ask(v, near[k].s, error);

@@ -20,6 +20,8 @@ typedef struct td_refine_step {
     int32_t probe;      /* of these, the one at which a longer step was cut; -1: this is a whole macro step */
     int32_t next;       /* index, or -1 */
     int32_t tile;
+    uint32_t swap;    /* where it is cut because of a swap of depth; 0: where it is probed; */
+    int32_t begins;   /* 1: which begins there, 0: or ends */
     int16_t cuts;     /* of the macro step that led here */
     int16_t open;     /* it is to be cut, or hasn't been judged */
     double excess;    /* how far above its limit the step's worst measure is: cut above 1 */
@@ -71,6 +73,9 @@ double td_refine_time(const td_refine *refine, double start, double stop, uint32
 static inline int td_refine_may_cut(const td_refine *refine, const td_refine_step *step) {
     return step->to - step->from >= 2 * refine->shortest;
 }
+
+/* The place nearest to a step's middle where a swap of depth begins or ends that its samples may not show, or 0 (swap_cuts.c). */
+uint32_t td_refine_swap(const tides_simulator *s, const td_refine_step *step, int32_t *begins);
 
 /* Bytes for the samples of a macro step, for sample_planes that are final. */
 void td_refine_bound(tides_simulator *s);

@@ -46,6 +46,10 @@ int32_t td_units_tile(const struct tides_simulator *s, int32_t unit);
 int td_units_moves(const struct tides_simulator *s, int32_t unit);
 double td_units_travel(const struct tides_simulator *s, int32_t unit);
 
+/* The renderer's blocks of a unit, and the swaps of depth that one of them sees (td_renderer_swaps). */
+int td_units_blocks(const struct tides_simulator *s);
+const td_swap *td_units_swaps(const struct tides_simulator *s, int32_t unit, int block, int *count);
+
 static inline void td_launch_clear(td_launch *launch) { launch->count = launch->first = launch->done = 0; }
 tides_status td_launch_add(td_launch *launch, int32_t unit, double time, int32_t sample, tides_error *error);
 

@@ -54,6 +54,13 @@ double td_units_travel(const tides_simulator *s, int32_t unit) {
     return td_renderer_block_travel(s->renderer, tile, block_of(s, unit));
 }
 
+int td_units_blocks(const tides_simulator *s) { return s->unit == TIDES_UNIT_TILE ? TD_TILE_BLOCKS : 1; }
+
+const td_swap *td_units_swaps(const tides_simulator *s, int32_t unit, int block, int *count) {
+    return td_renderer_swaps(s->renderer, td_units_tile(s, unit), s->unit == TIDES_UNIT_TILE ? block : block_of(s, unit),
+                             count);
+}
+
 /* -- what is asked for ----------------------------------------------------------------------------------------------------- */
 
 tides_status td_launch_add(td_launch *l, int32_t unit, double time, int32_t sample, tides_error *error) {

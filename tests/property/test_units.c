@@ -34,7 +34,8 @@ static void test_fewer_pixels_and_the_same_events(void **state) {
         expect_near(&whole, &parts, "against tiles");
         expect_near(&truth, &parts, "against fine steps");
         assert_true(parts.stats.render.blocks < 9 * whole.stats.render.blocks / 10);
-        assert_true(20 * parts.stats.render.tile_jobs <= 21 * whole.stats.render.tile_jobs);
+        /* Swaps of depth are cut at where a block sees them: 1.01 to 1.22 times as many jobs, up to 1.05 without any. */
+        assert_true(10 * parts.stats.render.tile_jobs <= 13 * whole.stats.render.tile_jobs);
         assert_true(parts.stats.worst_error <= j.stepping.tolerance || parts.stats.steps_at_minimum > 0);
         assert_true(parts.stats.tile_steps_still == whole.stats.tile_steps_still);
         free_outcome(&whole);

@@ -1,0 +1,191 @@
+/* Points whose splats are projected at their own times (td_points_direct.h). A lot of points is an interval of an engine of its
+ * own: each point is a tile with a list of its own, each splat of each point a Gaussian with one row, and its curve is what an
+ * instant's is, value and rate. */
+#include "td_points_direct.h"
+#include "td_renderer.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { LOT = 256, LOT_SPLATS = 1 << 16 }; /* points, and what they see, that are worked out together */
+
+void td_points_direct_release(td_points_direct *direct) {
+    if (direct->engine) direct->engine->type->destroy(direct->engine);
+    direct->nodes.is_shared = 1;
+    td_point_nodes_release(&direct->nodes);
+    free(direct->bent);
+    free(direct->end);
+    free(direct->time);
+    free(direct->lists);
+    free(direct->numbers);
+    free(direct->tiles);
+    free(direct->chunks);
+    free(direct->values);
+    free(direct->piece);
+    for (int k = 0; k < TD_POINT_COLUMNS; k++) free(direct->column[k]);
+}
+
+/* -- who sees what is bent ------------------------------------------------------------------------------------------------- */
+
+/* The pixels that a box touches. */
+static void mark(const tides_renderer *renderer, const float *box, uint8_t *bent) {
+    const int width = renderer->image.width, height = renderer->image.height;
+    const int x0 = box[0] > 0 ? (int)box[0] : 0, y0 = box[1] > 0 ? (int)box[1] : 0;
+    const int x1 = box[2] < (float)(width - 1) ? (int)box[2] : width - 1,
+              y1 = box[3] < (float)(height - 1) ? (int)box[3] : height - 1;
+    for (int y = y0; y <= y1; y++)
+        for (int x = x0; x <= x1; x++) bent[(size_t)y * (size_t)width + (size_t)x] = 1;
+}
+
+tides_status td_points_direct_begin(const tides_renderer *renderer, const td_point_nodes *nodes, td_points_direct *direct,
+                                    tides_error *error) {
+    const size_t pixels = (size_t)renderer->image.width * (size_t)renderer->image.height;
+    direct->any = nodes->direct > 0;
+    if (!direct->any) return TIDES_OK;
+    if (!direct->bent) direct->bent = td_alloc(pixels, 1, error);
+    if (!direct->bent) return TIDES_NO_MEMORY;
+    memset(direct->bent, 0, pixels);
+    for (int i = 0; i < nodes->count; i++)
+        if (nodes->is_direct[i]) mark(renderer, renderer->boxes + 4 * (size_t)nodes->gaussians[i], direct->bent);
+    return TIDES_OK;
+}
+
+/* -- a lot ----------------------------------------------------------------------------------------------------------------- */
+
+static tides_status create(const tides_renderer *renderer, td_points_direct *direct, tides_error *error) {
+    const td_image_numbers image = td_image_pack(&renderer->image);
+    const size_t lot = LOT + TD_PAD;
+    if (direct->engine) return TIDES_OK;
+    direct->end = td_alloc(lot, sizeof *direct->end, error);
+    direct->time = td_alloc(lot, sizeof *direct->time, error);
+    direct->tiles = td_alloc(lot, sizeof *direct->tiles, error);
+    direct->chunks = td_alloc(lot, sizeof *direct->chunks, error);
+    direct->piece = td_alloc(lot, sizeof *direct->piece, error);
+    direct->values = td_alloc(2 * lot, sizeof *direct->values, error);
+    int all = direct->end && direct->time && direct->tiles && direct->chunks && direct->piece && direct->values;
+    for (int k = 0; k < TD_POINT_COLUMNS; k++) {
+        direct->column[k] = td_alloc(lot, sizeof *direct->column[k], error);
+        all = all && direct->column[k];
+    }
+    if (!all) return TIDES_NO_MEMORY;
+    for (size_t i = 0; i < lot; i++) direct->column[3][i] = TD_POINT_INSTANT; /* column 2, where in it, is 0 */
+    return td_points_create_engine(renderer, &image, &direct->engine, error);
+}
+
+/* Room for `more` Gaussians in a lot. */
+static tides_status reserve(td_points_direct *direct, int more, tides_error *error) {
+    td_point_nodes *nodes = &direct->nodes;
+    const size_t wanted = (size_t)nodes->count + (size_t)more;
+    size_t *capacity = direct->gaussian_capacity;
+    tides_status status = td_reserve((void **)&nodes->gaussians, &capacity[0], wanted, sizeof *nodes->gaussians, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&nodes->first, &capacity[1], wanted, sizeof *nodes->first, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&nodes->level, &capacity[2], wanted, sizeof *nodes->level, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&nodes->open_at, &capacity[3], wanted, sizeof *nodes->open_at, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&nodes->path, &capacity[4], wanted, sizeof *nodes->path, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&nodes->row, &nodes->row_capacity, 2 * wanted, sizeof *nodes->row, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&nodes->length, &nodes->length_capacity, wanted, sizeof *nodes->length, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&direct->numbers, &direct->number_capacity, wanted, sizeof *direct->numbers, error);
+    return status;
+}
+
+/* Does a box touch a pixel? */
+static int touches(const float *box, const td_point *point) {
+    return box[0] <= (float)(point->x + 1) && box[2] >= (float)point->x && box[1] <= (float)(point->y + 1) &&
+           box[3] >= (float)point->y;
+}
+
+/* All that a point may see, as the next Gaussians of the lot, and its tile's list. */
+static tides_status add_point(const tides_renderer *renderer, td_points_direct *direct, const td_point_span *span,
+                              const td_point *point, int k, int *listed, tides_error *error) {
+    td_point_nodes *nodes = &direct->nodes;
+    const int tile = point->y / TD_TILE * renderer->candidates.tiles_x + point->x / TD_TILE;
+    const int first = span->first[tile], end = span->first[tile + 1], begun = *listed;
+    tides_status status = reserve(direct, end - first, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&direct->lists, &direct->list_capacity, (size_t)(*listed + end - first) + TD_PAD,
+                            sizeof *direct->lists, error);
+    for (int i = first; i < end && status == TIDES_OK; i++) {
+        const int gaussian = span->list[i], own = nodes->count;
+        if (gaussian < 0 || !touches(renderer->boxes + 4 * (size_t)gaussian, point)) continue;
+        nodes->gaussians[own] = gaussian;
+        nodes->first[own] = nodes->row[2 * own] = nodes->row[2 * own + 1] = direct->numbers[own] = own;
+        nodes->level[own] = 0;
+        nodes->open_at[own] = -1;
+        nodes->path[own] = own * TD_PATH_LEVELS;
+        nodes->length[own] = TD_POINT_INSTANT;
+        direct->lists[(*listed)++] = own;
+        nodes->count++;
+    }
+    if (status != TIDES_OK) return status;
+    while (*listed % TD_PAD) direct->lists[(*listed)++] = TD_NO_GAUSSIAN;
+    direct->end[k] = nodes->count;
+    direct->time[k] = point->time;
+    direct->tiles[k] = (td_points_tile){point->x / TD_TILE * TD_TILE, point->y / TD_TILE * TD_TILE, begun, *listed - begun};
+    direct->chunks[k] = (td_points_chunk){k, k, 1};
+    direct->column[0][k] = point->x + 0.5;
+    direct->column[1][k] = point->y + 0.5;
+    return status;
+}
+
+/* A lot as an engine takes it, from rows that are there. */
+static tides_status look(const tides_renderer *renderer, td_points_direct *direct, int points, int listed, tides_error *error) {
+    const td_point_nodes *nodes = &direct->nodes;
+    const td_points_interval interval = {.path = nodes->path,
+                                         .gaussians = nodes->count,
+                                         .exact = nodes->exact,
+                                         .row_count = nodes->rows + 1,
+                                         .row = nodes->row,
+                                         .lengths = nodes->length,
+                                         .curves = nodes->count,
+                                         .slices = {1, 1, 0, 1},
+                                         .seen = direct->numbers,
+                                         .seen_count = nodes->count,
+                                         .candidates = direct->lists,
+                                         .candidate_count = listed,
+                                         .tiles = direct->tiles,
+                                         .tile_count = points};
+    const td_points_batch batch = {{direct->column[0], direct->column[1], direct->column[2], direct->column[3]},
+                                   direct->piece,
+                                   points,
+                                   direct->chunks,
+                                   points,
+                                   renderer->backdrops[0].luminance,
+                                   renderer->backdrops[0].luminance_dot};
+    td_points_engine *engine = direct->engine;
+    tides_status status = engine->type->begin(engine, &interval, error);
+    if (status == TIDES_OK) status = engine->type->lists(engine, direct->numbers, points, error);
+    if (status == TIDES_OK) status = engine->type->values(engine, &batch, direct->values, error);
+    return status == TIDES_OK ? engine->type->finish(engine, error) : status;
+}
+
+/* Projects all that a lot's points see, and looks at it. */
+static tides_status work_out(tides_renderer *renderer, const tides_trajectory *camera, td_points_direct *direct, int points,
+                             int listed, tides_error *error) {
+    td_point_nodes *nodes = &direct->nodes;
+    nodes->rows = nodes->count;
+    tides_status status = reserve(direct, points, error);
+    for (int k = nodes->count; k < points && status == TIDES_OK; k++) direct->numbers[k] = k; /* of tiles, too */
+    if (status == TIDES_OK) status = td_point_rows_direct(renderer, camera, nodes, direct->time, direct->end, points, error);
+    return status == TIDES_OK ? look(renderer, direct, points, listed, error) : status;
+}
+
+tides_status td_points_direct_values(tides_renderer *renderer, const tides_trajectory *camera, td_points_direct *direct,
+                                     td_exact *exact, const td_point_span *span, const td_point *points, const int *which,
+                                     int count, td_point_value *values, tides_error *error) {
+    tides_status status = count > 0 ? create(renderer, direct, error) : TIDES_OK;
+    direct->nodes.exact = exact;
+    for (int from = 0, taken; from < count && status == TIDES_OK; from += taken) {
+        int listed = 0;
+        direct->nodes.count = 0;
+        for (taken = 0; taken < LOT && from + taken < count && direct->nodes.count < LOT_SPLATS && status == TIDES_OK; taken++)
+            status = add_point(renderer, direct, span, &points[which[from + taken]], taken, &listed, error);
+        if (status == TIDES_OK) status = td_renderer_heed(renderer, (double)from / count, error);
+        if (status == TIDES_OK) status = work_out(renderer, camera, direct, taken, listed, error);
+        for (int k = 0; k < taken && status == TIDES_OK; k++)
+            status = td_point_take(&points[which[from + k]], direct->values + 2 * k, &values[which[from + k]], error);
+    }
+    return status;
+}

@@ -1,0 +1,206 @@
+/* Swaps of depth of two splats (td_swaps.h): when, how long they take, and what they are worth to the blocks of a tile. */
+#include "td_extremes.h"
+#include "td_swaps.h"
+
+#include <math.h>
+
+/* Swaps that take a larger share of the interval than this, to either side, are seen by its samples. A choice. */
+static const double slow = 0.25;
+
+/* -- what a pair is to a block --------------------------------------------------------------------------------------------- */
+
+/* -ln of what a splat lets a pixel see of it: half the form about (u, v), and that of its opacity. */
+typedef struct form {
+    double u, v, a, b, c, rest;
+} form;
+
+static double form_at(const form *f, double x, double y) {
+    const double dx = x - f->u, dy = y - f->v;
+    return 0.5 * (dx * (f->a * dx + 2 * f->b * dy) + f->c * dy * dy) + f->rest;
+}
+
+/* The rows of an object's view at s of part k: the cubic through both its ends. */
+static void view_at(const td_swap_samples *at, int object, int k, double s, double r[9], double t[3]) {
+    const td_view *from = &at->view[(size_t)k * (size_t)at->objects + (size_t)object], *to = from + at->objects;
+    const double rest = 1 - s, way = s * s * (3 - 2 * s), start = at->h * s * rest * rest, end = -at->h * s * s * rest;
+    for (int i = 0; i < 9; i++) r[i] = from->r[i] + way * (to->r[i] - from->r[i]) + start * from->r_dot[i] + end * to->r_dot[i];
+    for (int i = 0; i < 3; i++) t[i] = from->t[i] + way * (to->t[i] - from->t[i]) + start * from->t_dot[i] + end * to->t_dot[i];
+}
+
+/* A splat there; 0 where it is behind the camera (EWA, kernels/projection.h). */
+static int find_form(const td_image *image, const td_swap_samples *at, const td_swap_splat *of, int k, double s, form *f) {
+    const double *g = of->geometry, *m = g + TD_G_FACTOR;
+    double r[9], t[3], p[3], row[2][3];
+    view_at(at, of->object, k, s, r, t);
+    for (int i = 0; i < 3; i++)
+        p[i] = r[3 * i] * g[TD_G_MEAN] + r[3 * i + 1] * g[TD_G_MEAN + 1] + r[3 * i + 2] * g[TD_G_MEAN + 2] + t[i];
+    if (!(p[2] > image->near)) return 0;
+    const double x = td_lesser(td_greater(p[0] / p[2], image->limit_x0), image->limit_x1);
+    const double y = td_lesser(td_greater(p[1] / p[2], image->limit_y0), image->limit_y1);
+    for (int j = 0; j < 3; j++) {
+        double w[3];
+        for (int i = 0; i < 3; i++) w[i] = r[3 * i] * m[j] + r[3 * i + 1] * m[3 + j] + r[3 * i + 2] * m[6 + j];
+        row[0][j] = image->fx / p[2] * (w[0] - x * w[2]);
+        row[1][j] = image->fy / p[2] * (w[1] - y * w[2]);
+    }
+    double a = image->dilation, b = 0, c = image->dilation;
+    for (int j = 0; j < 3; j++) a += row[0][j] * row[0][j], b += row[0][j] * row[1][j], c += row[1][j] * row[1][j];
+    const double det = a * c - b * b;
+    *f = (form){image->fx * p[0] / p[2] + image->cx,
+                image->fy * p[1] / p[2] + image->cy,
+                c / det,
+                -b / det,
+                a / det,
+                -log(of->opacity)};
+    return det > 0;
+}
+
+/* Where the sum of two forms is least within a block, for a box of it: its own least place, moved into the box. */
+static double least_in(const form *f, const form *g, double x0, double y0) {
+    const double a = f->a + g->a, b = f->b + g->b, c = f->c + g->c, det = a * c - b * b;
+    const double p = f->a * f->u + f->b * f->v + g->a * g->u + g->b * g->v,
+                 q = f->b * f->u + f->c * f->v + g->b * g->u + g->c * g->v;
+    const double x = td_lesser(td_greater((c * p - b * q) / det, x0), x0 + TD_BLOCK),
+                 y = td_lesser(td_greater((a * q - b * p) / det, y0), y0 + TD_BLOCK);
+    double least = form_at(f, x, y) + form_at(g, x, y);
+    for (int i = 0; i < 4; i++) {
+        const double corner_x = x0 + i % 2 * TD_BLOCK, corner_y = y0 + i / 2 * TD_BLOCK;
+        least = td_lesser(least, form_at(f, corner_x, corner_y) + form_at(g, corner_x, corner_y));
+    }
+    return least;
+}
+
+/* -- a pair ---------------------------------------------------------------------------------------------------------------- */
+
+/* The blocks of a tile that both boxes touch, as bits; corner: the tile's first pixel. */
+static unsigned blocks_of(const td_swap_splat *a, const td_swap_splat *b, const int corner[2]) {
+    unsigned blocks = 0;
+    const double left = td_greater((double)a->box[0], (double)b->box[0]) - corner[0],
+                 right = td_lesser((double)a->box[2], (double)b->box[2]) - corner[0];
+    const double top = td_greater((double)a->box[1], (double)b->box[1]) - corner[1],
+                 bottom = td_lesser((double)a->box[3], (double)b->box[3]) - corner[1];
+    for (int k = 0; k < TD_TILE_BLOCKS; k++) {
+        const int x = k % 4 * TD_BLOCK, y = k / 4 * TD_BLOCK;
+        if (left <= x + TD_BLOCK && right >= x && top <= y + TD_BLOCK && bottom >= y) blocks |= 1u << k;
+    }
+    return blocks;
+}
+
+/* Two splats that a tile's blocks may see, and where their times go. */
+typedef struct pair {
+    td_swap_tile *tile;
+    const td_swap_splat *a, *b;
+    unsigned blocks;
+    double contrast;
+} pair;
+
+/* What it is worth to a block of the tile where both are these forms; NULL: where isn't known, and it may be anywhere. */
+static double light_in(const pair *of, int block, const form *f, const form *g) {
+    const int *corner = of->tile->corner;
+    if (!f) return of->contrast * of->a->opacity * of->b->opacity;
+    return of->contrast * exp(-least_in(f, g, corner[0] + block % 4 * TD_BLOCK, corner[1] + block / 4 * TD_BLOCK));
+}
+
+static void add_swap(td_swap_tile *tile, const td_swap *swap) {
+    struct td_swaps *swaps = tile->swaps;
+    tile->status = td_reserve((void **)&swaps->swap, &swaps->swap_capacity, swaps->count + 1, sizeof *swaps->swap, tile->error);
+    if (tile->status == TIDES_OK) swaps->swap[swaps->count++] = *swap;
+}
+
+/* At s of part k of the samples', `wide` of it to either side: a swap of each block that sees both. Through a lens the places of
+ * splats aren't worked out. */
+static void note_time(const pair *of, int k, double s, double wide) {
+    form f, g;
+    const td_swap_samples *at = of->tile->at;
+    const double per_part = (double)TD_SWAP_PARTS / at->parts;
+    const long part = lround((k + s) * per_part);
+    const int lens = td_lens_model(of->tile->image);
+    if (part < 1 || part >= TD_SWAP_PARTS || !(wide < slow * at->parts)) return;
+    if (!lens && (!find_form(of->tile->image, at, of->a, k, s, &f) || !find_form(of->tile->image, at, of->b, k, s, &g))) return;
+    for (int i = 0; i < TD_TILE_BLOCKS && of->tile->status == TIDES_OK; i++) {
+        if (!(of->blocks >> i & 1)) continue;
+        const double light = light_in(of, i, lens ? NULL : &f, lens ? NULL : &g);
+        const td_swap swap = {of->tile->tile * TD_TILE_BLOCKS + i, (int32_t)part, (float)light, (float)(wide * per_part)};
+        if (light >= TD_SWAP_LEAST_LIGHT) add_swap(of->tile, &swap);
+    }
+}
+
+static double value_of(const double b[4], double s) {
+    const double r = 1 - s;
+    return r * r * (r * b[0] + 3 * s * b[1]) + s * s * (3 * r * b[2] + s * b[3]);
+}
+
+static double slope_of(const double b[4], double s) {
+    const double r = 1 - s;
+    return 3 * (r * r * (b[1] - b[0]) + 2 * r * s * (b[2] - b[1]) + s * s * (b[3] - b[2]));
+}
+
+static double bend_of(const double b[4], double s) {
+    return 6 * ((1 - s) * (b[0] - 2 * b[1] + b[2]) + s * (b[1] - 2 * b[2] + b[3]));
+}
+
+/* Where the cubic, which goes one way in [from, to], is 0, if it is. */
+static void note_level(const double b[4], double from, double to, double within, const pair *of, int k) {
+    enum { HALVINGS = 24 };
+    const double begin = value_of(b, from), end = value_of(b, to);
+    if (!(begin < 0) == !(end < 0)) return;
+    for (int i = 0; i < HALVINGS; i++) {
+        const double middle = 0.5 * (from + to), here = value_of(b, middle);
+        if (!(here < 0) == !(begin < 0))
+            from = middle;
+        else
+            to = middle;
+    }
+    const double s = 0.5 * (from + to);
+    note_time(of, k, s, within / fabs(slope_of(b, s)));
+}
+
+/* Turns of the cubic within (0, 1), in order. */
+static int turns_of(const double b[4], double turn[2]) {
+    const double p = b[1] - b[0], q = b[2] - b[1], r = b[3] - b[2], a = p - 2 * q + r, half = q - p;
+    const double inside = half * half - a * p;
+    int count = 0;
+    if (!(inside > 0)) return 0;
+    const double far = -(half + (half < 0 ? -1 : 1) * sqrt(inside)), root[2] = {far / a, p / far};
+    for (int i = 0; i < 2; i++)
+        if (root[i] > 0 && root[i] < 1) turn[count++] = root[i];
+    if (count == 2 && turn[0] > turn[1]) {
+        const double first = turn[1];
+        turn[1] = turn[0], turn[0] = first;
+    }
+    return count;
+}
+
+/* The times within part k at which two splats are of one depth, or turn within reach of one. */
+static void note_part(const pair *of, double near, int k) {
+    const td_swap_splat *a = of->a, *b = of->b;
+    const double third = of->tile->at->h / 3, d0 = a->z[k] - b->z[k], d1 = a->z[k + 1] - b->z[k + 1];
+    const double c[4] = {d0, d0 + third * (a->z_dot[k] - b->z_dot[k]), d1 - third * (a->z_dot[k + 1] - b->z_dot[k + 1]), d1};
+    const double within = near * fabs(a->z[k]);
+    double end[4] = {0};
+    if (td_lesser(td_lesser(c[0], c[1]), td_lesser(c[2], c[3])) > within ||
+        td_greater(td_greater(c[0], c[1]), td_greater(c[2], c[3])) < -within)
+        return;
+    const int turns = turns_of(c, end + 1);
+    end[turns + 1] = 1;
+    for (int i = 0; i <= turns; i++) {
+        note_level(c, end[i], end[i + 1], within, of, k);
+        if (i < turns && fabs(value_of(c, end[i + 1])) < within)
+            note_time(of, k, end[i + 1], sqrt(2 * within / fabs(bend_of(c, end[i + 1]))));
+    }
+}
+
+/* -------------------------------------------------------------------------------------------------------------------------- */
+
+/* Do boxes have nothing in common? */
+static int are_apart(const td_swap_splat *a, const td_swap_splat *b) {
+    return a->box[0] > b->box[2] || b->box[0] > a->box[2] || a->box[1] > b->box[3] || b->box[1] > a->box[3];
+}
+
+void td_swaps_look_at(td_swap_tile *tile, const td_swap_splat *a, const td_swap_splat *b) {
+    const double contrast = fabs(a->luminance - b->luminance) + tile->contrast * (a->luminance + b->luminance);
+    if (a->opacity * b->opacity * contrast < TD_SWAP_LEAST_LIGHT || are_apart(a, b)) return;
+    const pair of = {tile, a, b, blocks_of(a, b, tile->corner), contrast};
+    const double near = TD_SWAP_REACH * tile->image->soft_depth;
+    for (int k = 0; k < tile->at->parts && of.blocks; k++) note_part(&of, near, k);
+}

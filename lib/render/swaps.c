@@ -1,0 +1,337 @@
+/* Swaps of depth (td_swaps.h): which splats that a tile may see come within reach of one another's depth in the interval swept
+ * last, and when. On the host, in double, from the views of a few samples and the cubics between them.
+ *
+ * Most scenes have none that samples could miss. A swap of two splats of one rigid body that is seen to turn evenly happens
+ * once and lasts, and steps are cut for it as for any jump that is seen; to come back within the interval its splats must be so
+ * large, or the turn so uneven, that depth strays by the reach from going straight. Splats of different bodies are looked at
+ * wherever their depths meet. What motion models move isn't looked for: of it nobody knows a path. */
+#include "td_extremes.h"
+#include "td_swaps.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Depths are known at so many intervals' ends at least, and at most; more where a view turns by more than `steady` in one: a
+ * cubic is then within 4e-6 of the way of what turns. */
+enum { LEAST_PARTS = 4, MOST_PARTS = 64 };
+static const double steady = 0.2;
+
+/* Of the ellipsoid's standard deviations: out to there a splat of opacity 1 has 1/255 left. */
+static const double sigmas = 3.4;
+
+/* Pairs of a tile that are looked at: 10 ms of a processor. What a denser tile has beyond isn't looked for. */
+enum { MOST_PAIRS = 1 << 20 };
+
+/* The share of their light by which splats that show another colour from each side may differ beside their constant terms. */
+static const double by_view = 0.1;
+
+enum { MAY_NOT, MAY_SWAP, MAY_ALONE }; /* with splats of other bodies only; within its own body, too */
+
+/* -- making it ------------------------------------------------------------------------------------------------------------- */
+
+/* No smaller than the largest standard deviation: Frobenius' norm of the factor. */
+static float extent_of(const double *geometry) {
+    double sum = 0;
+    for (int k = 0; k < 9; k++) sum += geometry[TD_G_FACTOR + k] * geometry[TD_G_FACTOR + k];
+    return (float)(sigmas * sqrt(sum));
+}
+
+tides_status td_swaps_create(const td_store *store, int tiles, struct td_swaps **swaps, tides_error *error) {
+    struct td_swaps *made = td_alloc(1, sizeof *made, error);
+    if (!made) return TIDES_NO_MEMORY;
+    *swaps = made;
+    made->extent = td_alloc((size_t)store->count, sizeof *made->extent, error);
+    made->may = td_alloc((size_t)store->count, sizeof *made->may, error);
+    made->group = td_alloc((size_t)store->objects, sizeof *made->group, error);
+    made->turning = td_alloc((size_t)store->objects, sizeof *made->turning, error);
+    made->first = td_alloc((size_t)tiles * TD_TILE_BLOCKS + 1, sizeof *made->first, error);
+    if (!made->extent || !made->may || !made->group || !made->turning || !made->first) return TIDES_NO_MEMORY;
+    for (int i = 0; i < store->count; i++) made->extent[i] = extent_of(store->geometry + (size_t)i * TD_GEOMETRY_STRIDE);
+    return TIDES_OK;
+}
+
+void td_swaps_destroy(struct td_swaps *swaps) {
+    if (!swaps) return;
+    free(swaps->extent);
+    free(swaps->may);
+    free(swaps->group);
+    free(swaps->turning);
+    free(swaps->view);
+    free(swaps->first);
+    free(swaps->swap);
+    free(swaps->splat);
+    free(swaps->depth);
+    free(swaps);
+}
+
+/* -- bodies ---------------------------------------------------------------------------------------------------------------- */
+
+/* Objects at rest are one body, whatever their places; every other is one of its own. */
+static tides_status find_groups(const tides_renderer *renderer, struct td_swaps *swaps, tides_error *error) {
+    for (int i = 0; i < renderer->store.objects; i++) {
+        tides_object object;
+        tides_status status = tides_scene_object(renderer->scene, renderer->store.scene_object[i], &object, error);
+        if (status != TIDES_OK) return status;
+        const int rests = !object.trajectory || tides_trajectory_is_static(object.trajectory);
+        swaps->group[i] = renderer->store.mover[i] >= 0 ? -1 : rests ? 0 : i + 1;
+    }
+    return TIDES_OK;
+}
+
+/* How far apart two rows of views are. */
+static double apart(const double *a, const double *b) {
+    return sqrt(pow(a[0] - b[0], 2) + pow(a[1] - b[1], 2) + pow(a[2] - b[2], 2));
+}
+
+/* Views at the ends of the interval's parts: enough of them that none turns by much in one. */
+static tides_status take_views(tides_renderer *renderer, const tides_trajectory *camera, struct td_swaps *swaps,
+                               td_swap_samples *at, tides_error *error) {
+    const double start = renderer->swept[0], stop = renderer->swept[1];
+    const size_t objects = (size_t)renderer->store.objects;
+    double time[MOST_PARTS + 1], most = 2 * steady;
+    tides_status status = TIDES_OK;
+    for (at->parts = LEAST_PARTS; most > steady && at->parts <= MOST_PARTS && status == TIDES_OK;) {
+        for (int k = 0; k <= at->parts; k++) time[k] = k == at->parts ? stop : start + (stop - start) * k / at->parts;
+        status = td_renderer_views(renderer, camera, time, at->parts + 1, error);
+        most = 0;
+        for (size_t i = 0; i < objects && status == TIDES_OK; i++)
+            for (int k = 0; k < at->parts; k++) {
+                const td_view *from = renderer->views + (size_t)k * objects + i, *to = from + objects;
+                most = td_greater(most, apart(from->r + 6, to->r + 6) /
+                                            sqrt(from->r[6] * from->r[6] + from->r[7] * from->r[7] + from->r[8] * from->r[8]));
+            }
+        if (most > steady && at->parts < MOST_PARTS)
+            at->parts *= 2;
+        else
+            break;
+    }
+    const size_t count = ((size_t)at->parts + 1) * objects;
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&swaps->view, &swaps->view_capacity, count, sizeof *swaps->view, error);
+    if (status != TIDES_OK) return status;
+    memcpy(swaps->view, renderer->views, count * sizeof *swaps->view);
+    at->view = swaps->view;
+    at->objects = (int)objects;
+    at->h = (stop - start) / at->parts;
+    return status;
+}
+
+/* How far the row that makes depths strays from going straight. */
+static double turning_of(const td_swap_samples *at, int object) {
+    const double *from = at->view[object].r + 6, *to = at->view[(size_t)at->parts * (size_t)at->objects + (size_t)object].r + 6;
+    double most = 0;
+    for (int k = 1; k < at->parts; k++) {
+        const double *own = at->view[(size_t)k * (size_t)at->objects + (size_t)object].r + 6, u = (double)k / at->parts;
+        const double straight[3] = {from[0] + u * (to[0] - from[0]), from[1] + u * (to[1] - from[1]),
+                                    from[2] + u * (to[2] - from[2])};
+        most = td_greater(most, apart(own, straight));
+    }
+    return most;
+}
+
+static double depth_at(const td_view *view, const double *mean) {
+    return view->r[6] * mean[0] + view->r[7] * mean[1] + view->r[8] * mean[2] + view->t[2];
+}
+
+static double depth_rate_at(const td_view *view, const double *mean) {
+    return view->r_dot[6] * mean[0] + view->r_dot[7] * mean[1] + view->r_dot[8] * mean[2] + view->t_dot[2];
+}
+
+/* Which Gaussians may swap at all; whether any may. */
+static int find_who_may(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at) {
+    const td_store *store = &renderer->store;
+    const double share = 0.5 * TD_SWAP_REACH * renderer->image.soft_depth; /* of two splats alike */
+    int moving = 0, rests = 0, any = 0;
+    for (int i = 0; i < store->objects; i++) {
+        swaps->turning[i] = swaps->group[i] >= 0 ? turning_of(at, i) : 0;
+        moving += swaps->group[i] > 0;
+        rests += swaps->group[i] == 0;
+    }
+    const int alone = moving + (rests > 0) < 2;
+    for (int g = 0; g < store->count; g++) {
+        const int object = store->object[g];
+        const float *box = renderer->boxes + 4 * (size_t)g;
+        swaps->may[g] = MAY_NOT;
+        if (swaps->group[object] < 0 || !(box[0] <= box[2])) continue;
+        if (alone && !(swaps->turning[object] > 0)) continue;
+        const double z = depth_at(&at->view[object], store->geometry + (size_t)g * TD_GEOMETRY_STRIDE + TD_G_MEAN);
+        const int strays_far = swaps->turning[object] * (double)swaps->extent[g] >= share * fabs(z);
+        swaps->may[g] = (uint8_t)(strays_far ? MAY_ALONE : MAY_SWAP);
+        any |= strays_far || !alone;
+    }
+    return any;
+}
+
+/* -- a tile ---------------------------------------------------------------------------------------------------------------- */
+
+static int by_depth(const void *a, const void *b) {
+    const td_swap_splat *x = a, *y = b;
+    if (x->least != y->least) return x->least < y->least ? -1 : 1;
+    return (x->box > y->box) - (x->box < y->box);
+}
+
+static double luminance_of(const tides_renderer *renderer, int g) {
+    const td_store *store = &renderer->store;
+    const size_t at = (size_t)g * (size_t)store->sh_stride;
+    double sum = 0;
+    for (int c = 0; c < 3; c++) {
+        const double own = store->sh ? (double)store->sh[at + (size_t)c] : store->sh_wide[at + (size_t)c];
+        sum += renderer->image.luminance[c] * td_greater(0.28209479177387814 * own + 0.5, 0);
+    }
+    return sum;
+}
+
+static void take_splat(const tides_renderer *renderer, const struct td_swaps *swaps, const td_swap_samples *at, int g,
+                       double *z, td_swap_splat *to) {
+    const double *geometry = renderer->store.geometry + (size_t)g * TD_GEOMETRY_STRIDE;
+    const int object = renderer->store.object[g];
+    to->box = renderer->boxes + 4 * (size_t)g;
+    to->geometry = geometry;
+    to->opacity = geometry[TD_G_OPACITY];
+    to->luminance = luminance_of(renderer, g);
+    to->object = object;
+    to->group = swaps->group[object];
+    to->may = swaps->may[g];
+    double *z_dot = z + at->parts + 1;
+    to->least = INFINITY;
+    to->most = -INFINITY;
+    for (int k = 0; k <= at->parts; k++) {
+        const td_view *view = &at->view[(size_t)k * (size_t)at->objects + (size_t)object];
+        z[k] = depth_at(view, geometry + TD_G_MEAN);
+        z_dot[k] = depth_rate_at(view, geometry + TD_G_MEAN);
+        const double bow = at->h / 3 * fabs(z_dot[k]);
+        to->least = td_lesser(to->least, z[k] - bow);
+        to->most = td_greater(to->most, z[k] + bow);
+    }
+    to->z = z;
+    to->z_dot = z_dot;
+}
+
+/* Those of a tile's list that may swap, by their least depths; none where they are of one body and none of them may alone. */
+static tides_status take_splats(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at, int tile,
+                                int *count, int *bodies, tides_error *error) {
+    const int *first = renderer->candidates.first, *list = renderer->candidates.list;
+    int group = -1, any = 0, some = 0;
+    *count = *bodies = 0;
+    for (int i = first[tile]; i < first[tile + 1]; i++) {
+        const int g = list[i];
+        if (g < 0 || swaps->may[g] == MAY_NOT) continue;
+        const int own = swaps->group[renderer->store.object[g]];
+        any |= swaps->may[g] == MAY_ALONE;
+        *bodies |= group >= 0 && own != group;
+        group = own;
+        some++;
+    }
+    if (!any && !*bodies) return TIDES_OK;
+    tides_status status = td_reserve((void **)&swaps->splat, &swaps->splat_capacity, (size_t)some, sizeof *swaps->splat, error);
+    const size_t each = 2 * ((size_t)at->parts + 1);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&swaps->depth, &swaps->depth_capacity, (size_t)some * each, sizeof *swaps->depth, error);
+    for (int i = first[tile]; i < first[tile + 1] && status == TIDES_OK; i++) {
+        if (list[i] < 0 || swaps->may[list[i]] == MAY_NOT) continue;
+        take_splat(renderer, swaps, at, list[i], swaps->depth + (size_t)*count * each, &swaps->splat[*count]);
+        ++*count;
+    }
+    if (*count > 0) qsort(swaps->splat, (size_t)*count, sizeof *swaps->splat, by_depth);
+    return status;
+}
+
+/* -------------------------------------------------------------------------------------------------------------------------- */
+
+/* The first of those, by their least depths, that one may reach which goes no further than `longest`. */
+static int find_from(const td_swap_splat *all, int count, double least) {
+    int low = 0, high = count;
+    while (low < high) {
+        const int middle = (low + high) / 2;
+        if (all[middle].least < least)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static double depths_of(const td_swap_splat *all, int count) {
+    double longest = 0;
+    for (int i = 0; i < count; i++) longest = td_greater(longest, all[i].most - all[i].least);
+    return longest;
+}
+
+/* Pairs of a tile's splats: those that may swap within their body with all others; the rest with those of other bodies. */
+static tides_status look_in(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at, int tile,
+                            tides_error *error) {
+    const double near = TD_SWAP_REACH * renderer->image.soft_depth;
+    int count, bodies, pairs = 0;
+    tides_status status = take_splats(renderer, swaps, at, tile, &count, &bodies, error);
+    const int across = renderer->candidates.tiles_x;
+    td_swap_tile of = {.swaps = swaps,
+                       .image = &renderer->image,
+                       .at = at,
+                       .tile = tile,
+                       .corner = {tile % across * TD_TILE, tile / across * TD_TILE},
+                       .contrast = renderer->store.sh_stride > 3 ? by_view : 0,
+                       .status = status,
+                       .error = error};
+    const td_swap_splat *all = swaps->splat;
+    const double longest = depths_of(all, count);
+    for (int i = 0; i < count && of.status == TIDES_OK; i++) {
+        const td_swap_splat *a = &all[i];
+        const int alone = a->may == MAY_ALONE;
+        if (!alone && !bodies) continue;
+        const double far = a->most + near * fabs(a->most);
+        for (int j = alone ? find_from(all, count, a->least - longest - near * fabs(a->least)) : i + 1;
+             j < count && all[j].least <= far && pairs < MOST_PAIRS; j++, pairs++) {
+            const int same = a->group == all[j].group, other_alone = all[j].may == MAY_ALONE;
+            if (alone ? j == i || (other_alone && j < i) : same || other_alone) continue;
+            td_swaps_look_at(&of, a, &all[j]);
+        }
+    }
+    return of.status;
+}
+
+static int by_place(const void *a, const void *b) {
+    const td_swap *x = a, *y = b;
+    if (x->block != y->block) return x->block < y->block ? -1 : 1;
+    if (x->part != y->part) return x->part < y->part ? -1 : 1;
+    return x->light > y->light ? -1 : x->light < y->light;
+}
+
+/* Sorts what was found by blocks. */
+static tides_status lay_swaps(const tides_renderer *renderer, struct td_swaps *swaps, tides_error *error) {
+    const size_t blocks = (size_t)renderer->stats.tiles * TD_TILE_BLOCKS;
+    if (swaps->count == 0) return TIDES_OK;
+    if (swaps->count > INT32_MAX)
+        return td_fail(error, TIDES_NO_MEMORY, "swaps of depth: too many in one step; use shorter steps");
+    qsort(swaps->swap, swaps->count, sizeof *swaps->swap, by_place);
+    size_t i = 0;
+    for (size_t b = 0; b <= blocks; b++) {
+        while (i < swaps->count && (size_t)swaps->swap[i].block < b) i++;
+        swaps->first[b] = (int32_t)i;
+    }
+    return TIDES_OK;
+}
+
+tides_status td_renderer_find_swaps(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error) {
+    tides_status status = TIDES_OK;
+    td_swap_samples at;
+    if (!renderer->image.soft_order) return status;
+    if (!renderer->swaps) status = td_swaps_create(&renderer->store, renderer->stats.tiles, &renderer->swaps, error);
+    struct td_swaps *swaps = renderer->swaps;
+    if (status == TIDES_OK) status = find_groups(renderer, swaps, error);
+    if (status == TIDES_OK) status = take_views(renderer, camera, swaps, &at, error);
+    if (status != TIDES_OK) return status;
+    swaps->count = 0;
+    if (!find_who_may(renderer, swaps, &at)) return status;
+    for (int tile = 0; tile < renderer->stats.tiles && status == TIDES_OK; tile++)
+        if (renderer->candidates.moving[tile]) status = look_in(renderer, swaps, &at, tile, error);
+    return status == TIDES_OK ? lay_swaps(renderer, swaps, error) : status;
+}
+
+const td_swap *td_renderer_swaps(const tides_renderer *renderer, int tile, int block, int *count) {
+    const struct td_swaps *swaps = renderer->swaps;
+    *count = 0;
+    if (!swaps || swaps->count == 0) return NULL;
+    const int32_t *first = swaps->first + tile * TD_TILE_BLOCKS + block;
+    *count = first[1] - first[0];
+    return swaps->swap + first[0];
+}

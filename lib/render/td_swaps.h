@@ -1,0 +1,65 @@
+/* Internal to lib/render: swaps of depth. Where two splats that overlap come within reach of one another's depth, the image
+ * goes from one order of theirs to the other, or there and back, within a time that no sample needs to be in: soft order
+ * (docs/soft_order.md) makes it depth difference over its rate, against soft_depth. When that is follows from the motions, and
+ * steps are cut there. */
+#ifndef TD_SWAPS_H
+#define TD_SWAPS_H
+
+#include "td_renderer.h"
+
+/* Splats are within reach where exp(-reach) of what they take of the light is left to be shared: below 2 % of it. */
+#define TD_SWAP_REACH 4.0
+
+/* Swaps that move Y by less than this are nothing, whatever is seen. */
+#define TD_SWAP_LEAST_LIGHT 1e-4
+
+/* A Gaussian of a tile's list: its box, depths within the interval, and these and their rates at the samples (parts + 1). */
+typedef struct td_swap_splat {
+    const float *box;
+    double least, most;
+    const double *geometry;
+    double opacity, luminance; /* of the constant term */
+    int object, group, may;
+    const double *z, *z_dot;
+} td_swap_splat;
+
+/* What is looked at: `parts` of the interval, each h seconds long, and views at their ends (parts + 1 x objects). */
+typedef struct td_swap_samples {
+    int parts, objects;
+    double h;
+    const td_view *view;
+} td_swap_samples;
+
+struct td_swaps {
+    float *extent;   /* (store.count) half-axis of the ellipsoid that may be seen, in the object's units */
+    int *group;      /* (objects) of those that are one rigid body; -1: they have no path of their own to know */
+    double *turning; /* (objects) how far a unit's depth strays from going straight within the interval */
+    uint8_t *may;    /* (store.count) whether one may swap with splats of other bodies, or of its own, too */
+    td_view *view;   /* (samples x objects) */
+    size_t view_capacity;
+    td_swap *swap; /* (count) by block, then time */
+    size_t count, swap_capacity;
+    int32_t *first;       /* (blocks + 1) */
+    td_swap_splat *splat; /* of a tile */
+    double *depth;        /* and their depths and rates */
+    size_t splat_capacity, depth_capacity;
+};
+
+/* A tile whose pairs are looked at, and how that went. */
+typedef struct td_swap_tile {
+    struct td_swaps *swaps;
+    const td_image *image;
+    const td_swap_samples *at;
+    int tile, corner[2]; /* corner: its first pixel */
+    double contrast;     /* of Y, beside that of the constant terms */
+    tides_status status;
+    tides_error *error;
+} td_swap_tile;
+
+/* Adds all swaps of two splats to those of the tile's blocks (swap_pair.c). */
+void td_swaps_look_at(td_swap_tile *tile, const td_swap_splat *a, const td_swap_splat *b);
+
+tides_status td_swaps_create(const td_store *store, int tiles, struct td_swaps **swaps, tides_error *error);
+void td_swaps_destroy(struct td_swaps *swaps);
+
+#endif
