@@ -270,8 +270,8 @@ static int keep_events(void *user, const tides_event *events, size_t count) {
     return 0;
 }
 
-/* What poses before the time reached said is no longer asked for: but for the image at the run's start, which the second step
- * may look at once more (lib/solver/solve_rest.c). */
+/* What poses before the time reached said is no longer asked for, but for the image at the run's start: of that the second step
+ * keeps all that pixels ask for later (td_solve_keep_start). */
 static void forget(tides_live *live) {
     enum { STEPS_THAT_LOOK_BACK = 2 };
     if (live->options.keep || live->simulator->step < STEPS_THAT_LOOK_BACK) return;
