@@ -19,20 +19,33 @@ typedef struct td_row_window {
     double start, stop;
 } td_row_window;
 
-/* What to expose: rows of tiles [first, last), all in one swept interval. */
+/* What to expose: rows of tiles [first, last). */
 typedef struct td_expose_band {
     int first, last;
     const td_row_window *rows; /* (image height) */
     int planes;                /* 1: Y; 3: r, g, b */
     double tolerance;
     double *light;             /* (planes x height x width), of which the band's rows are written */
+    double *sums;              /* (tiles of the band x TD_TILE_PIXELS) estimates of all stretches so far; 0 to begin with */
     double error;              /* the largest estimate so far */
     uint64_t unsettled, tiles; /* counted on */
+    td_row_window swept;       /* the interval swept last */
+    td_row_window all;         /* when rows of it are exposed, */
+    td_row_window stretch;     /* and the part of that which is gone through (expose_stretches.c) */
+    int unknown;               /* 1: something in it may be shorter than its panels can be */
 } td_expose_band;
 
 /* When a row of tiles is exposed: the union of its rows' windows. */
 td_row_window td_expose_tile_row(const td_expose_band *band, int height, int tile_row);
 
+/* All of a band over `all`: its light, and sums. */
+tides_status td_expose_stretches(tides_renderer *renderer, const tides_trajectory *camera, td_expose_band *band,
+                                 td_row_window all, tides_error *error);
+
+/* Panels of the interval swept last that what a tile may see asks for by its scales of time; 0: by none. */
+double td_expose_asked(const tides_renderer *renderer, int tile);
+
+/* The band over its stretch, which is swept: adds to its light, and sums. */
 tides_status td_expose_panels(tides_renderer *renderer, const tides_trajectory *camera, td_expose_band *band,
                               tides_error *error);
 
