@@ -75,16 +75,86 @@ static tides_scene *keyed_scene(keyed *k) {
         quaternion[4 * i] = 1;
         k->light[i] = 0.5 + WORLD_SH0 * (double)sh[3 * i]; /* as it was rounded */
     }
-    const tides_keyframes_motion arrays = {.frames = k->count,
-                                           .count = 1,
-                                           .time = k->time,
-                                           .mean = mean,
-                                           .quaternion = quaternion,
-                                           .sh = sh,
-                                           .catmull_rom = 1};
+    const tides_keyframes_motion arrays =
+        {.frames = k->count, .count = 1, .time = k->time, .mean = mean, .quaternion = quaternion, .sh = sh, .catmull_rom = 1};
     scene_expect_ok(tides_motion_create_keyframes(&arrays, &motion, &error), &error);
     world_add_moving(scene, &set, motion, k->time[k->count - 1]);
     free(mean);
+    return scene;
+}
+
+/* -- and other short things ------------------------------------------------------------------------------------------------ */
+
+/* A wide splat of opacity 0.9 and this light, that is there for a bell of `width` [s] around `centre`. */
+static tides_scene *bell_scene(double light, double centre, double width, double duration_s) {
+    splat_set set = {0};
+    tides_scene *scene = scene_new();
+    tides_motion *motion = NULL;
+    tides_error error;
+    const float at = (float)centre, log_width = (float)log(width), still[9] = {0}, unturned[4] = {0};
+    const tides_polynomial_motion arrays = {.count = 1,
+                                            .stop = duration_s,
+                                            .opacity_centre = &at,
+                                            .opacity_log_width = &log_width,
+                                            .mean_coefficient = still,
+                                            .quaternion_dot = unturned};
+    splat_set_ball(&set, 0.1, 0.05, 4, 0.5, 0.9, light);
+    scene_expect_ok(tides_motion_create_polynomial(&arrays, &motion, &error), &error);
+    world_add_moving(scene, &set, motion, duration_s);
+    return scene;
+}
+
+/* Light that rises by `peak` for a while, by a function that says how long that is. */
+typedef struct glow {
+    double centre, width, peak;
+} glow;
+
+static double glow_at(const glow *g, double time, double *rate) {
+    const double x = (time - g->centre) / g->width, light = g->peak * exp(-x * x);
+    *rate = -2 * x / g->width * light;
+    return light;
+}
+
+static tides_status glowing(void *user, double time, int32_t side, const int32_t *index, int64_t count,
+                            const tides_theta *theta, tides_error *error) {
+    double rate;
+    const double light = glow_at(user, time, &rate);
+    (void)side, (void)index, (void)error;
+    for (int64_t k = 0; k < 3 * count; k++) {
+        theta->sh[k] += light / WORLD_SH0;
+        theta->sh_dot[k] += rate / WORLD_SH0;
+    }
+    return TIDES_OK;
+}
+
+static tides_scene *glowing_scene(glow *g, double duration_s) {
+    splat_set set = {0};
+    tides_scene *scene = scene_new();
+    tides_motion *motion = NULL;
+    tides_error error;
+    const tides_callback_motion callback =
+        {.count = 1, .stop = duration_s, .function = glowing, .user = g, .moves_sh = 1, .time_scale = g->width};
+    splat_set_ball(&set, 0.1, 0.05, 4, 0.5, 0.8, 0.5);
+    scene_expect_ok(tides_motion_create_callback(&callback, &motion, &error), &error);
+    world_add_moving(scene, &set, motion, duration_s);
+    return scene;
+}
+
+/* A small splat that leaps aside for a while, by 3 pixels. */
+static tides_scene *leaping_scene(double from, double to, double within, tides_trajectory **path) {
+    splat_set set = {0};
+    tides_scene *scene = scene_new();
+    tides_error error;
+    tides_pose_sample samples[6] = {{0}};
+    const double times[] = {0, from - within, from, to, to + within, 0.1};
+    for (int i = 0; i < 6; i++) {
+        samples[i].time = times[i];
+        samples[i].quaternion[0] = 1;
+        samples[i].position[0] = i == 2 || i == 3 ? 0.4 : 0;
+    }
+    splat_set_ball(&set, 0, 0, 4, 0.15, 0.9, 6);
+    scene_expect_ok(tides_trajectory_create(samples, 6, path, &error), &error);
+    world_add(scene, &set, *path);
     return scene;
 }
 
@@ -202,7 +272,94 @@ static void trains_and_dense_frames(void **state) {
     }
 }
 
+/* Light of a splat before black; where it is faint image.rules smooth takes it away, from 1/255 down to a tenth of that. */
+static double tapered(double alpha) {
+    const double x = fmin(fmax((255 * alpha - 0.1) / 0.9, 0), 1);
+    return alpha * x * x * x * (10 + x * (6 * x - 15));
+}
+
+/* Each pixel's opacity is a bell of its own. Those that are faint at its height are left out. */
+static void bells(void **state) {
+    enum { SUM = 4000 };
+    uint64_t seed = 5;
+    char what[96];
+    (void)state;
+    for (int trial = 0; trial < 2 * LENGTHS; trial++) {
+        const double exposure = trial % 2 ? 10e-3 : 30e-3, light = 3, start = 0.02;
+        const double centre = (double)(float)(start + exposure * scene_between(&seed, 0.1, 0.9));
+        const double width = exp((double)(float)log(lengths[trial % LENGTHS]));
+        tides_scene *scene = bell_scene(light, centre, width, 0.1);
+        rig r = rig_of(scene);
+        double peak[PIXELS], truth[PIXELS];
+        expose(&r, start + 0.5 * exposure, exposure, 1e-3);
+        sharp(&r, centre, peak);
+        for (int i = 0; i < PIXELS; i++) {
+            double sum = 0;
+            for (int k = 0; k < SUM; k++) {
+                const double t = centre + 8 * width * ((k + 0.5) / SUM - 0.5), x = (t - centre) / width;
+                if (t > start && t < start + exposure) sum += light * tapered(peak[i] / light * exp(-x * x));
+            }
+            truth[i] = peak[i] > light / 255 ? sum * 8 * width / SUM / exposure : r.light[i];
+        }
+        snprintf(what, sizeof what, "bell of %g us in %g ms", 1e6 * width, 1e3 * exposure);
+        expect_honest(&r, truth, 1e-3, what);
+        free_rig(&r);
+        tides_scene_destroy(scene);
+    }
+}
+
+static void functions_that_say_how_fast_they_are(void **state) {
+    enum { SUM = 200000 };
+    uint64_t seed = 6;
+    char what[96];
+    (void)state;
+    for (int trial = 0; trial < LENGTHS; trial++) {
+        const double exposure = 10e-3, start = 0.02;
+        glow g = {start + exposure * scene_between(&seed, 0.1, 0.9), lengths[trial], 12};
+        tides_scene *scene = glowing_scene(&g, 0.1);
+        rig r = rig_of(scene);
+        double quiet[PIXELS], truth[PIXELS], sum = 0, rate;
+        for (int k = 0; k < SUM; k++) sum += glow_at(&g, start + exposure * (k + 0.5) / SUM, &rate) / SUM;
+        sharp(&r, 0.01, quiet);
+        for (int i = 0; i < PIXELS; i++) truth[i] = quiet[i] / 0.5 * (0.5 + sum);
+        expose(&r, start + 0.5 * exposure, exposure, 1e-3);
+        snprintf(what, sizeof what, "a function that glows for %g us", 1e6 * g.width);
+        expect_honest(&r, truth, 1e-3, what);
+        free_rig(&r);
+        tides_scene_destroy(scene);
+    }
+}
+
+/* Of a leap the truth is a sum of sharp frames, dense where it happens. */
+static void leaps(void **state) {
+    enum { SUM = 1500 };
+    char what[96];
+    (void)state;
+    for (int trial = 0; trial < 2 * LENGTHS; trial++) {
+        const double length = lengths[trial % LENGTHS], within = trial < LENGTHS ? 5e-6 : 0.2 * length, exposure = 10e-3;
+        const double start = 0.02, from = 0.0237, to = from + length, before = from - within, span = length + 2 * within;
+        tides_trajectory *path = NULL;
+        tides_scene *scene = leaping_scene(from, to, within, &path);
+        rig r = rig_of(scene);
+        double now[PIXELS], truth[PIXELS];
+        sharp(&r, 0.021, now);
+        for (int i = 0; i < PIXELS; i++) truth[i] = (1 - span / exposure) * now[i];
+        for (int k = 0; k < SUM; k++) {
+            sharp(&r, before + span * (k + 0.5) / SUM, now);
+            for (int i = 0; i < PIXELS; i++) truth[i] += span / exposure / SUM * now[i];
+        }
+        expose(&r, start + 0.5 * exposure, exposure, 1e-3);
+        snprintf(what, sizeof what, "a leap for %g us, within %g us", 1e6 * length, 1e6 * within);
+        expect_honest(&r, truth, 1e-3, what);
+        free_rig(&r);
+        tides_scene_destroy(scene);
+        tides_trajectory_destroy(path);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(flashes), cmocka_unit_test(trains_and_dense_frames)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(flashes), cmocka_unit_test(trains_and_dense_frames),
+                                       cmocka_unit_test(bells), cmocka_unit_test(functions_that_say_how_fast_they_are),
+                                       cmocka_unit_test(leaps)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
