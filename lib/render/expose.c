@@ -166,6 +166,7 @@ tides_status tides_renderer_expose(tides_renderer *r, const tides_trajectory *ca
     for (int c = 0; c < band.planes && status == TIDES_OK; c++) /* blur and mean are linear: either order */
         status = td_psf_image(&r->psf, r->image.width, height, light + (size_t)c * height * r->image.width, error);
     if (done && status == TIDES_OK) *done = (tides_exposed){band.error, (double)band.tiles / r->stats.tiles, band.unsettled};
+    free(band.asks);
     free(rows);
     return status;
 }

@@ -302,7 +302,7 @@ static int first_panels(const expose_job *job, int tile, int *unknown) {
     const td_row_window w = window_of(job, tile);
     const double part = (w.stop - w.start) / (swept[1] - swept[0]);
     const double travel = td_renderer_tile_travel(job->renderer, number) * part;
-    const double asked = td_expose_asked(job->renderer, number) * part;
+    const double asked = td_expose_asked(job->renderer, job->band, number) * part;
     int panels = 1;
     while (panels < FIRST_PANELS_MAX && (travel > travel_of_panel * panels || asked > panels)) panels *= 2;
     *unknown = job->band->unknown && asked > panels;

@@ -3,7 +3,10 @@
  * dark whenever it is looked at. Most exposures are one stretch. For expose.c. */
 #include "td_expose.h"
 
+#include "motion/td_motion.h"
 #include "td_extremes.h"
+
+#include <stdlib.h>
 
 /* Halves of halves: 2^18 panels an exposure, of which a tile that something short is seen in may need each. */
 enum { DEEPEST = 12, FINEST_LEVEL = 6 };
@@ -33,23 +36,58 @@ static int finest_path(const tides_renderer *r) {
     return finest;
 }
 
-/* The level of what a Gaussian may do, by its own motion and its object's path; 0: nothing short. */
-static int level_of(const tides_renderer *r, int gaussian) {
-    const td_dynamic_object *moves = td_dynamic_object_of(&r->dynamic, gaussian);
-    const int path = path_level(r, r->store.object[gaussian]);
-    const int own = moves ? r->dynamic.level[moves->base + gaussian - moves->first] : 0;
-    return own > path ? own : path;
+/* What Gaussians of an object that moves them by itself ask for: those that something shorter than the stretch may happen to.
+ * Where the motion knows which of them rest, the others ask for all pieces; else what the sweep found rough does, which is by
+ * how much they differ from what coarser pieces show. */
+static tides_status ask_for_moved(const tides_renderer *r, td_dynamic_object *object, td_expose_band *band,
+                                  tides_error *error) {
+    const tides_motion *motion = object->of.motion;
+    const uint8_t *level = r->dynamic.level + object->base;
+    const float *travel = r->travel + object->first;
+    double from = 0, to = 0;
+    int finest = 0;
+    for (int i = 0; i < object->count; i++) finest = level[i] > finest ? level[i] : finest;
+    if (finest == 0) return TIDES_OK;
+    uint8_t *rests = motion->type->find_resting ? td_alloc((size_t)object->of.gaussians.count, 1, error) : NULL;
+    if (motion->type->find_resting && !rests) return TIDES_NO_MEMORY;
+    tides_status status = TIDES_OK;
+    if (rests) status = td_dynamic_own_times(&r->dynamic, object, r->swept[0], r->swept[1], &from, &to, NULL, error);
+    if (rests && status == TIDES_OK) status = motion->type->find_resting(motion, &object->of.gaussians, from, to, rests, error);
+    for (int i = 0; i < object->count && status == TIDES_OK; i++) {
+        const int32_t pieces = level[i] > 0 ? 1 << level[i] : 0;
+        const double rough = td_lesser(2 * (double)travel[i], pieces);
+        const int all = rests && !rests[r->store.number[object->first + i]];
+        band->asks[object->first + i] = (float)(all ? pieces : rough);
+    }
+    free(rests);
+    return status;
 }
 
-double td_expose_asked(const tides_renderer *r, int tile) {
+/* What each Gaussian asks for in the interval swept last. */
+static tides_status find_asks(tides_renderer *r, td_expose_band *band, tides_error *error) {
+    const int paths = finest_path(r);
+    tides_status status = TIDES_OK;
+    band->asked = paths > 0 || td_dynamic_finest(&r->dynamic) > 0;
+    if (!band->asked) return TIDES_OK;
+    if (!band->asks) band->asks = td_alloc((size_t)r->store.count, sizeof *band->asks, error);
+    if (!band->asks) return TIDES_NO_MEMORY;
+    memset(band->asks, 0, (size_t)r->store.count * sizeof *band->asks);
+    for (int p = 0; p < r->dynamic.objects && status == TIDES_OK; p++)
+        status = ask_for_moved(r, &r->dynamic.object[p], band, error);
+    for (int g = 0; g < r->store.count && paths > 0; g++) {
+        const int level = path_level(r, r->store.object[g]);
+        const double pieces = level > 0 ? 1 << level : 0;
+        band->asks[g] = (float)td_greater(td_lesser(2 * (double)r->travel[g], pieces), (double)band->asks[g]);
+    }
+    return status;
+}
+
+double td_expose_asked(const tides_renderer *r, const td_expose_band *band, int tile) {
     double most = 0;
-    for (; r; r = r->beside) {
+    for (; r && band->asked; r = r->beside) { /* channels see the same at other places of their lists */
         const td_candidates *lists = &r->candidates;
-        if (td_dynamic_finest(&r->dynamic) == 0 && finest_path(r) == 0) continue;
-        for (int i = lists->first[tile]; i < lists->first[tile + 1]; i++) {
-            const int gaussian = lists->list[i], level = gaussian == TD_NO_GAUSSIAN ? 0 : level_of(r, gaussian);
-            if (level > 0) most = td_greater(most, td_lesser(2 * (double)r->travel[gaussian], (double)(1 << level)));
-        }
+        for (int i = lists->first[tile]; i < lists->first[tile + 1]; i++)
+            if (lists->list[i] != TD_NO_GAUSSIAN) most = td_greater(most, (double)band->asks[lists->list[i]]);
     }
     return most;
 }
@@ -82,7 +120,8 @@ static tides_status expose_between(tides_renderer *r, const tides_trajectory *ca
     band->unknown |= strays;
     if (strays && depth < DEEPEST) return expose_halves(r, camera, band, stretch, depth, error);
     band->stretch = stretch;
-    return td_expose_panels(r, camera, band, error);
+    status = find_asks(r, band, error);
+    return status == TIDES_OK ? td_expose_panels(r, camera, band, error) : status;
 }
 
 tides_status td_expose_stretches(tides_renderer *r, const tides_trajectory *camera, td_expose_band *band, td_row_window all,

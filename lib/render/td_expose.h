@@ -32,6 +32,8 @@ typedef struct td_expose_band {
     td_row_window swept;       /* the interval swept last */
     td_row_window all;         /* when rows of it are exposed, */
     td_row_window stretch;     /* and the part of that which is gone through (expose_stretches.c) */
+    int asked;                 /* 1: something short may happen in it, which */
+    float *asks;               /* (store.count) each Gaussian asks panels for; else may be NULL */
     int unknown;               /* 1: something in it may be shorter than its panels can be */
 } td_expose_band;
 
@@ -43,7 +45,7 @@ tides_status td_expose_stretches(tides_renderer *renderer, const tides_trajector
                                  td_row_window all, tides_error *error);
 
 /* Panels of the interval swept last that what a tile may see asks for by its scales of time; 0: by none. */
-double td_expose_asked(const tides_renderer *renderer, int tile);
+double td_expose_asked(const tides_renderer *renderer, const td_expose_band *band, int tile);
 
 /* The band over its stretch, which is swept: adds to its light, and sums. */
 tides_status td_expose_panels(tides_renderer *renderer, const tides_trajectory *camera, td_expose_band *band,

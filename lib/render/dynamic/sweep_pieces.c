@@ -136,12 +136,14 @@ int td_dynamic_finest(const td_dynamic *dynamic) {
     return finest;
 }
 
-/* Own time of an interval [s after the epoch], and how fast it runs. */
-static tides_status own_times(const td_dynamic *dynamic, const td_dynamic_object *object, double start, double stop,
-                              double *from, double *to, double *rate, tides_error *error) {
-    tides_status status = td_motion_time(object->of.motion, object->of.duration_s, dynamic->epoch + start, from, rate, error);
-    return status == TIDES_OK ? td_motion_time(object->of.motion, object->of.duration_s, dynamic->epoch + stop, to, rate, error)
-                              : status;
+tides_status td_dynamic_own_times(const td_dynamic *dynamic, const td_dynamic_object *object, double start, double stop,
+                                  double *from, double *to, double *rate, tides_error *error) {
+    const tides_object *of = &object->of;
+    double own_rate = 1;
+    tides_status status = td_motion_time(of->motion, of->duration_s, dynamic->epoch + start, from, &own_rate, error);
+    if (status == TIDES_OK) status = td_motion_time(of->motion, of->duration_s, dynamic->epoch + stop, to, &own_rate, error);
+    if (rate) *rate = own_rate;
+    return status;
 }
 
 /* The shortest scale of an object's Gaussians in own time [from, to]. */
@@ -160,7 +162,7 @@ tides_status td_dynamic_shortest(td_dynamic *dynamic, double start, double stop,
     *shortest = INFINITY;
     for (int p = 0; p < dynamic->objects && status == TIDES_OK; p++) {
         double from = 0, to = 0, rate = 1, own = INFINITY;
-        status = own_times(dynamic, &dynamic->object[p], start, stop, &from, &to, &rate, error);
+        status = td_dynamic_own_times(dynamic, &dynamic->object[p], start, stop, &from, &to, &rate, error);
         if (status == TIDES_OK) status = shortest_of(dynamic, &dynamic->object[p], from, to, &own, error);
         *shortest = fmin(*shortest, own / rate);
     }
@@ -178,8 +180,8 @@ tides_status td_dynamic_sweep_pieces(tides_renderer *renderer, const tides_traje
     tides_status status = TIDES_OK;
     for (int p = 0; p < dynamic->objects && status == TIDES_OK; p++) {
         td_dynamic_object *object = &dynamic->object[p];
-        double from = 0, to = 0, rate;
-        status = own_times(dynamic, object, start, stop, &from, &to, &rate, error);
+        double from = 0, to = 0;
+        status = td_dynamic_own_times(dynamic, object, start, stop, &from, &to, NULL, error);
         if (status == TIDES_OK) status = find_levels(dynamic, object, from, to, &highest[p], error);
         most = highest[p] > most ? highest[p] : most;
     }
