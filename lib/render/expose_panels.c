@@ -421,9 +421,10 @@ static tides_status doubt_unknown(expose_job *job, tides_error *error) {
     for (size_t k = 0; k < job->node_count; k++)
         note_brightest(job, &job->nodes[k], job->lights + k * node_size(job), brightest);
     for (int tile = 0; tile < job->tile_count; tile++)
-        for (int i = 0; i < TD_TILE_PIXELS && job->unknown[tile]; i++)
-            job->sums[tile * TD_TILE_PIXELS + i] +=
-                td_greater(2 * job->band->tolerance, (double)brightest[tile * TD_TILE_PIXELS + i]);
+        for (int i = 0; i < TD_TILE_PIXELS && job->unknown[tile]; i++) {
+            const int at = tile * TD_TILE_PIXELS + i;
+            if (is_pixel(job, tile, i)) job->sums[at] += td_greater(2 * job->band->tolerance, (double)brightest[at]);
+        }
     free(brightest);
     return TIDES_OK;
 }

@@ -8,8 +8,9 @@
 
 #include <stdlib.h>
 
-/* Halves of halves: 2^18 panels an exposure, of which a tile that something short is seen in may need each. */
-enum { DEEPEST = 12, FINEST_LEVEL = 6 };
+/* Stretches of 64 pieces: so many at most, each a sweep; and halves of halves, down to nanoseconds. An exposure that takes more
+ * is one stretch, and what may be in it counts as unknown. */
+enum { STRETCHES_MAX = 2048, DEEPEST = 20, FINEST_LEVEL = 6 };
 
 /* A path that strays by more than this from the cubics of so many pieces [px] does something in them that looks may miss; what
  * is less than that they needn't be made for, and what takes longer than pieces of this level a tile's travel tells. */
@@ -38,7 +39,7 @@ static int finest_path(const tides_renderer *r) {
 
 /* What Gaussians of an object that moves them by itself ask for: those that something shorter than the stretch may happen to.
  * Where the motion knows which of them rest, the others ask for all pieces; else what the sweep found rough does, which is by
- * how much they differ from what coarser pieces show. */
+ * how much they differ from what coarser pieces show, unless it can't have seen all. */
 static tides_status ask_for_moved(const tides_renderer *r, td_dynamic_object *object, td_expose_band *band,
                                   tides_error *error) {
     const tides_motion *motion = object->of.motion;
@@ -56,7 +57,7 @@ static tides_status ask_for_moved(const tides_renderer *r, td_dynamic_object *ob
     for (int i = 0; i < object->count && status == TIDES_OK; i++) {
         const int32_t pieces = level[i] > 0 ? 1 << level[i] : 0;
         const double rough = td_lesser(2 * (double)travel[i], pieces);
-        const int all = rests && !rests[r->store.number[object->first + i]];
+        const int all = rests ? !rests[r->store.number[object->first + i]] : band->unknown;
         band->asks[object->first + i] = (float)(all ? pieces : rough);
     }
     free(rests);
@@ -92,34 +93,54 @@ double td_expose_asked(const tides_renderer *r, const td_expose_band *band, int 
     return most;
 }
 
-static tides_status expose_between(tides_renderer *r, const tides_trajectory *camera, td_expose_band *band,
-                                   td_row_window stretch, int depth, tides_error *error);
+static double middle_of(td_row_window stretch) { return stretch.start + 0.5 * (stretch.stop - stretch.start); }
 
-static tides_status expose_halves(tides_renderer *r, const tides_trajectory *camera, td_expose_band *band,
-                                  td_row_window stretch, int depth, tides_error *error) {
-    const double middle = stretch.start + 0.5 * (stretch.stop - stretch.start);
-    const td_row_window half[2] = {{stretch.start, middle}, {middle, stretch.stop}};
-    tides_status status = expose_between(r, camera, band, half[0], depth + 1, error);
-    return status == TIDES_OK ? expose_between(r, camera, band, half[1], depth + 1, error) : status;
+/* May something in a stretch be too short for it? */
+static tides_status is_long(tides_renderer *r, td_row_window stretch, int *is, tides_error *error) {
+    double shortest = INFINITY;
+    const tides_status status = td_dynamic_shortest(&r->dynamic, stretch.start, stretch.stop, &shortest, error);
+    *is = stretch.stop - stretch.start > (1 << FINEST_LEVEL) * shortest * (1 + slack);
+    return status;
 }
 
-static tides_status expose_between(tides_renderer *r, const tides_trajectory *camera, td_expose_band *band,
-                                   td_row_window stretch, int depth, tides_error *error) {
-    const double length = stretch.stop - stretch.start;
-    double shortest = 0;
+/* Counts the stretches that a part takes, up to one more than there may be. */
+static tides_status count_stretches(tides_renderer *r, td_row_window part, int depth, int *count, tides_error *error) {
+    int more = 0;
+    tides_status status = depth < DEEPEST && *count <= STRETCHES_MAX ? is_long(r, part, &more, error) : TIDES_OK;
+    const double middle = middle_of(part);
+    *count += !more;
+    if (status == TIDES_OK && more) status = count_stretches(r, (td_row_window){part.start, middle}, depth + 1, count, error);
+    if (status == TIDES_OK && more) status = count_stretches(r, (td_row_window){middle, part.stop}, depth + 1, count, error);
+    return status;
+}
+
+static tides_status expose_part(tides_renderer *r, const tides_trajectory *camera, td_expose_band *band, td_row_window part,
+                                int depth, tides_error *error);
+
+static tides_status expose_halves(tides_renderer *r, const tides_trajectory *camera, td_expose_band *band, td_row_window part,
+                                  int depth, tides_error *error) {
+    const double middle = middle_of(part);
+    band->stretches++;
+    tides_status status = expose_part(r, camera, band, (td_row_window){part.start, middle}, depth + 1, error);
+    return status == TIDES_OK ? expose_part(r, camera, band, (td_row_window){middle, part.stop}, depth + 1, error) : status;
+}
+
+/* One stretch, or two halves of it: what motions are known to do is told before it is swept, what paths do by the sweep. */
+static tides_status expose_part(tides_renderer *r, const tides_trajectory *camera, td_expose_band *band, td_row_window part,
+                                int depth, tides_error *error) {
+    int more = 0;
     tides_status status = td_renderer_heed(r, 0, error);
-    if (status == TIDES_OK) status = td_dynamic_shortest(&r->dynamic, stretch.start, stretch.stop, &shortest, error);
+    if (status == TIDES_OK) status = is_long(r, part, &more, error);
     if (status != TIDES_OK) return status;
-    band->unknown = length > (1 << FINEST_LEVEL) * shortest * (1 + slack);
-    if (band->unknown && depth < DEEPEST) return expose_halves(r, camera, band, stretch, depth, error);
-    if (!(band->swept.start == stretch.start && band->swept.stop == stretch.stop))
-        status = td_renderer_sweep(r, camera, stretch.start, stretch.stop, error);
-    band->swept = stretch;
+    if (more && band->by_motions && depth < DEEPEST) return expose_halves(r, camera, band, part, depth, error);
+    if (!(band->swept.start == part.start && band->swept.stop == part.stop))
+        status = td_renderer_sweep(r, camera, part.start, part.stop, error);
+    band->swept = part;
     if (status != TIDES_OK) return status;
     const int strays = finest_path(r) > FINEST_LEVEL;
-    band->unknown |= strays;
-    if (strays && depth < DEEPEST) return expose_halves(r, camera, band, stretch, depth, error);
-    band->stretch = stretch;
+    if (strays && depth < DEEPEST && band->stretches < STRETCHES_MAX) return expose_halves(r, camera, band, part, depth, error);
+    band->unknown = more || strays;
+    band->stretch = part;
     status = find_asks(r, band, error);
     return status == TIDES_OK ? td_expose_panels(r, camera, band, error) : status;
 }
@@ -127,5 +148,9 @@ static tides_status expose_between(tides_renderer *r, const tides_trajectory *ca
 tides_status td_expose_stretches(tides_renderer *r, const tides_trajectory *camera, td_expose_band *band, td_row_window all,
                                  tides_error *error) {
     band->all = all;
-    return expose_between(r, camera, band, all, 0, error);
+    band->stretches = 0;
+    const tides_status status = count_stretches(r, all, 0, &band->stretches, error);
+    band->by_motions = band->stretches <= STRETCHES_MAX;
+    band->stretches = 1;
+    return status == TIDES_OK ? expose_part(r, camera, band, all, 0, error) : status;
 }

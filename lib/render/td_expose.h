@@ -34,6 +34,8 @@ typedef struct td_expose_band {
     td_row_window stretch;     /* and the part of that which is gone through (expose_stretches.c) */
     int asked;                 /* 1: something short may happen in it, which */
     float *asks;               /* (store.count) each Gaussian asks panels for; else may be NULL */
+    int stretches;             /* so far, */
+    int by_motions;            /* which are as short as motions' scales of time ask for */
     int unknown;               /* 1: something in it may be shorter than its panels can be */
 } td_expose_band;
 
