@@ -4,7 +4,10 @@
  * Pixel by pixel light is a cubic from node to node in time, through values and rates: a row's mean is that cubic's, over the
  * row's own exposure, in closed form. A *panel* is what lies between two nodes, and has a third one in its middle: what its
  * two halves say against the whole tells how wrong they are (error_of). The errors of a pixel's panels add up; while a sum is
- * above the tolerance the panels that have more than half their share of it are cut in two. */
+ * above the tolerance the panels that have more than half their share of it are cut in two.
+ *
+ * All of that is done for one *stretch* of the exposure after the other, most often one: stretches are as short as what motions
+ * and paths say that they do asks for (expose_stretches.c). */
 #ifndef TD_EXPOSE_H
 #define TD_EXPOSE_H
 
