@@ -12,7 +12,6 @@
 /* How many of their own diameters splats may travel in a first panel: with its middle node, one between two looks, so that
  * none passes a tile unseen. */
 static const double travel_of_panel = 2;
-enum { FIRST_PANELS_MAX = 64 };
 
 /* Tiles rendered in one batch: a frame's worth at 346x260, 15 planes of 2 kB each. */
 enum { BATCH_TILES = 512 };
@@ -304,8 +303,8 @@ static int first_panels(const expose_job *job, int tile, int *unknown) {
     const double travel = td_renderer_tile_travel(job->renderer, number) * part;
     const double asked = td_expose_asked(job->renderer, job->band, number) * part;
     int panels = 1;
-    while (panels < FIRST_PANELS_MAX && (travel > travel_of_panel * panels || asked > panels)) panels *= 2;
-    *unknown = job->band->unknown && asked > panels;
+    while (panels < TD_EXPOSE_PANELS && (travel > travel_of_panel * panels || asked > panels)) panels *= 2;
+    *unknown = asked > panels;
     return panels;
 }
 
@@ -470,7 +469,7 @@ tides_status td_expose_panels(tides_renderer *renderer, const tides_trajectory *
         job.sums && job.leaves && job.unknown && job.times && job.requests && job.planes ? TIDES_OK : TIDES_NO_MEMORY;
     for (int tile = 0; tile < tiles && status == TIDES_OK; tile++) status = begin_tile(&job, tile, error);
     if (status == TIDES_OK) status = refine(&job, error);
-    if (status == TIDES_OK && band->unknown) status = doubt_unknown(&job, error);
+    if (status == TIDES_OK && band->asked) status = doubt_unknown(&job, error);
     if (status == TIDES_OK) finish(&job);
     release(&job);
     return status;

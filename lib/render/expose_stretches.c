@@ -1,5 +1,5 @@
-/* An exposure is gone through in stretches, each swept and integrated by itself (expose_panels.c): so short that the shortest
- * thing that motions and paths say may happen in one takes a 64th of it. A lamp that flashes for 50 us in 10 ms would else be
+/* An exposure is gone through in stretches, each swept and integrated by itself (expose_panels.c): so short that no tile asks for
+ * more than 64 panels in one, by what motions and paths say that they do. A lamp that flashes for 50 us in 10 ms would else be
  * dark whenever it is looked at. Most exposures are one stretch. For expose.c. */
 #include "td_expose.h"
 
@@ -8,16 +8,17 @@
 
 #include <stdlib.h>
 
-/* Stretches of 64 pieces: so many at most, each a sweep; and halves of halves, down to nanoseconds. An exposure that takes more
- * is one stretch, and what may be in it counts as unknown. */
-enum { STRETCHES_MAX = 2048, DEEPEST = 20, FINEST_LEVEL = 6 };
+/* A stretch is halved, down to nanoseconds, while some tile asks for more panels than it may begin with; so many stretches at most, each a
+ * sweep. A sweep sees what takes a 4096th of it, and as it is of all Gaussians, an exposure is cut for that into fewer. What takes
+ * more is not looked for, and what may be in it counts as unknown. */
+enum { STRETCHES_MAX = 2048, DEEPEST = 20, SWEEPS_MAX = 64, SEEN_MOST = 1 << (TD_STRAY_LEVELS - 1) };
 
 /* A path that strays by more than this from the cubics of so many pieces [px] does something in them that looks may miss; what
  * is less than that they needn't be made for, and what takes longer than pieces of this level a tile's travel tells. */
 static const double strays_px = 0.25;
 enum { LEAST_STRAY_LEVEL = 5 };
 
-/* Scales this much below a 64th, by rounding, don't count. */
+/* Scales this much below what a sweep sees, by rounding, don't count. */
 static const double slack = 1e-6;
 
 /* 2^level pieces of the interval swept last follow the path of an object. */
@@ -37,6 +38,13 @@ static int finest_path(const tides_renderer *r) {
     return finest;
 }
 
+/* By what the sweep found rough; of a colour filter's channels the roughest. */
+static double rough_pieces(const tides_renderer *r, int gaussian) {
+    double most = 0;
+    for (; r; r = r->beside) most = td_greater(most, 2 * (double)r->travel[gaussian]);
+    return most;
+}
+
 /* What Gaussians of an object that moves them by itself ask for: those that something shorter than the stretch may happen to.
  * Where the motion knows which of them rest, the others ask for all pieces; else what the sweep found rough does, which is by
  * how much they differ from what coarser pieces show, unless it can't have seen all. */
@@ -44,7 +52,6 @@ static tides_status ask_for_moved(const tides_renderer *r, td_dynamic_object *ob
                                   tides_error *error) {
     const tides_motion *motion = object->of.motion;
     const uint8_t *level = r->dynamic.level + object->base;
-    const float *travel = r->travel + object->first;
     double from = 0, to = 0;
     int finest = 0;
     for (int i = 0; i < object->count; i++) finest = level[i] > finest ? level[i] : finest;
@@ -56,7 +63,7 @@ static tides_status ask_for_moved(const tides_renderer *r, td_dynamic_object *ob
     if (rests && status == TIDES_OK) status = motion->type->find_resting(motion, &object->of.gaussians, from, to, rests, error);
     for (int i = 0; i < object->count && status == TIDES_OK; i++) {
         const int32_t pieces = level[i] > 0 ? 1 << level[i] : 0;
-        const double rough = td_lesser(2 * (double)travel[i], pieces);
+        const double rough = pieces > 0 ? td_lesser(rough_pieces(r, object->first + i), pieces) : 0;
         const int all = rests ? !rests[r->store.number[object->first + i]] : band->unknown;
         band->asks[object->first + i] = (float)(all ? pieces : rough);
     }
@@ -78,7 +85,7 @@ static tides_status find_asks(tides_renderer *r, td_expose_band *band, tides_err
     for (int g = 0; g < r->store.count && paths > 0; g++) {
         const int level = path_level(r, r->store.object[g]);
         const double pieces = level > 0 ? 1 << level : 0;
-        band->asks[g] = (float)td_greater(td_lesser(2 * (double)r->travel[g], pieces), (double)band->asks[g]);
+        band->asks[g] = (float)td_greater(td_lesser(rough_pieces(r, g), pieces), (double)band->asks[g]);
     }
     return status;
 }
@@ -95,22 +102,31 @@ double td_expose_asked(const tides_renderer *r, const td_expose_band *band, int 
 
 static double middle_of(td_row_window stretch) { return stretch.start + 0.5 * (stretch.stop - stretch.start); }
 
-/* May something in a stretch be too short for it? */
-static tides_status is_long(tides_renderer *r, td_row_window stretch, int *is, tides_error *error) {
+/* The most panels that any tile of the band asks for. */
+static double most_asked(const tides_renderer *r, const td_expose_band *band) {
+    const int across = r->candidates.tiles_x;
+    double most = 0;
+    for (int tile = band->first * across; tile < band->last * across && band->asked; tile++)
+        most = td_greater(most, td_expose_asked(r, band, tile));
+    return most;
+}
+
+/* May something in a part be too short for its sweep? */
+static tides_status is_long(tides_renderer *r, td_row_window part, int *is, tides_error *error) {
     double shortest = INFINITY;
-    const tides_status status = td_dynamic_shortest(&r->dynamic, stretch.start, stretch.stop, &shortest, error);
-    *is = stretch.stop - stretch.start > (1 << FINEST_LEVEL) * shortest * (1 + slack);
+    const tides_status status = td_dynamic_shortest(&r->dynamic, part.start, part.stop, &shortest, error);
+    *is = part.stop - part.start > SEEN_MOST * shortest * (1 + slack);
     return status;
 }
 
-/* Counts the stretches that a part takes, up to one more than there may be. */
-static tides_status count_stretches(tides_renderer *r, td_row_window part, int depth, int *count, tides_error *error) {
+/* Counts the sweeps that a part takes, up to one more than there may be. */
+static tides_status count_sweeps(tides_renderer *r, td_row_window part, int depth, int *count, tides_error *error) {
     int more = 0;
-    tides_status status = depth < DEEPEST && *count <= STRETCHES_MAX ? is_long(r, part, &more, error) : TIDES_OK;
+    tides_status status = depth < DEEPEST && *count <= SWEEPS_MAX ? is_long(r, part, &more, error) : TIDES_OK;
     const double middle = middle_of(part);
     *count += !more;
-    if (status == TIDES_OK && more) status = count_stretches(r, (td_row_window){part.start, middle}, depth + 1, count, error);
-    if (status == TIDES_OK && more) status = count_stretches(r, (td_row_window){middle, part.stop}, depth + 1, count, error);
+    if (status == TIDES_OK && more) status = count_sweeps(r, (td_row_window){part.start, middle}, depth + 1, count, error);
+    if (status == TIDES_OK && more) status = count_sweeps(r, (td_row_window){middle, part.stop}, depth + 1, count, error);
     return status;
 }
 
@@ -125,32 +141,30 @@ static tides_status expose_halves(tides_renderer *r, const tides_trajectory *cam
     return status == TIDES_OK ? expose_part(r, camera, band, (td_row_window){middle, part.stop}, depth + 1, error) : status;
 }
 
-/* One stretch, or two halves of it: what motions are known to do is told before it is swept, what paths do by the sweep. */
+/* One stretch, or two halves of it. */
 static tides_status expose_part(tides_renderer *r, const tides_trajectory *camera, td_expose_band *band, td_row_window part,
                                 int depth, tides_error *error) {
-    int more = 0;
     tides_status status = td_renderer_heed(r, 0, error);
-    if (status == TIDES_OK) status = is_long(r, part, &more, error);
+    if (status == TIDES_OK) status = is_long(r, part, &band->unknown, error);
     if (status != TIDES_OK) return status;
-    if (more && band->by_motions && depth < DEEPEST) return expose_halves(r, camera, band, part, depth, error);
+    if (band->unknown && band->by_sweeps && depth < DEEPEST) return expose_halves(r, camera, band, part, depth, error);
     if (!(band->swept.start == part.start && band->swept.stop == part.stop))
         status = td_renderer_sweep(r, camera, part.start, part.stop, error);
     band->swept = part;
+    if (status == TIDES_OK) status = find_asks(r, band, error);
     if (status != TIDES_OK) return status;
-    const int strays = finest_path(r) > FINEST_LEVEL;
-    if (strays && depth < DEEPEST && band->stretches < STRETCHES_MAX) return expose_halves(r, camera, band, part, depth, error);
-    band->unknown = more || strays;
+    if (most_asked(r, band) > TD_EXPOSE_PANELS && !band->unknown && depth < DEEPEST && band->stretches < STRETCHES_MAX)
+        return expose_halves(r, camera, band, part, depth, error);
     band->stretch = part;
-    status = find_asks(r, band, error);
-    return status == TIDES_OK ? td_expose_panels(r, camera, band, error) : status;
+    return td_expose_panels(r, camera, band, error);
 }
 
 tides_status td_expose_stretches(tides_renderer *r, const tides_trajectory *camera, td_expose_band *band, td_row_window all,
                                  tides_error *error) {
+    int sweeps = 0;
     band->all = all;
-    band->stretches = 0;
-    const tides_status status = count_stretches(r, all, 0, &band->stretches, error);
-    band->by_motions = band->stretches <= STRETCHES_MAX;
     band->stretches = 1;
+    const tides_status status = count_sweeps(r, all, 0, &sweeps, error);
+    band->by_sweeps = sweeps <= SWEEPS_MAX;
     return status == TIDES_OK ? expose_part(r, camera, band, all, 0, error) : status;
 }

@@ -17,6 +17,9 @@
 /* Times of a row of tiles are counted in these parts of its exposure, so that tiles share them to the bit. */
 enum { TD_EXPOSE_PARTS = 4096 };
 
+/* Panels that a tile begins with, at most. */
+enum { TD_EXPOSE_PANELS = 64 };
+
 /* A row's exposure [s after the epoch]; stop == start is an instant. */
 typedef struct td_row_window {
     double start, stop;
@@ -38,8 +41,8 @@ typedef struct td_expose_band {
     int asked;                 /* 1: something short may happen in it, which */
     float *asks;               /* (store.count) each Gaussian asks panels for; else may be NULL */
     int stretches;             /* so far, */
-    int by_motions;            /* which are as short as motions' scales of time ask for */
-    int unknown;               /* 1: something in it may be shorter than its panels can be */
+    int by_sweeps;             /* 1: none is too long for its sweep to see what motions may do */
+    int unknown;               /* 1: this one is */
 } td_expose_band;
 
 /* When a row of tiles is exposed: the union of its rows' windows. */
