@@ -1,6 +1,6 @@
-/* An exposure is gone through in stretches, each swept and integrated by itself (expose_panels.c): so short that no tile asks for
- * more than 64 panels in one, by what motions and paths say that they do. A lamp that flashes for 50 us in 10 ms would else be
- * dark whenever it is looked at. Most exposures are one stretch. For expose.c. */
+/* An exposure is gone through in stretches, each swept and integrated by itself (expose_panels.c): so short that no tile asks
+ * for more than 64 panels in one, by what motions and paths say that they do. A lamp that flashes for 50 us in 10 ms would else
+ * be dark whenever it is looked at. Most exposures are one stretch. For expose.c. */
 #include "td_expose.h"
 
 #include "motion/td_motion.h"
@@ -8,9 +8,9 @@
 
 #include <stdlib.h>
 
-/* A stretch is halved, down to nanoseconds, while some tile asks for more panels than it may begin with; so many stretches at most, each a
- * sweep. A sweep sees what takes a 4096th of it, and as it is of all Gaussians, an exposure is cut for that into fewer. What takes
- * more is not looked for, and what may be in it counts as unknown. */
+/* A stretch is halved, down to nanoseconds, while some tile asks for more panels than it may begin with; so many stretches at
+ * most, each a sweep. A sweep sees what takes a 4096th of it, and as it is of all Gaussians, an exposure is cut for that into
+ * fewer. What takes more is not looked for, and what may be in it counts as unknown. */
 enum { STRETCHES_MAX = 2048, DEEPEST = 20, SWEEPS_MAX = 64, SEEN_MOST = 1 << (TD_STRAY_LEVELS - 1) };
 
 /* A path that strays by more than this from the cubics of so many pieces [px] does something in them that looks may miss; what

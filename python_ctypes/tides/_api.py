@@ -1994,7 +1994,7 @@ class tides_exposed(Structure):
     """double error; /* largest estimated error of a pixel's mean light [1]; above the tolerance where pixels are unsettled */
     double renders; /* full frames' worth of tiles rendered */
     uint64_t unsettled; /* pixels that no cut to 1/4096 of the frame's exposure, or of what something short takes of it, brought
-    within the tolerance; and those that see what may be shorter than 1/131072 of it all along */
+    within the tolerance; and those that see what may be shorter than 1/262144 of it all along */
     """
 
     error: float
