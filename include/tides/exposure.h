@@ -1,8 +1,8 @@
 /* Frames as cameras make them: light gathered for a while, by a global or a rolling shutter, and written as numbers.
  *
  * A row that is exposed from a to b sees the mean of linear light, Y or (r, g, b), over [a, b]. That mean is integrated from
- * renders and their exact rates, tile by tile, at as many times as the asked tolerance needs. A frame's time is the middle of
- * its middle row's exposure. */
+ * renders and their exact rates, tile by tile, at as many times as the asked tolerance needs, and as what motions and paths say
+ * of themselves asks for: a flash of some microseconds is in it. A frame's time is the middle of its middle row's exposure. */
 #ifndef TIDES_EXPOSURE_H
 #define TIDES_EXPOSURE_H
 
@@ -53,7 +53,8 @@ TIDES_API double tides_exposure_time(const tides_exposure *exposure, int32_t hei
 typedef struct tides_exposed {
     double error;   /* largest estimated error of a pixel's mean light [1]; above the tolerance where pixels are unsettled */
     double renders; /* full frames' worth of tiles rendered */
-    uint64_t unsettled; /* pixels that no cut to 1/4096 of the frame's exposure brought within the tolerance */
+    uint64_t unsettled; /* pixels that no cut to 1/4096 of the frame's exposure, or of what something short takes of it, brought
+                           within the tolerance; and those that see what may be shorter than 1/262144 of it all along */
 } tides_exposed;
 
 /* Mean linear light of the frame at `time` [s] seen from `camera`: light (planes x height x width), row 0 on top, caller's

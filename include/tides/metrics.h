@@ -130,7 +130,8 @@ typedef struct tides_metrics {
     /* Events as points (x, y, v t), each polarity and window by itself, one point per cell (the mean of its events);
      * distances to the nearest point of the other stream, at most chamfer_limit_px; C = (mean + mean) / 2, averaged over the
      * terms with their numbers of points. A term with one stream empty counts as the limit. */
-    double speed_px_per_s; /* v: given, or 1 / median time to the latest event of the 4-neighbours and polarity within 50 ms */
+    double speed_px_per_s; /* v: given, or 1 / median time since the latest earlier event, within 50 ms, of the 4-neighbours and
+                              the polarity: one at the same time doesn't count */
     double chamfer_px;     /* C [px] */
     double chamfer_fraction;                                 /* of the diagonal */
     double chamfer_limit_px;                                 /* min(v window, diagonal) */

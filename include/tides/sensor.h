@@ -66,7 +66,7 @@ typedef struct tides_sensor {
     double leak_sigma;      /* decades of log-normal spread of that rate from pixel to pixel */
     double b_min;           /* pixels with less coverage than this stay silent, in [0, 1] */
     double shot_noise_hz;   /* noise events, both polarities, of a pixel at Y = 0; 0.264 of it at Y = 1, linear between [Hz] */
-    double hot_pixel_fraction, hot_pixel_rate_hz; /* of all pixels [1]; their noise events a second, both polarities [Hz] */
+    double hot_pixel_fraction, hot_pixel_rate_hz; /* of all pixels [1]; their ON events a second [Hz] */
     double dead_pixel_fraction;                   /* of all pixels: those that never fire [1] */
 
     double psf_sigma_px;            /* [px] */

@@ -64,8 +64,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_run(tides_session *session
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_simulator(tides_session *session, tides_progress progress, void *user,
                                                                 tides_simulator **simulator, tides_error *error);
 
-/* A renderer of the run's scene by its image rules; TIDES_UNSUPPORTED for runs on frames. The optics' blur is the sensor's:
- * tides_renderer_set_psf. The caller destroys it before the session. */
+/* A renderer of the run's scene by its image rules; TIDES_UNSUPPORTED for runs on frames. The optics' blur
+ * (frontend.psf_sigma_px) is the sensor's and is left out: tides_renderer_set_psf adds it. The caller destroys it before the
+ * session. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_renderer(tides_session *session, tides_progress progress, void *user,
                                                                tides_renderer **renderer, tides_error *error);
 

@@ -194,8 +194,9 @@ TIDES_API void tides_simulator_destroy(tides_simulator *simulator);
 /* Advances to `until` (at most stop), giving `sink` the events of each packet, sorted by (t, y, x, polarity). Event times are
  * absolute nanoseconds: those of `start`, rounded once to the nearest one, and whole ones since then, floored. Steps lie on
  * the grid start + k step_s whatever `until` is (a last one below 1/1024 of step_s is part of the one before), so a run cut
- * into several calls gives the same events: times between grid points end at the last grid point before them, except `stop`;
- * where doubles as late as the run can't tell some grid points apart, it ends at the last of these. Where a path is open, and
+ * into several calls gives the same events: times between grid points end at the last grid point before them, except `stop`.
+ * A time within rounding of a grid point is that point: 0.051 is the end of 51 steps of 0.001, and so is their sum; where
+ * doubles as late as the run can't tell some grid points apart, it ends at the last of these. Where a path is open, and
  * not told that far: TIDES_OUT_OF_RANGE, naming it; nothing happened, and the call may be made again. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_run(tides_simulator *simulator, double until, tides_event_sink sink,
                                                             void *sink_user, tides_progress progress, void *user,

@@ -73,7 +73,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_append(tides_trajectory
 TIDES_API int32_t tides_trajectory_is_open(const tides_trajectory *trajectory);
 
 /* Lets an open path forget samples that its curve from `time` on doesn't need, when they are half of it or more: nothing it
- * says of later times changes. Other paths keep all of theirs. */
+ * says of later times changes. Other paths keep all of theirs. A simulator that follows it must have reached `time`, and have
+ * two steps behind it: the second keeps what it needs of the run's start. */
 TIDES_API void tides_trajectory_forget(tides_trajectory *trajectory, double time);
 
 /* NULL is fine. */

@@ -86,10 +86,10 @@ static tides_status check(const tides_motion *motion, const tides_gaussians *gau
 
 /* -- slopes --------------------------------------------------------------------------------------------------------- */
 
-/* One Gaussian's channels over all frames, (T x channels). */
-void td_keyframes_gather(const td_keyframes *keys, int64_t gaussian, double *out) {
-    for (int64_t frame = 0; frame < keys->frames; frame++) {
-        double *row = out + frame * keys->channels;
+void td_keyframes_gather(const td_keyframes *keys, td_key_range range, int64_t gaussian, double *out) {
+    for (int64_t at = 0; at < range.count; at++) {
+        const int64_t frame = range.first + at;
+        double *row = out + at * keys->channels;
         for (int part = 0; part < TD_KEYS_PARTS; part++)
             for (int k = 0; k < keys->width[part]; k++)
                 row[keys->first[part] + k] =
@@ -97,7 +97,7 @@ void td_keyframes_gather(const td_keyframes *keys, int64_t gaussian, double *out
         for (int axis = 0; axis < 3; axis++) row[keys->first[TD_KEYS_MEAN] + axis] = frame_mean(keys, frame, gaussian, axis);
         double *q = row + keys->first[TD_KEYS_QUATERNION], *last = q - keys->channels, norm = 0, along = 0;
         for (int k = 0; k < 4; k++) norm += q[k] * q[k];
-        for (int k = 0; k < 4 && frame > 0; k++) along += q[k] * last[k];
+        for (int k = 0; k < 4 && at > 0; k++) along += q[k] * last[k];
         norm = along < 0 ? -sqrt(norm) : sqrt(norm);
         for (int k = 0; k < 4; k++) q[k] /= norm;
     }
@@ -105,10 +105,10 @@ void td_keyframes_gather(const td_keyframes *keys, int64_t gaussian, double *out
 
 /* Those of Catmull and Rom: through the frames on both sides; at an end, half the slope of its interval, as if the end's frame
  * stood there twice. */
-void td_keyframes_differences(const td_keyframes *keys, const double *value, double *slope) {
-    for (int64_t i = 0; i < keys->frames; i++) {
-        int64_t before = i > 0 ? i - 1 : i, after = i + 1 < keys->frames ? i + 1 : i;
-        double span = td_keyframes_time(keys, after) - td_keyframes_time(keys, before);
+void td_keyframes_differences(const td_keyframes *keys, td_key_range range, const double *value, double *slope) {
+    for (int64_t i = 0; i < range.count; i++) {
+        int64_t before = i > 0 ? i - 1 : i, after = i + 1 < range.count ? i + 1 : i;
+        double span = td_keyframes_time(keys, range.first + after) - td_keyframes_time(keys, range.first + before);
         if (before == i || after == i) span *= 2;
         for (int k = 0; k < keys->channels; k++)
             slope[i * keys->channels + k] = (value[after * keys->channels + k] - value[before * keys->channels + k]) / span;
@@ -147,9 +147,9 @@ static tides_status pack_frames(const tides_motion *motion, const td_keyframes *
     tides_status status = value && slope && knots ? TIDES_OK : TIDES_NO_MEMORY;
     int catmull_rom = td_motion_setting(motion, "catmull_rom", 0) != 0;
     for (int64_t i = 0; i < keys->gaussians && status == TIDES_OK; i++) {
-        td_keyframes_gather(keys, i, value);
+        td_keyframes_gather(keys, td_keyframes_all(keys), i, value);
         if (catmull_rom)
-            td_keyframes_differences(keys, value, slope);
+            td_keyframes_differences(keys, td_keyframes_all(keys), value, slope);
         else
             status = spline_slopes(keys, value, slope, knots, error);
         for (int64_t entry = 0; entry < (int64_t)size; entry++) {
@@ -241,6 +241,7 @@ const td_motion_class td_keyframes_class = {.name = "keyframes",
                                             .joints = td_keyframes_joints,
                                             .scale = td_keyframes_scale,
                                             .scales = td_keyframes_scales,
+                                            .find_resting = td_keyframes_find_resting,
                                             .find_moving = find_moving};
 
 /* Each time as the sum of two floats. */

@@ -67,14 +67,14 @@ static void end_slope(const td_keyframes *keys, const double *value, int64_t end
     }
 }
 
-/* 1 where frames between `from` and `to` are on the cubics through these two. */
-static int is_smooth(const td_keyframes *keys, const double *value, const double *slope, const double *allowed, int64_t from,
-                     int64_t to) {
+/* 1 where frames between `from` and `to` are on the cubics through these two: all are counted from frame `first` on. */
+static int is_smooth(const td_keyframes *keys, int64_t first, const double *value, const double *slope, const double *allowed,
+                     int64_t from, int64_t to) {
     const int width = keys->channels;
     const double *x0 = value + from * width, *x1 = value + to * width, *r0 = slope + from * width, *r1 = slope + to * width;
-    double start = td_keyframes_time(keys, from), h = td_keyframes_time(keys, to) - start;
+    double start = td_keyframes_time(keys, first + from), h = td_keyframes_time(keys, first + to) - start;
     for (int64_t i = from + 1; i < to; i++) {
-        double s = (td_keyframes_time(keys, i) - start) / h, rest = 1 - s, way = s * s * (3 - 2 * s);
+        double s = (td_keyframes_time(keys, first + i) - start) / h, rest = 1 - s, way = s * s * (3 - 2 * s);
         for (int k = 0; k < width; k++) {
             double cubic = x0[k] + way * (x1[k] - x0[k]) + h * s * rest * (rest * r0[k] - s * r1[k]);
             if (!(fabs(value[i * width + k] - cubic) <= allowed[k])) return 0;
@@ -90,7 +90,7 @@ static double smooth_time(const td_keyframes *keys, const double *value, const d
         double least = INFINITY;
         for (int64_t from = 0; from + 1 < keys->frames; from += stride) {
             int64_t to = from + stride < keys->frames ? from + stride : keys->frames - 1;
-            if (!is_smooth(keys, value, slope, allowed, from, to)) return smooth;
+            if (!is_smooth(keys, 0, value, slope, allowed, from, to)) return smooth;
             if (to == from + stride) least = fmin(least, td_keyframes_time(keys, to) - td_keyframes_time(keys, from));
         }
         smooth = least;
@@ -108,8 +108,8 @@ void td_keyframes_scales(const tides_motion *motion, const tides_gaussians *gaus
     double *allowed = malloc((size_t)keys.channels * sizeof *allowed);
     for (int64_t i = 0; i < keys.gaussians && value && slope && allowed;
          i++) { /* without memory frames are taken as they are */
-        td_keyframes_gather(&keys, i, value);
-        td_keyframes_differences(&keys, value, slope);
+        td_keyframes_gather(&keys, td_keyframes_all(&keys), i, value);
+        td_keyframes_differences(&keys, td_keyframes_all(&keys), value, slope);
         if (keys.frames > 2 && td_motion_setting(motion, "catmull_rom", 0) == 0) {
             end_slope(&keys, value, 0, 1, slope);
             end_slope(&keys, value, keys.frames - 1, -1, slope);
@@ -120,4 +120,34 @@ void td_keyframes_scales(const tides_motion *motion, const tides_gaussians *gaus
     free(value);
     free(slope);
     free(allowed);
+}
+
+/* What frames of something that rests may be off by, of what they may be off elsewhere: exposed frames see less of it than
+ * their tolerance. */
+static const double off_at_rest = 0.1;
+
+tides_status td_keyframes_find_resting(const tides_motion *motion, const tides_gaussians *gaussians, double from, double to,
+                                       uint8_t *rests, tides_error *error) {
+    td_keyframes keys;
+    tides_status status = td_keyframes_fields(motion, gaussians, &keys, error);
+    if (status != TIDES_OK) return status;
+    const int64_t after = frame_after(&keys, from), first = after > 0 ? after - 1 : 0; /* [from, to] lies within these, */
+    const int64_t beyond = frame_after(&keys, to), last = beyond < keys.frames ? beyond : keys.frames - 1;
+    const int64_t begin = first > 0 ? first - 1 : 0, end = last + 1 < keys.frames ? last + 1 : last; /* and slopes see these */
+    const td_key_range range = {begin, end - begin + 1};
+    const size_t size = (size_t)(range.count * keys.channels);
+    double *value = td_alloc(size, sizeof *value, error), *slope = td_alloc(size, sizeof *slope, error);
+    double *allowed = td_alloc((size_t)keys.channels, sizeof *allowed, error);
+    status = value && slope && allowed ? TIDES_OK : TIDES_NO_MEMORY;
+    for (int64_t i = 0; i < keys.gaussians && status == TIDES_OK; i++) {
+        td_keyframes_gather(&keys, range, i, value);
+        td_keyframes_differences(&keys, range, value, slope);
+        allow(&keys, gaussians, i, allowed);
+        for (int k = 0; k < keys.channels; k++) allowed[k] *= off_at_rest;
+        rests[i] = (uint8_t)is_smooth(&keys, begin, value, slope, allowed, first - begin, last - begin);
+    }
+    free(value);
+    free(slope);
+    free(allowed);
+    return status;
 }

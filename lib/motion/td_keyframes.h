@@ -26,15 +26,23 @@ static inline double td_keyframes_time(const td_keyframes *keys, int64_t frame) 
     return (double)keys->time->value[2 * frame] + keys->time->value[2 * frame + 1];
 }
 
-/* One Gaussian's channels over all frames, (T x channels), quaternions normalised and of one sign. */
-void td_keyframes_gather(const td_keyframes *keys, int64_t gaussian, double *out);
+/* Some frames: [first, first + count). */
+typedef struct td_key_range {
+    int64_t first, count;
+} td_key_range;
+static inline td_key_range td_keyframes_all(const td_keyframes *keys) { return (td_key_range){0, keys->frames}; }
 
-/* Slopes of Catmull and Rom, likewise. */
-void td_keyframes_differences(const td_keyframes *keys, const double *value, double *slope);
+/* One Gaussian's channels over some frames, (count x channels), quaternions normalised and of one sign. */
+void td_keyframes_gather(const td_keyframes *keys, td_key_range range, int64_t gaussian, double *out);
 
-/* td_motion_class.joints, .scale and .scales (keyframes_scale.c). */
+/* Slopes of Catmull and Rom, likewise; at a range's ends as if no frames were beyond. */
+void td_keyframes_differences(const td_keyframes *keys, td_key_range range, const double *value, double *slope);
+
+/* td_motion_class.joints, .scale, .scales and .find_resting (keyframes_scale.c). */
 size_t td_keyframes_joints(const tides_motion *motion, double from, double to, double *tau, size_t capacity);
 double td_keyframes_scale(const tides_motion *motion, double from, double to);
 void td_keyframes_scales(const tides_motion *motion, const tides_gaussians *gaussians, td_time_scale *scales);
+tides_status td_keyframes_find_resting(const tides_motion *motion, const tides_gaussians *gaussians, double from, double to,
+                                       uint8_t *rests, tides_error *error);
 
 #endif

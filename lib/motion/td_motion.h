@@ -77,6 +77,11 @@ typedef struct td_motion_class {
      * interval. NULL: there's none but that of all. */
     void (*scales)(const tides_motion *motion, const tides_gaussians *gaussians, td_time_scale *scales);
 
+    /* rests[i] = 1 where Gaussian i (gaussians->count) is known to do nothing on its shortest scale between `from` and `to`.
+     * NULL: nothing is known. TIDES_NO_MEMORY. */
+    tides_status (*find_resting)(const tides_motion *motion, const tides_gaussians *gaussians, double from, double to,
+                                 uint8_t *rests, tides_error *error);
+
     /* moving[i] = 0 where Gaussian i is the same at all times. NULL: all move. */
     void (*find_moving)(const tides_motion *motion, const tides_gaussians *gaussians, uint8_t *moving);
 

@@ -104,18 +104,38 @@ static td_row_window band_from(const tides_renderer *r, td_expose_band *band) {
     return all;
 }
 
+/* A band's rows of light are sums from 0 on, and so are the estimates of its pixels. */
+static tides_status clear_band(const tides_renderer *r, td_expose_band *band, tides_error *error) {
+    const td_image *image = &r->image;
+    const int y0 = band->first * TD_TILE, y1 = band->last * TD_TILE;
+    const size_t rows = (size_t)((y1 < image->height ? y1 : image->height) - y0), width = (size_t)image->width;
+    for (int c = 0; c < band->planes; c++)
+        memset(band->light + ((size_t)c * image->height + (size_t)y0) * width, 0, rows * width * sizeof(double));
+    band->sums =
+        td_alloc((size_t)((band->last - band->first) * r->candidates.tiles_x) * TD_TILE_PIXELS, sizeof *band->sums, error);
+    return band->sums ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
+static void judge_band(const tides_renderer *r, td_expose_band *band) {
+    const size_t count = (size_t)((band->last - band->first) * r->candidates.tiles_x) * TD_TILE_PIXELS;
+    for (size_t i = 0; i < count; i++) {
+        band->error = td_greater(band->error, band->sums[i]);
+        band->unsettled += band->sums[i] > band->tolerance;
+    }
+}
+
 /* Band by band, each swept for its own time, unless that is the one before's. */
 static tides_status expose_bands(tides_renderer *r, const tides_trajectory *camera, td_expose_band *band, tides_error *error) {
-    td_row_window swept = {INFINITY, -INFINITY};
     tides_status status = TIDES_OK;
+    band->swept = (td_row_window){INFINITY, -INFINITY};
     for (band->first = 0; band->first < r->candidates.tiles_y && status == TIDES_OK; band->first = band->last) {
         const td_row_window now = band_from(r, band);
         td_renderer_set_part(r, (double)band->first / r->candidates.tiles_y, 0); /* how many levels a band takes isn't known */
-        status = td_renderer_heed(r, 0, error);
-        if (status == TIDES_OK && !(now.start == swept.start && now.stop == swept.stop))
-            status = td_renderer_sweep(r, camera, now.start, now.stop, error);
-        swept = now;
-        if (status == TIDES_OK) status = td_expose_panels(r, camera, band, error);
+        status = clear_band(r, band, error);
+        if (status == TIDES_OK) status = td_expose_stretches(r, camera, band, now, error);
+        if (status == TIDES_OK) judge_band(r, band);
+        free(band->sums);
+        band->sums = NULL;
     }
     td_renderer_set_part(r, 0, 1);
     return status;
@@ -146,6 +166,7 @@ tides_status tides_renderer_expose(tides_renderer *r, const tides_trajectory *ca
     for (int c = 0; c < band.planes && status == TIDES_OK; c++) /* blur and mean are linear: either order */
         status = td_psf_image(&r->psf, r->image.width, height, light + (size_t)c * height * r->image.width, error);
     if (done && status == TIDES_OK) *done = (tides_exposed){band.error, (double)band.tiles / r->stats.tiles, band.unsettled};
+    free(band.asks);
     free(rows);
     return status;
 }

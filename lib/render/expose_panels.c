@@ -12,7 +12,6 @@
 /* How many of their own diameters splats may travel in a first panel: with its middle node, one between two looks, so that
  * none passes a tile unseen. */
 static const double travel_of_panel = 2;
-enum { FIRST_PANELS_MAX = 64 };
 
 /* Tiles rendered in one batch: a frame's worth at 346x260, 15 planes of 2 kB each. */
 enum { BATCH_TILES = 512 };
@@ -46,6 +45,7 @@ typedef struct expose_job {
     size_t panel_count, panel_capacity, error_capacity, judged;
     double *sums;  /* (tiles x TD_TILE_PIXELS) of a pixel's errors, and then */
     int *leaves;   /* (tiles) panels that aren't cut */
+    int *unknown;  /* (tiles) 1: something may be shorter than any of its panels */
     double *times; /* scratch of a batch */
     td_request *requests;
     double *planes;
@@ -57,9 +57,31 @@ td_row_window td_expose_tile_row(const td_expose_band *band, int height, int til
     return (td_row_window){td_lesser(a.start, b.start), td_greater(a.stop, b.stop)};
 }
 
-static td_row_window window_of(const expose_job *job, int tile) {
+static td_row_window exposure_of(const expose_job *job, int tile) {
     return td_expose_tile_row(job->band, job->renderer->image.height, job->band->first + tile / job->tiles_x);
 }
+
+/* What of a tile's exposure is in the stretch; nothing where it stops before it starts. */
+static td_row_window window_of(const expose_job *job, int tile) {
+    const td_row_window all = exposure_of(job, tile), stretch = job->band->stretch;
+    return (td_row_window){td_greater(all.start, stretch.start), td_lesser(all.stop, stretch.stop)};
+}
+
+/* Is any of it in the stretch? An instant between two is the later one's. */
+static int is_exposed(const expose_job *job, int tile) {
+    const td_row_window all = exposure_of(job, tile), stretch = job->band->stretch, own = window_of(job, tile);
+    if (all.stop > all.start) return own.stop > own.start;
+    return all.start >= stretch.start && (all.start < stretch.stop || stretch.stop >= job->band->all.stop);
+}
+
+/* How much of it is. */
+static double share_of(const expose_job *job, int tile) {
+    const td_row_window all = exposure_of(job, tile), own = window_of(job, tile);
+    return all.stop > all.start ? (own.stop - own.start) / (all.stop - all.start) : 1;
+}
+
+/* A tile's last moment is exposed, too; others are the next stretch's. */
+static int is_last(const expose_job *job, int tile, double time) { return time >= exposure_of(job, tile).stop; }
 
 static double time_of(const expose_job *job, const node *n) {
     const td_row_window w = window_of(job, n->tile);
@@ -178,7 +200,7 @@ static void row_weights(const expose_job *job, int from, int to, weights rows[TD
     const int y0 = (job->band->first + a->tile / job->tiles_x) * TD_TILE, height = job->renderer->image.height;
     for (int y = 0; y < TD_TILE; y++) {
         const int row = y0 + y < height ? y0 + y : height - 1;
-        rows[y] = weights_of(job->band->rows[row], time_of(job, a), time_of(job, b), b->part == TD_EXPOSE_PARTS);
+        rows[y] = weights_of(job->band->rows[row], time_of(job, a), time_of(job, b), is_last(job, a->tile, time_of(job, b)));
     }
 }
 
@@ -271,17 +293,31 @@ static tides_status add_panel(expose_job *job, int tile, int from, int to, tides
     return status;
 }
 
-/* Panels to begin with: as many as what the tile may see travels through; a power of two, so that tiles share times. One node
- * and no panel where nothing moves. */
-static tides_status begin_tile(expose_job *job, int tile, tides_error *error) {
+/* How many panels a tile begins with: as many as what it may see travels through, or as scales of time ask for; a power of two,
+ * so that tiles share times. `*unknown`: these would take more. */
+static int first_panels(const expose_job *job, int tile, int *unknown) {
     const int number = job->band->first * job->tiles_x + tile;
-    const td_row_window w = window_of(job, tile);
     const double *swept = job->renderer->swept;
-    int panels = 1, from = 0, to = 0;
+    const td_row_window w = window_of(job, tile);
+    const double part = (w.stop - w.start) / (swept[1] - swept[0]);
+    const double travel = td_renderer_tile_travel(job->renderer, number) * part;
+    const double asked = td_expose_asked(job->renderer, job->band, number) * part;
+    int panels = 1;
+    while (panels < TD_EXPOSE_PANELS && (travel > travel_of_panel * panels || asked > panels)) panels *= 2;
+    *unknown = asked > panels;
+    return panels;
+}
+
+/* Its panels; one node and no panel where nothing moves. */
+static tides_status begin_tile(expose_job *job, int tile, tides_error *error) {
+    const td_row_window w = window_of(job, tile);
+    int from = 0, to = 0;
+    if (!is_exposed(job, tile)) return TIDES_OK;
     tides_status status = add_node(job, tile, 0, &from, error);
-    if (status != TIDES_OK || !(w.stop > w.start) || !td_renderer_tile_moves(job->renderer, number)) return status;
-    const double travel = td_renderer_tile_travel(job->renderer, number) * (w.stop - w.start) / (swept[1] - swept[0]);
-    while (panels < FIRST_PANELS_MAX && travel > travel_of_panel * panels) panels *= 2;
+    if (status != TIDES_OK || !(w.stop > w.start) ||
+        !td_renderer_tile_moves(job->renderer, job->band->first * job->tiles_x + tile))
+        return status;
+    const int panels = first_panels(job, tile, &job->unknown[tile]);
     for (int k = 1; k <= panels && status == TIDES_OK; k++) {
         status = add_node(job, tile, TD_EXPOSE_PARTS / panels * k, &to, error);
         if (status == TIDES_OK) status = add_panel(job, tile, from, to, error);
@@ -292,7 +328,7 @@ static tides_status begin_tile(expose_job *job, int tile, tides_error *error) {
 
 /* 1 where some pixel's sum is above the tolerance, and this panel has more than half its share of that sum's bound. */
 static int wants_cut(const expose_job *job, const panel *p, const float *errors) {
-    const double tolerance = job->band->tolerance, share = 0.5 * tolerance / job->leaves[p->tile];
+    const double tolerance = job->band->tolerance * share_of(job, p->tile), share = 0.5 * tolerance / job->leaves[p->tile];
     const double *sums = job->sums + (size_t)p->tile * TD_TILE_PIXELS;
     for (int i = 0; i < TD_TILE_PIXELS; i++)
         if (sums[i] > tolerance && errors[i] > share) return 1;
@@ -339,33 +375,61 @@ static tides_status refine(expose_job *job, tides_error *error) {
 
 /* -- the result ------------------------------------------------------------------------------------------------------ */
 
+/* The weights of a tile's rows where one node stands for the whole stretch. */
+static void rest_weights(const expose_job *job, int tile, weights rows[TD_TILE]) {
+    const int y0 = (job->band->first + tile / job->tiles_x) * TD_TILE, height = job->renderer->image.height;
+    const td_row_window w = window_of(job, tile);
+    const int whole = share_of(job, tile) >= 1;
+    for (int y = 0; y < TD_TILE; y++) {
+        const td_row_window row = job->band->rows[y0 + y < height ? y0 + y : height - 1];
+        rows[y] = whole ? (weights){{1, 0, 0, 0}} : weights_of(row, w.start, w.stop, is_last(job, tile, w.stop));
+        rows[y] = (weights){{rows[y].w[0] + rows[y].w[1], 0, 0, 0}};
+    }
+}
+
 /* Adds what a panel's halves give, or all of it where its tile has a single node (`from` is `to`), to the band's light. */
 static void add_light(const expose_job *job, int tile, int from, int to) {
     const td_image *image = &job->renderer->image;
     const int x0 = tile % job->tiles_x * TD_TILE, y0 = (job->band->first + tile / job->tiles_x) * TD_TILE;
     weights rows[TD_TILE];
-    if (from != to) row_weights(job, from, to, rows);
+    if (from != to)
+        row_weights(job, from, to, rows);
+    else
+        rest_weights(job, tile, rows);
     for (int y = 0; y < TD_TILE && y0 + y < image->height; y++)
         for (int x = 0; x < TD_TILE && x0 + x < image->width; x++)
-            for (int c = 0; c < job->band->planes; c++) {
-                static const double all[4] = {1, 0, 0, 0};
-                const double *w = from == to ? all : rows[y].w;
+            for (int c = 0; c < job->band->planes; c++)
                 job->band->light[((size_t)c * image->height + (size_t)(y0 + y)) * image->width + (size_t)(x0 + x)] +=
-                    part_of(job, from, to, w, c, td_tile_pixel(x, y));
-            }
+                    part_of(job, from, to, rows[y].w, c, td_tile_pixel(x, y));
 }
 
-static void clear_light(const expose_job *job) {
-    const td_image *image = &job->renderer->image;
-    const int y0 = job->band->first * TD_TILE, y1 = job->band->last * TD_TILE;
-    const size_t rows = (size_t)((y1 < image->height ? y1 : image->height) - y0), width = (size_t)image->width;
-    for (int c = 0; c < job->band->planes; c++)
-        memset(job->band->light + ((size_t)c * image->height + (size_t)y0) * width, 0, rows * width * sizeof(double));
+/* The brightest that a pixel was at any node of its tile. */
+static void note_brightest(const expose_job *job, const node *n, const double *light, float *brightest) {
+    const int planes = job->band->planes;
+    for (int c = 0; c < planes && job->unknown[n->tile]; c++)
+        for (int i = 0; i < TD_TILE_PIXELS; i++) {
+            float *own = &brightest[n->tile * TD_TILE_PIXELS + i];
+            *own = fmaxf(*own, (float)light[c * TD_TILE_PIXELS + td_tile_pixel(i % TD_TILE, i / TD_TILE)]);
+        }
+}
+
+/* Where something may be shorter than panels nobody knows what light is between looks: all that there was, and in doubt. */
+static tides_status doubt_unknown(expose_job *job, tides_error *error) {
+    float *brightest = td_alloc((size_t)job->tile_count * TD_TILE_PIXELS, sizeof *brightest, error);
+    if (!brightest) return TIDES_NO_MEMORY;
+    for (size_t k = 0; k < job->node_count; k++)
+        note_brightest(job, &job->nodes[k], job->lights + k * node_size(job), brightest);
+    for (int tile = 0; tile < job->tile_count; tile++)
+        for (int i = 0; i < TD_TILE_PIXELS && job->unknown[tile]; i++) {
+            const int at = tile * TD_TILE_PIXELS + i;
+            if (is_pixel(job, tile, i)) job->sums[at] += td_greater(2 * job->band->tolerance, (double)brightest[at]);
+        }
+    free(brightest);
+    return TIDES_OK;
 }
 
 /* Light and errors, panel by panel from the first on. */
 static void finish(expose_job *job) {
-    clear_light(job);
     for (size_t i = 0; i < job->node_count; i++) /* a tile's first node is its only one where it has no panel */
         if (job->nodes[i].part == 0 && job->leaves[job->nodes[i].tile] == 0) add_light(job, job->nodes[i].tile, (int)i, (int)i);
     for (size_t i = 0; i < job->panel_count; i++) {
@@ -374,12 +438,7 @@ static void finish(expose_job *job) {
         add_light(job, p->tile, p->node[0], p->node[1]);
         add_light(job, p->tile, p->node[1], p->node[2]);
     }
-    for (int tile = 0; tile < job->tile_count; tile++)
-        for (int i = 0; i < TD_TILE_PIXELS; i++) {
-            const double sum = job->sums[(size_t)tile * TD_TILE_PIXELS + (size_t)i];
-            job->band->error = td_greater(job->band->error, sum);
-            job->band->unsettled += sum > job->band->tolerance;
-        }
+    for (size_t i = 0; i < (size_t)job->tile_count * TD_TILE_PIXELS; i++) job->band->sums[i] += job->sums[i];
 }
 
 static void release(expose_job *job) {
@@ -389,6 +448,7 @@ static void release(expose_job *job) {
     free(job->errors);
     free(job->sums);
     free(job->leaves);
+    free(job->unknown);
     free(job->times);
     free(job->requests);
     free(job->planes);
@@ -401,12 +461,15 @@ tides_status td_expose_panels(tides_renderer *renderer, const tides_trajectory *
     const size_t outputs = band->planes == 3 ? TD_OUT_COLOUR : TD_OUT_SIGNAL_Y;
     job.sums = td_alloc((size_t)tiles * TD_TILE_PIXELS, sizeof *job.sums, error);
     job.leaves = td_alloc((size_t)tiles, sizeof *job.leaves, error);
+    job.unknown = td_alloc((size_t)tiles, sizeof *job.unknown, error);
     job.times = td_alloc(BATCH_TILES, sizeof *job.times, error);
     job.requests = td_alloc(BATCH_TILES, sizeof *job.requests, error);
     job.planes = td_alloc(BATCH_TILES * outputs * TD_TILE_PIXELS, sizeof *job.planes, error);
-    tides_status status = job.sums && job.leaves && job.times && job.requests && job.planes ? TIDES_OK : TIDES_NO_MEMORY;
+    tides_status status =
+        job.sums && job.leaves && job.unknown && job.times && job.requests && job.planes ? TIDES_OK : TIDES_NO_MEMORY;
     for (int tile = 0; tile < tiles && status == TIDES_OK; tile++) status = begin_tile(&job, tile, error);
     if (status == TIDES_OK) status = refine(&job, error);
+    if (status == TIDES_OK && band->asked) status = doubt_unknown(&job, error);
     if (status == TIDES_OK) finish(&job);
     release(&job);
     return status;

@@ -55,6 +55,7 @@ tides_status td_point_nodes_create(const tides_renderer *renderer, td_exact *sha
 
 void td_point_nodes_release(td_point_nodes *nodes) {
     if (!nodes->is_shared) td_exact_destroy(nodes->exact);
+    free(nodes->kept);
     free(nodes->knot);
     free(nodes->piece_length);
     free(nodes->path);

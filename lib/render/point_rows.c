@@ -111,7 +111,8 @@ static double node_time(const td_point_nodes *nodes, int level, int k) {
 static tides_status send(tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes, const double *times,
                          int slots, tides_error *error) {
     if (nodes->job_count == 0) return TIDES_OK;
-    tides_status status = td_renderer_views(renderer, camera, times, slots, error);
+    tides_status status = nodes->kept ? td_renderer_views_again(renderer, nodes->kept, slots, error)
+                                      : td_renderer_views(renderer, camera, times, slots, error);
     if (status != TIDES_OK) return status;
     const td_node_request request = {.views = (const double *)renderer->views,
                                      .slots = slots,

@@ -446,12 +446,24 @@ int td_renderer_points_go_on(const tides_renderer *renderer) {
     return p && !renderer->colour_filter && p->engine->goes_on && p->parts <= 1;
 }
 
-static tides_status keep_instant(tides_renderer *renderer, tides_error *error) {
+/* Where all is then: open paths may forget it before the instant's rows are asked for. */
+static tides_status keep_views(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, tides_error *error) {
+    const size_t objects = (size_t)renderer->store.objects;
+    tides_status status = td_renderer_views(renderer, camera, renderer->swept, 1, error);
+    if (status != TIDES_OK) return status;
+    p->nodes.kept = td_alloc(objects, sizeof *p->nodes.kept, error);
+    if (!p->nodes.kept) return TIDES_NO_MEMORY;
+    memcpy(p->nodes.kept, renderer->views, objects * sizeof *p->nodes.kept);
+    return status;
+}
+
+static tides_status keep_instant(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error) {
     const td_candidates *lists = &renderer->candidates;
     const size_t tiles = (size_t)renderer->stats.tiles + 1, candidates = (size_t)lists->first[tiles - 1];
     td_points_destroy(renderer->kept);
     renderer->kept = NULL;
     tides_status status = create_points(renderer, renderer->points->nodes.exact, &renderer->kept, error);
+    if (status == TIDES_OK) status = keep_views(renderer, camera, renderer->kept, error);
     if (status != TIDES_OK) return status;
     td_points *p = renderer->kept;
     p->own_first = td_alloc(tiles, sizeof *p->own_first, error);
@@ -463,9 +475,9 @@ static tides_status keep_instant(tides_renderer *renderer, tides_error *error) {
     return TIDES_OK;
 }
 
-tides_status td_renderer_keep_instant(tides_renderer *renderer, tides_error *error) {
+tides_status td_renderer_keep_instant(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error) {
     tides_status status = TIDES_OK;
-    for (; renderer && status == TIDES_OK; renderer = renderer->beside) status = keep_instant(renderer, error);
+    for (; renderer && status == TIDES_OK; renderer = renderer->beside) status = keep_instant(renderer, camera, error);
     return status;
 }
 

@@ -29,6 +29,7 @@ typedef struct td_point_span {
 typedef struct td_point_nodes {
     td_exact *exact; /* whose rows are its own until the next that share it are found */
     int is_shared;   /* it is another's */
+    td_view *kept;   /* (objects) views of an instant that is kept, whose paths may have forgotten it; else NULL */
     double *knot;    /* (pieces + 1) where the pieces of the interval begin and end [s after the epoch] */
     int pieces;
     double *piece_length; /* (pieces) [s] */

@@ -153,8 +153,8 @@ tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *err
 const char *td_renderer_lacks_exact_points(const tides_renderer *renderer);
 
 /* Of exact points: keeps the instant swept last, so that td_renderer_kept_points answers at its time whatever is swept
- * since. */
-tides_status td_renderer_keep_instant(tides_renderer *renderer, tides_error *error);
+ * since, and whatever open paths have forgotten since. */
+tides_status td_renderer_keep_instant(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error);
 tides_status td_renderer_kept_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
                                      size_t count, td_point_value *values, tides_error *error);
 

@@ -223,6 +223,9 @@ tides_status td_renderer_sweep_alone(tides_renderer *renderer, const tides_traje
 tides_status td_renderer_views(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
                                tides_error *error);
 
+/* The views (objects) of a time that was kept, in each slot. */
+tides_status td_renderer_views_again(tides_renderer *renderer, const td_view *views, int slots, tides_error *error);
+
 /* Views at the times of a sweep of [start, stop] in 2^level pieces: renderer->views and sweep_time. */
 tides_status td_renderer_sweep_views(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                      int level, tides_error *error);

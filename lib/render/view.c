@@ -84,16 +84,29 @@ tides_status td_view_at(const tides_scene *scene, int32_t object, const tides_tr
     return status == TIDES_OK ? view_from(scene, object, &eye, epoch, time, view, error) : status;
 }
 
-tides_status td_renderer_views(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
-                               tides_error *error) {
-    size_t objects = (size_t)renderer->store.objects;
-    tides_status status = td_reserve((void **)&renderer->views, &renderer->view_capacity, (size_t)slots * objects,
-                                     sizeof *renderer->views, error);
+static tides_status reserve_slots(tides_renderer *renderer, int slots, tides_error *error) {
+    tides_status status = td_reserve((void **)&renderer->views, &renderer->view_capacity,
+                                     (size_t)slots * (size_t)renderer->store.objects, sizeof *renderer->views, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&renderer->backdrops, &renderer->backdrop_capacity, (size_t)slots,
                             sizeof *renderer->backdrops, error);
+    for (int i = 1; i < slots && status == TIDES_OK; i++) renderer->backdrops[i] = renderer->backdrops[0];
+    return status;
+}
+
+tides_status td_renderer_views_again(tides_renderer *renderer, const td_view *views, int slots, tides_error *error) {
+    const size_t objects = (size_t)renderer->store.objects;
+    const tides_status status = reserve_slots(renderer, slots, error);
+    for (int i = 0; i < slots && status == TIDES_OK; i++)
+        memcpy(renderer->views + (size_t)i * objects, views, objects * sizeof *views);
+    return status;
+}
+
+tides_status td_renderer_views(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
+                               tides_error *error) {
+    size_t objects = (size_t)renderer->store.objects;
+    tides_status status = reserve_slots(renderer, slots, error);
     for (int i = 0; i < slots && status == TIDES_OK; i++) {
-        renderer->backdrops[i] = renderer->backdrops[0];
         td_view *views = renderer->views + (size_t)i * objects;
         status = td_views_at(renderer->scene, camera, renderer->epoch, times[i], views, error);
         /* An object of the scene may be two of the store: from the last on, each still finds its view in place. */

@@ -29,9 +29,13 @@ struct tides_live {
     int lost;  /* there was no room for a step's */
 };
 
-/* What a time may be short of a step's end, and be it: half of what open paths allow (lib/camera/trajectory.c), so that a path
- * that was told up to then covers the step. */
-static double slack_of(const tides_live *live, double time) { return 0.5e-10 + DBL_EPSILON * (fabs(live->start) + fabs(time)); }
+/* What clocks that add intervals up may lose until they are a step's end still, beside what the grid takes for rounding
+ * (lib/solver/grid.c): half of what open paths allow (lib/camera/trajectory.c), so that a path that was told up to then covers
+ * the step. Then, what of two times may be rounding. */
+static const double lost_in_sums = 0.5e-10;
+static double slack_of(const tides_live *live, double time) {
+    return lost_in_sums + DBL_EPSILON * (fabs(live->start) + fabs(time));
+}
 
 /* Steps that a run may have (lib/solver/create.c), and what a run without an end has of them. */
 static const double most_steps = 0.999e12, furthest_s = 9.2e9;
@@ -270,8 +274,8 @@ static int keep_events(void *user, const tides_event *events, size_t count) {
     return 0;
 }
 
-/* What poses before the time reached said is no longer asked for: but for the image at the run's start, which the second step
- * may look at once more (lib/solver/solve_rest.c). */
+/* What poses before the time reached said is no longer asked for, but for the image at the run's start: of that the second step
+ * keeps all that pixels ask for later (td_solve_keep_start). */
 static void forget(tides_live *live) {
     enum { STEPS_THAT_LOOK_BACK = 2 };
     if (live->options.keep || live->simulator->step < STEPS_THAT_LOOK_BACK) return;
@@ -282,7 +286,7 @@ static void forget(tides_live *live) {
 }
 
 static tides_status check_until(const tides_live *live, double until, double slack, tides_error *error) {
-    if (!(until >= live->until))
+    if (!(until >= live->until - slack))
         return td_fail(error, TIDES_BAD_ARGUMENT, "the run has been advanced to %.15g s, and can't go back to %.15g s",
                        live->until, until);
     if (until <= live->stop + slack) return TIDES_OK;
@@ -301,7 +305,7 @@ static tides_status fail_lost(tides_error *error) {
 /* Where a failure left a step half done the simulator goes no further; what it had given before is there to be had. */
 static tides_status advance(tides_live *live, double until, double slack, tides_error *error) {
     if (live->simulator->broken && until <= tides_live_reached(live) + slack) return TIDES_OK;
-    tides_status status = tides_simulator_run(live->simulator, until + slack, keep_events, live, NULL, NULL, error);
+    tides_status status = tides_simulator_run(live->simulator, until + lost_in_sums, keep_events, live, NULL, NULL, error);
     return live->lost ? fail_lost(error) : status;
 }
 
@@ -316,7 +320,7 @@ tides_status tides_live_run(tides_live *live, double until, const tides_event **
     status = advance(live, until, slack, error);
     if (status != TIDES_OK) return status;
     live->given = 1;
-    live->until = until;
+    live->until = fmax(until, live->until);
     forget(live);
     if (events) *events = live->events;
     if (count) *count = live->count;

@@ -3,6 +3,7 @@
 #include "td_grid.h"
 #include "td_base.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -104,11 +105,26 @@ int td_grid_is_knot(const td_grid *grid, int64_t k) {
     return knots > 0 && grid->point[knots - 1] == k;
 }
 
+/* By how much a point `at` may seem later than a time that a caller means it by: the epoch, the step and what the caller worked
+ * out are each off by half a unit in the last place, and a clock that adds steps up by as much at each. The latter counts for
+ * half of what open paths allow for sums at most (lib/camera/trajectory.c), so that a path that was told up to such a time
+ * covers the step; and where doubles hardly tell points apart, as late as the epoch is, all of it for a quarter of a step. */
+static double rounding_at(const td_grid *grid, double epoch, double at) {
+    static const double most_added = 0.5e-10;
+    const double late = fabs(epoch) + fabs(at), added = 0.5 * (at - grid->start) / grid->step_s * DBL_EPSILON * late;
+    return fmin(DBL_EPSILON * (late + fabs(at)) + fmin(added, most_added), 0.25 * grid->step_s);
+}
+
+int td_grid_reaches(const td_grid *grid, int64_t k, double epoch, double time) {
+    const double at = td_grid_at(grid, k);
+    return epoch + at <= time || at - (time - epoch) <= rounding_at(grid, epoch, at);
+}
+
 int64_t td_grid_last_until(const td_grid *grid, double epoch, double time) {
     int64_t low = 0, high = grid->steps; /* the answer is within */
     while (low < high) {
         int64_t middle = low + (high - low + 1) / 2;
-        if (epoch + td_grid_at(grid, middle) <= time)
+        if (td_grid_reaches(grid, middle, epoch, time))
             low = middle;
         else
             high = middle - 1;

@@ -242,7 +242,7 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
     if (simulator->broken)
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "tides_simulator_run: an earlier error left a step half done; make a new simulator");
-    if (!(until >= simulator->epoch))
+    if (!td_grid_reaches(&simulator->grid, 0, simulator->epoch, until))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: until %s s is before the start, %s s", TD_SHORT(until),
                        TD_SHORT(simulator->epoch));
     double begun = td_now();

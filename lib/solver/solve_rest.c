@@ -11,7 +11,7 @@ tides_status td_solve_keep_start(tides_simulator *s, tides_error *error) {
     td_solve *solve = &s->solve;
     if (!solve->known || solve->kept || begins(s)) return TIDES_OK;
     tides_status status = td_renderer_sweep(s->renderer, s->camera, 0, 0, error);
-    if (status == TIDES_OK) status = td_renderer_keep_instant(s->renderer, error);
+    if (status == TIDES_OK) status = td_renderer_keep_instant(s->renderer, s->camera, error);
     solve->kept = status == TIDES_OK;
     return status;
 }

@@ -32,8 +32,11 @@ double td_grid_at(const td_grid *grid, int64_t k);
 /* 1 where point k is a knot. */
 int td_grid_is_knot(const td_grid *grid, int64_t k);
 
-/* The last point that, `epoch` later, is at or before `time` as doubles add up; 0 where there is none. So a time that a caller
- * worked out as epoch + k step_s reaches point k, whatever was rounded in that. */
+/* 1 where point k, `epoch` later, is at or before `time`, but for rounding: so it is at a time that a caller worked out as
+ * epoch + k step_s, wrote down in decimals, or added up step by step. */
+int td_grid_reaches(const td_grid *grid, int64_t k, double epoch, double time);
+
+/* The last such point; 0 where there is none. */
 int64_t td_grid_last_until(const td_grid *grid, double epoch, double time);
 
 #endif

@@ -124,7 +124,8 @@ TIDES_MUST_CHECK tides_status td_solve_choose(tides_simulator *s, const tides_se
 TIDES_MUST_CHECK tides_status td_solve_create(tides_simulator *s, tides_error *error);
 void td_solve_release(td_solve *solve);
 
-/* Before a macro step is swept: behind the first, the run's start is swept, and kept for references (solve_rest.c). */
+/* Before a macro step is swept: behind the first, the run's start is swept, and kept for references (solve_rest.c), lists and
+ * views: paths need not know it from then on. */
 TIDES_MUST_CHECK tides_status td_solve_keep_start(tides_simulator *s, tides_error *error);
 
 /* The comparator over the accepted steps of the tiles that move, those that nothing open is before (settle.c). */

@@ -1225,7 +1225,7 @@ class tides_sensor(Structure):
     double leak_sigma; /* decades of log-normal spread of that rate from pixel to pixel */
     double b_min; /* pixels with less coverage than this stay silent, in [0, 1] */
     double shot_noise_hz; /* noise events, both polarities, of a pixel at Y = 0; 0.264 of it at Y = 1, linear between [Hz] */
-    double hot_pixel_fraction, hot_pixel_rate_hz; /* of all pixels [1]; their noise events a second, both polarities [Hz] */
+    double hot_pixel_fraction, hot_pixel_rate_hz; /* of all pixels [1]; their ON events a second [Hz] */
     double dead_pixel_fraction; /* of all pixels: those that never fire [1] */
     double psf_sigma_px; /* [px] */
     double photoreceptor_cutoff_hz; /* -3 dB [Hz]; 0: off */
@@ -1993,7 +1993,8 @@ class tides_exposure(Structure):
 class tides_exposed(Structure):
     """double error; /* largest estimated error of a pixel's mean light [1]; above the tolerance where pixels are unsettled */
     double renders; /* full frames' worth of tiles rendered */
-    uint64_t unsettled; /* pixels that no cut to 1/4096 of the frame's exposure brought within the tolerance */
+    uint64_t unsettled; /* pixels that no cut to 1/4096 of the frame's exposure, or of what something short takes of it, brought
+    within the tolerance; and those that see what may be shorter than 1/262144 of it all along */
     """
 
     error: float
@@ -2745,7 +2746,8 @@ class tides_metrics(Structure):
     /* Events as points (x, y, v t), each polarity and window by itself, one point per cell (the mean of its events);
     * distances to the nearest point of the other stream, at most chamfer_limit_px; C = (mean + mean) / 2, averaged over the
     * terms with their numbers of points. A term with one stream empty counts as the limit. */
-    double speed_px_per_s; /* v: given, or 1 / median time to the latest event of the 4-neighbours and polarity within 50 ms */
+    double speed_px_per_s; /* v: given, or 1 / median time since the latest earlier event, within 50 ms, of the 4-neighbours and
+    the polarity: one at the same time doesn't count */
     double chamfer_px; /* C [px] */
     double chamfer_fraction; /* of the diagonal */
     double chamfer_limit_px; /* min(v window, diagonal) */

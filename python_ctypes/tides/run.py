@@ -178,7 +178,8 @@ class Run(Handle):
         return self.session(device).simulation(progress)
 
     def renderer(self, device: Device | str | int | None = None, progress: Progress = None) -> Renderer:
-        """The run's scene, camera and image rules as a Renderer."""
+        """The run's scene, camera and image rules as a Renderer. The optics' blur (frontend.psf_sigma_px) is left out: add it
+        with Renderer.set_psf."""
         return self.session(device).renderer(progress)
 
     def simulate(self, device: Device | str | int | None = None, progress: Progress = None) -> np.ndarray:

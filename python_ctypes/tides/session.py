@@ -226,7 +226,8 @@ class Session(Handle):
         return Simulation._of(made, self)
 
     def renderer(self, progress: Progress = None) -> Renderer:
-        """The scene by the run's image rules as a Renderer. Unsupported on frames."""
+        """The scene by the run's image rules as a Renderer. The optics' blur (frontend.psf_sigma_px) is left out: add it with
+        Renderer.set_psf. Unsupported on frames."""
         made = POINTER(_api.tides_renderer)()
         with self._lock, Reporter(progress) as step:
             call("tides_session_renderer", self._pointer, step, None, byref(made))

@@ -54,7 +54,7 @@ static void same(const stream *a, const stream *b, const char *what) {
 }
 
 /* One object at rest, in a run that begins at `start`. */
-static tides_session *plain(void *folder, random_scene *scene, double start, const char *more) {
+static inline tides_session *plain(void *folder, random_scene *scene, double start, const char *more) {
     char begin[64], shift[64], stop[64];
     const char *const sets[] = {begin, shift, stop, "stepping.step_s=0.001", more};
     random_recipe recipe = random_recipe_defaults(78);

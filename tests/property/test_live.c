@@ -209,6 +209,46 @@ static void times_are_as_doubles_add_up(void **state) {
     }
 }
 
+/* Milliseconds as people write them, which doubles often have before or behind the product: each call ends at its step, told
+ * as it goes or known, and the step before isn't left again. */
+static void times_are_as_people_write_them(void **state) {
+    static const int wholes[] = {0, 1305031102};
+    for (size_t w = 0; w < sizeof wholes / sizeof *wholes; w++) {
+        char text[32];
+        random_scene scene;
+        tides_error error = {0, ""};
+        snprintf(text, sizeof text, "%d.3", wholes[w]);
+        const double start = strtod(text, NULL);
+        tides_session *session = plain(*state, &scene, start, "stepping.tolerance=0.5");
+        const tides_session_facts *f = &session->facts;
+        tides_trajectory *rest = NULL;
+        tides_simulator *known = NULL;
+        tides_live *live = NULL;
+        tides_pose_sample pose = sample_of(scene.path, 0, 0);
+        scene_expect_ok(tides_trajectory_create_static(pose.position, pose.quaternion, &rest, &error), &error);
+        scene_expect_ok(tides_simulator_create(f->device, f->scene, rest, &f->intrinsics, &f->values.image, &f->values.sensor,
+                                               &f->values.stepping, start, start + 1, NULL, NULL, &known, &error),
+                        &error);
+        scene_expect_ok(tides_live_open(session, NULL, NULL, NULL, &live, &error), &error);
+        for (int i = 0; i <= 120; i++) {
+            snprintf(text, sizeof text, "%d.%03d", wholes[w], 300 + i);
+            pose.time = strtod(text, NULL);
+            scene_expect_ok(tides_simulator_run(known, pose.time, NULL, NULL, NULL, NULL, &error), &error);
+            scene_expect_ok(tides_live_tell(live, TIDES_LIVE_CAMERA, &pose, 1, &error), &error);
+            scene_expect_ok(tides_live_run(live, pose.time, NULL, NULL, &error), &error);
+            scene_expect_ok(tides_live_run(live, nextafter(pose.time, -INFINITY), NULL, NULL, &error), &error);
+            if (known->step != i || tides_live_simulator(live)->step != i)
+                fail_msg("%s s is step %d, and known runs reach %d, live ones %d", text, i, (int)known->step,
+                         (int)tides_live_simulator(live)->step);
+        }
+        tides_live_close(live);
+        tides_simulator_destroy(known);
+        tides_trajectory_destroy(rest);
+        tides_session_close(session);
+        random_scene_free(&scene);
+    }
+}
+
 /* What the process has taken from the heap [bytes]; 0 where malloc is another one's, of the sanitizers. */
 static size_t heap_in_use(void) {
 #if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 33)
@@ -263,6 +303,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(told_runs_are_those_that_know, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test_setup_teardown(times_are_as_doubles_add_up, scene_folder_setup, scene_folder_teardown),
+        cmocka_unit_test_setup_teardown(times_are_as_people_write_them, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test_setup_teardown(long_runs_forget_and_leak_nothing, scene_folder_setup, scene_folder_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

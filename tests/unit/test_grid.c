@@ -10,7 +10,9 @@
 #include "tests/support/scene_folder.h"
 #include "td_sort.h"
 
+#include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 static td_grid make(double start, double stop, double step, const double *knots, size_t count, double gap) {
@@ -90,6 +92,50 @@ static void test_until(void **state) {
         }
 }
 
+/* So many ten-millionths of a second as people write them, and as the nearest double. */
+static double decimal(int64_t units) {
+    char text[48];
+    snprintf(text, sizeof text, "%lld.%07lld", (long long)(units / 10000000), (long long)(units % 10000000));
+    return strtod(text, NULL);
+}
+
+static void expect_point(const td_grid *grid, double epoch, double until, int64_t k, const char *what) {
+    const int64_t found = td_grid_last_until(grid, epoch, until);
+    if (found != k)
+        fail_msg("%s: %.17g s after %.17g s in steps of %.17g s is point %lld, not %lld", what, until, epoch, grid->step_s,
+                 (long long)k, (long long)found);
+}
+
+/* A grid point written in decimals, worked out as a product, or added up step by step is that point, at any epoch; what is
+ * earlier by more than rounding isn't, be it by a billionth of what it is. */
+static void test_decimals(void **state) {
+    enum { TRIALS = 400, ADDED = 3000 };
+    static const int64_t epochs[] = {0, 1, 3000000, 37000001, 11112223334445, 13050311023000000, 20000000003000001};
+    (void)state;
+    srand(79);
+    for (int trial = 0; trial < TRIALS; trial++) {
+        const int64_t start = epochs[trial % 7] + (trial % 3 == 2 ? rand() % 10000000 : 0);
+        const int64_t step_units = trial < 20 ? 10000 : 50 + rand() % (rand() % 2 ? 1000 : 1000000);
+        const int64_t steps = trial % 2 ? ADDED : 1000000;
+        const double epoch = decimal(start), step = decimal(step_units), last = epoch + (double)steps * step;
+        if (step < 32 * DBL_EPSILON * last) continue; /* doubles hardly tell points apart */
+        td_grid grid = make(0, (double)steps * step, step, NULL, 0, 0);
+        double sum = epoch;
+        for (int64_t i = 1; i < ADDED; i++) {
+            const int64_t k = steps == ADDED ? i : 1 + ((int64_t)rand() << 8) % (steps - 1);
+            const double until = decimal(start + k * step_units), after = (double)k * step;
+            const double early = 4 * DBL_EPSILON * until + fmin(1e-9 * after, 1e-10);
+            expect_point(&grid, epoch, until, k, "decimals");
+            expect_point(&grid, epoch, epoch + after, k, "product");
+            expect_point(&grid, epoch, until - early, k - 1, "earlier");
+            expect_point(&grid, epoch, until + 0.5 * step, k, "half a step later");
+            sum += step;
+            if (steps == ADDED && epoch < 1e4) expect_point(&grid, epoch, sum, k, "sum");
+        }
+        td_grid_release(&grid);
+    }
+}
+
 /* The same the slow way: a regular point between the ends stays unless a knot is within the gap of it. */
 static void test_against_a_list(void **state) {
     enum { TRIALS = 300, MOST = 60 };
@@ -119,8 +165,8 @@ static void test_against_a_list(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_without_knots), cmocka_unit_test(test_by_hand),
-                                       cmocka_unit_test(test_no_slivers), cmocka_unit_test(test_until),
-                                       cmocka_unit_test(test_against_a_list)};
+                                       cmocka_unit_test(test_no_slivers),    cmocka_unit_test(test_until),
+                                       cmocka_unit_test(test_decimals),      cmocka_unit_test(test_against_a_list)};
     print_message("seed 77\n");
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

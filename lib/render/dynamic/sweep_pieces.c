@@ -37,11 +37,16 @@ static double scale_of(const td_time_scale *own, double all, double from, double
     return active ? fmin(scale, own->width) : scale;
 }
 
+/* The scale that all of an object's Gaussians have at least, in own time [from, to]. */
+static double common_scale(const td_dynamic_object *object, double from, double to) {
+    const tides_motion *motion = object->of.motion;
+    return fmin(knot_distance(object, from, to), motion->type->scale ? motion->type->scale(motion, from, to) : INFINITY);
+}
+
 /* Levels of an object's Gaussians over own time [from, to], and the highest. */
 static tides_status find_levels(td_dynamic *dynamic, td_dynamic_object *object, double from, double to, int *highest,
                                 tides_error *error) {
-    const tides_motion *motion = object->of.motion;
-    double all = fmin(knot_distance(object, from, to), motion->type->scale ? motion->type->scale(motion, from, to) : INFINITY);
+    double all = common_scale(object, from, to);
     int common = level_for(to - from, all);
     tides_status status = common > 0 ? td_dynamic_find_scales(dynamic->store, object, error) : TIDES_OK;
     *highest = 0;
@@ -131,6 +136,39 @@ int td_dynamic_finest(const td_dynamic *dynamic) {
     return finest;
 }
 
+tides_status td_dynamic_own_times(const td_dynamic *dynamic, const td_dynamic_object *object, double start, double stop,
+                                  double *from, double *to, double *rate, tides_error *error) {
+    const tides_object *of = &object->of;
+    double own_rate = 1;
+    tides_status status = td_motion_time(of->motion, of->duration_s, dynamic->epoch + start, from, &own_rate, error);
+    if (status == TIDES_OK) status = td_motion_time(of->motion, of->duration_s, dynamic->epoch + stop, to, &own_rate, error);
+    if (rate) *rate = own_rate;
+    return status;
+}
+
+/* The shortest scale of an object's Gaussians in own time [from, to]. */
+static tides_status shortest_of(td_dynamic *dynamic, td_dynamic_object *object, double from, double to, double *shortest,
+                                tides_error *error) {
+    const double all = common_scale(object, from, to);
+    tides_status status = all < to - from ? td_dynamic_find_scales(dynamic->store, object, error) : TIDES_OK;
+    *shortest = object->scale ? INFINITY : all;
+    for (int i = 0; i < object->count && object->scale && status == TIDES_OK; i++)
+        *shortest = fmin(*shortest, scale_of(&object->scale[i], all, from, to));
+    return status;
+}
+
+tides_status td_dynamic_shortest(td_dynamic *dynamic, double start, double stop, double *shortest, tides_error *error) {
+    tides_status status = TIDES_OK;
+    *shortest = INFINITY;
+    for (int p = 0; p < dynamic->objects && status == TIDES_OK; p++) {
+        double from = 0, to = 0, rate = 1, own = INFINITY;
+        status = td_dynamic_own_times(dynamic, &dynamic->object[p], start, stop, &from, &to, &rate, error);
+        if (status == TIDES_OK) status = shortest_of(dynamic, &dynamic->object[p], from, to, &own, error);
+        *shortest = fmin(*shortest, own / rate);
+    }
+    return status;
+}
+
 tides_status td_dynamic_sweep_pieces(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                      tides_error *error) {
     td_dynamic *dynamic = &renderer->dynamic;
@@ -142,10 +180,8 @@ tides_status td_dynamic_sweep_pieces(tides_renderer *renderer, const tides_traje
     tides_status status = TIDES_OK;
     for (int p = 0; p < dynamic->objects && status == TIDES_OK; p++) {
         td_dynamic_object *object = &dynamic->object[p];
-        double from = 0, to = 0, rate;
-        status = td_motion_time(object->of.motion, object->of.duration_s, dynamic->epoch + start, &from, &rate, error);
-        if (status == TIDES_OK)
-            status = td_motion_time(object->of.motion, object->of.duration_s, dynamic->epoch + stop, &to, &rate, error);
+        double from = 0, to = 0;
+        status = td_dynamic_own_times(dynamic, object, start, stop, &from, &to, NULL, error);
         if (status == TIDES_OK) status = find_levels(dynamic, object, from, to, &highest[p], error);
         most = highest[p] > most ? highest[p] : most;
     }

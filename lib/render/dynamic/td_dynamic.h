@@ -113,6 +113,13 @@ int td_dynamic_has_expensive(const td_dynamic *dynamic);
 /* The highest level of all that moves in the interval swept last: its motion happens on 2^-level of that. */
 int td_dynamic_finest(const td_dynamic *dynamic);
 
+/* An interval [s after the epoch] in an object's own time, and how fast that runs [1/s] (nullable). */
+tides_status td_dynamic_own_times(const td_dynamic *dynamic, const td_dynamic_object *object, double start, double stop,
+                                  double *from, double *to, double *rate, tides_error *error);
+
+/* The shortest scale of time [s] on which some motion says that something may happen in [start, stop]; INFINITY: none. */
+tides_status td_dynamic_shortest(td_dynamic *dynamic, double start, double stop, double *shortest, tides_error *error);
+
 /* 1 where rates of some motion may jump at `time`, to a nanosecond. */
 int td_dynamic_is_knot(const td_dynamic *dynamic, double time);
 

@@ -122,6 +122,22 @@ def test_psf(scene, camera):
         renderer.set_psf(2.0, "both")
 
 
+def test_the_renderer_of_a_run_leaves_the_optics_out():
+    run = tides.Run("tests/install/run.json", {"frontend.psf_sigma_px": 1.5})
+    sharp = tides.Run("tests/install/run.json").renderer("reference").frame(0.01, ["L"])["L"]
+    with run.renderer("reference") as renderer:
+        assert np.array_equal(renderer.frame(0.01, ["L"])["L"], sharp)
+        renderer.set_psf(1.5)
+        assert not np.array_equal(renderer.frame(0.01, ["L"])["L"], sharp)
+
+
+def test_hot_pixels_fire_on():
+    deaf = {"sensor.threshold_on": 50, "sensor.threshold_off": 50}
+    hot = {"frontend.hot_pixel_fraction": 0.2, "frontend.hot_pixel_rate_hz": 2000}
+    events = tides.Run("tests/install/run.json", {**deaf, **hot}).simulate("reference")
+    assert len(events) > 100 and (events["p"] == 1).all()
+
+
 def test_an_image_tells_its_progress_and_stops(scene, camera):
     renderer, told = tides.Renderer(scene, camera, device="reference"), []
     whole = renderer.frame(0.02, progress=lambda *step: told.append(step))

@@ -192,6 +192,30 @@ def test_nothing_is_lost(room, monkeypatch):
         assert np.array_equal(live.run(live.reached), steps[3]) and len(live.run(live.reached)) == 0
 
 
+@pytest.mark.parametrize("rest, preset", [(1, "ideal"), (50, "ideal"), (200, "ideal"), (47, "dvs128"), (60, "imx636")])
+def test_what_rests_first_gives_what_a_run_gives_that_knows(room, rest, preset):
+    """The camera, held to 1e-4, and the ball wait for `rest` steps of 1 ms; the paths have forgotten the start by then."""
+    held, got = np.random.default_rng(5).uniform(-1e-4, 1e-4, (rest + 7, 3)), {}
+    for keep in (True, False):
+        settings = {"stepping.step_s": 1e-3, "stepping.solve": "auto", "sensor.preset": preset}
+        with tides.Live(room, settings, objects=["ball"], keep=keep, device="reference-f32") as live:
+            events = []
+            live.tell((held[0] + (0, 0, -4), (1, 0, 0, 0)), 0)
+            for k in range(1, rest + 7):
+                gone = 0.02 * max(k - rest, 0)
+                pose, ball = (held[k] + (gone, 0, -4), (1, 0, 0, 0)), ((0, 2 * gone, 0), (1, 0, 0, 0))
+                events.append(live.step(pose, 1e-3, objects={"ball": ball}))
+            got[keep] = np.concatenate(events)
+            if keep:
+                session, v = live.session, live.session.values
+                scene, camera = tides.Scene(), tides.Camera(live.path(), session.intrinsics)
+                for index, trajectory in enumerate((None, live.path("ball"))):
+                    scene.add(session.scene[index].gaussians, trajectory, session.scene[index].scale)
+                whole = tides.Simulation(scene, camera, v.start, 9, v.sensor, v.stepping, v.image, device="reference-f32")
+                known = whole.run(live.time)
+    assert len(known) > 100 and np.array_equal(known, got[True]) and np.array_equal(known, got[False])
+
+
 def test_the_example_follows_its_ball(monkeypatch, tmp_path):
     """0.4 s of it; `make check-live` takes ten, in which the process doesn't grow."""
     monkeypatch.syspath_prepend("python_ctypes/examples")
