@@ -2,6 +2,21 @@
 #include "event_job.h"
 
 #include <stdio.h>
+#include <string.h>
+
+/* A warning for each thing that the file has no place for. */
+static void tell_losses(const tides_scene *scene, const char *out) {
+    static const struct {
+        int32_t lost;
+        const char *what;
+    } losses[] = {{TIDES_LOSES_HARMONICS, "SH beyond the constant: colours don't change with the view"},
+                  {TIDES_LOSES_TRAINED, "how the scene was trained: image.antialias must say it in runs of this file"},
+                  {TIDES_LOSES_UP, "where up is: camera.up must say it"}};
+    const int32_t lost = tides_scene_losses(scene, out);
+    const char *ending = strrchr(out, '.');
+    for (size_t i = 0; ending && i < sizeof losses / sizeof losses[0]; i++)
+        if (lost & losses[i].lost) fprintf(stderr, "tides: %s: a %s has no place for %s\n", out, ending, losses[i].what);
+}
 
 static int convert_scene(const char *in, const char *out, const cli_common *common) {
     tides_error error = {TIDES_OK, ""};
@@ -10,9 +25,8 @@ static int convert_scene(const char *in, const char *out, const cli_common *comm
     tides_status status = tides_scene_create(&scene, &error);
     if (status == TIDES_OK) status = tides_scene_add_file(scene, in, NULL, 1.0, &error);
     if (status == TIDES_OK) status = tides_scene_save(scene, out, &error);
-    if (status == TIDES_OK && !common->quiet && cli_ends_in(out, ".splat") && tides_scene_sh_degree(scene) > 0)
-        fprintf(stderr, "tides: %s: a .splat has no place for SH beyond the constant: colours don't change with the view\n",
-                out);
+    if (status == TIDES_OK && !common->quiet) tell_losses(scene, out);
+    cli_tell_lines(common, tides_scene_notes(scene));
     if (status != TIDES_OK) {
         code = cli_fail(&error);
     } else if (common->json) {

@@ -95,6 +95,20 @@ static tides_status motion_facts(const tides_scene *scene, cJSON *facts, tides_e
     return sweep_facts(scene, start, stop, facts, error);
 }
 
+/* How it was trained, and what a user may not expect of it. */
+static void tag_facts(const tides_scene *scene, cJSON *facts) {
+    static const char *const names[] = {NULL, "plain", "antialiased", "mixed"}; /* TIDES_TRAINED_* */
+    const char *trained = names[tides_scene_trained(scene)], *line = tides_scene_notes(scene);
+    if (trained) cJSON_AddStringToObject(facts, "trained", trained);
+    cJSON *notes = *line ? cJSON_AddArrayToObject(facts, "notes") : NULL;
+    for (size_t length; *line; line += length + (line[length] == '\n')) {
+        char note[1024];
+        length = strcspn(line, "\n");
+        snprintf(note, sizeof note, "%.*s", (int)length, line);
+        cJSON_AddItemToArray(notes, cJSON_CreateString(note));
+    }
+}
+
 static tides_status scene_facts(const char *file, cJSON *facts, tides_error *error) {
     tides_scene *scene = NULL;
     tides_status status = tides_scene_create(&scene, error);
@@ -108,6 +122,7 @@ static tides_status scene_facts(const char *file, cJSON *facts, tides_error *err
     cJSON_AddItemToObject(facts, "lower", cJSON_CreateDoubleArray(lower, 3));
     cJSON_AddItemToObject(facts, "upper", cJSON_CreateDoubleArray(upper, 3));
     if (tides_scene_up(scene, up)) cJSON_AddItemToObject(facts, "up", cJSON_CreateDoubleArray(up, 3));
+    tag_facts(scene, facts);
     status = motion_facts(scene, facts, error);
     cJSON *objects = cJSON_AddArrayToObject(facts, "objects");
     for (int32_t i = 0; i < tides_scene_objects(scene) && status == TIDES_OK; i++) {

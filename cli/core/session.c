@@ -21,6 +21,9 @@ tides_status cli_session_open(const char *file, const cli_list *sets, const cli_
     } else {
         if (!s.info.fused) cli_tell_lines(common, UNFUSED);
         cli_note(common, "device %s (%s)", s.info.name, s.info.platform);
+        cli_tell_lines(common, tides_scene_notes(s.scene));
+        if (s.values.image.antialias == TIDES_ANTIALIAS_FILE && tides_scene_trained(s.scene) == TIDES_TRAINED_ANTIALIASED)
+            cli_note(common, "image.antialias: on, as the scene's file says that it was trained so");
         cli_note(common, "scene of %lld Gaussians in %d objects, %dx%d px", (long long)tides_scene_count(s.scene),
                  tides_scene_objects(s.scene), s.intrinsics.width, s.intrinsics.height);
     }

@@ -18,6 +18,11 @@ typedef struct tides_scene tides_scene;
 /* The highest degree of spherical harmonics that is read and rendered. */
 enum { TIDES_SH_DEGREE_MAX = 4 };
 
+/* How Gaussians were trained, and so must be drawn: plainly, or with opacities that are compensated for the dilation
+ * (mip-splatting's "antialiased"). UNKNOWN: nobody says; MIXED: parts of it say different things. A run's image.antialias =
+ * file goes by it. */
+enum { TIDES_TRAINED_UNKNOWN = 0, TIDES_TRAINED_PLAIN = 1, TIDES_TRAINED_ANTIALIASED = 2, TIDES_TRAINED_MIXED = 3 };
+
 /* Gaussians as arrays. Plain value; the arrays belong to whoever filled it. K = (sh_degree + 1)^2.
  *
  * Single precision has no room for means far from (0, 0, 0), as georeferenced scans have them. Give those in double, or
@@ -27,7 +32,7 @@ enum { TIDES_SH_DEGREE_MAX = 4 };
 typedef struct tides_gaussians {
     int64_t count;     /* N */
     int32_t sh_degree; /* 0..4 */
-    int32_t reserved;
+    int32_t trained;   /* TIDES_TRAINED_* */
     const float *mean;          /* [scene units]            (N x 3) */
     const float *log_scale;     /* ln [scene units]         (N x 3) */
     const float *quaternion;    /* wxyz, raw                (N x 4) */
@@ -100,6 +105,18 @@ TIDES_API int32_t tides_scene_is_file(const char *file);
  * renamed. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_error *error);
 
+/* What a file of that name can't hold of the scene, and loses: a sum of TIDES_LOSES_*. */
+enum {
+    TIDES_LOSES_HARMONICS = 1, /* all SH but the constant: colours don't change with the view */
+    TIDES_LOSES_TRAINED = 2,   /* tides_scene_trained */
+    TIDES_LOSES_UP = 4         /* tides_scene_up */
+};
+TIDES_API int32_t tides_scene_losses(const tides_scene *scene, const char *file);
+
+/* What a user of the scene may not expect of its files, a line each: what was left out of one, or isn't known; "" where there is
+ * nothing. The scene's, until it is added to. */
+TIDES_API const char *tides_scene_notes(const tides_scene *scene);
+
 /* Number of objects; all Gaussians; the largest SH degree. */
 TIDES_API int32_t tides_scene_objects(const tides_scene *scene);
 TIDES_API int64_t tides_scene_count(const tides_scene *scene);
@@ -137,8 +154,13 @@ TIDES_API void tides_scene_range(const tides_scene *scene, double *start, double
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_bounds_at(const tides_scene *scene, double time, double lower[3],
                                                               double upper[3], tides_error *error);
 
+/* How all objects were trained that say so: TIDES_TRAINED_*. Files say it in .h5; in a .ply's comments "SplatRenderMode: mip"
+ * or "default" (Brush, splat-transform), "antialiased 1" or "0" (Postshot), or its filter_3D (mip-splatting); a .spz's flag 1;
+ * a SOG's "model"; "antialiased" in the cfg.yml of gsplat's checkpoints. tides_scene_save keeps it in .h5, .ply and .spz. */
+TIDES_API int32_t tides_scene_trained(const tides_scene *scene);
+
 /* Which way up is in the scene, a direction of any length: what its first file that is at rest says (.h5; a .ply's comments
- * "up x y z", and nerfstudio's "Vertical Axis: z"), what tides_generate makes, or what was set. 1; 0 and zeros where nothing
+ * "up x y z", Brush's "Vertical axis: x y z", and nerfstudio's "Vertical Axis: z"), what tides_generate makes, or what was set. 1; 0 and zeros where nothing
  * says it. tides_scene_save keeps it in .h5 and .ply. Zeros or NULL, set, say that it isn't known. */
 TIDES_API int32_t tides_scene_up(const tides_scene *scene, double up[3]);
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_set_up(tides_scene *scene, const double up[3], tides_error *error);

@@ -78,6 +78,7 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     made->row_limit = ROW_LIMIT;
     made->told = (td_share){.width = 1, .stage = "rendering"};
     status = td_image_resolve(params, intrinsics, tides_scene_sh_degree(scene), &made->image, error);
+    if (status == TIDES_OK) status = td_image_take_training(params, scene, &made->image, error);
     /* Hard order blends splats of one depth in the scene's. */
     if (status == TIDES_OK)
         status = td_store_create(scene, params->rules == TIDES_RULES_SMOOTH, made->image.soft_order, &made->store, error);

@@ -119,7 +119,7 @@ static tides_status add_parts(list *l, const char *key, const char *path,
 
 /* What is read of a trained model: of its newest iteration where it is a folder, among checkpoints and pictures. */
 static tides_status add_model(list *l, const char *key, const td_model_dir *model) {
-    static const char *const names[] = {"cfg_args", NULL};
+    static const char *const names[] = {"cfg_args", "cfg.yml", "../cfg.yml", NULL};
     tides_status status = TIDES_OK;
     if (model->points) status = add(l, key, td_strdup(model->points, l->error));
     if (status == TIDES_OK && model->weights) status = add(l, key, td_strdup(model->weights, l->error));

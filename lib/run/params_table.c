@@ -31,6 +31,9 @@
 /* In the order of stepping.model's choices. */
 static const int32_t models[] = {TIDES_MODEL_HERMITE, TIDES_MODEL_QUADRATIC, TIDES_MODEL_LINEAR, TIDES_MODEL_SECANT};
 
+/* In the order of image.antialias's. */
+static const int32_t antialiases[] = {TIDES_ANTIALIAS_FILE, TIDES_ANTIALIAS_TRUE, TIDES_ANTIALIAS_FALSE};
+
 /* In the order of camera.lens's; run_open.c sees to the first. */
 static const int32_t lens_models[] = {TIDES_LENS_NONE, TIDES_LENS_NONE, TIDES_LENS_RADTAN, TIDES_LENS_EQUIDISTANT};
 
@@ -105,8 +108,9 @@ const td_param td_params[] = {
     {NUMBER("time.stop", stop, "s", -LAST_SECOND, LAST_SECOND, "where the run ends")},
 
     {CHOICE("image.rules", image.rules, "smooth|inria|gsplat", "whose cutoffs form the image; smooth has no jumps in time")},
-    {BOOLEAN("image.antialias", image.antialias,
-             "compensate opacity for the dilation (scenes trained with mip-splatting's filter)")},
+    {CHOICE("image.antialias", image.antialias, "file|true|false",
+            "compensate opacity for the dilation (mip-splatting); file: where the scene's files say so"),
+     .constants = antialiases},
     {INTEGER("image.sh_degree", image.sh_degree, "", 0, 4, "spherical-harmonics bands above this degree are ignored")},
     {NUMBER("image.dilation", image.dilation, "px^2", 0, 100, "added to the diagonal of every splat's 2-D covariance")},
     {VECTOR3("image.luminance", image.luminance, "", 0, 100, "weights of r, g, b in luminance Y")},

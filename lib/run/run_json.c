@@ -7,9 +7,11 @@
 tides_status td_run_store(tides_run *run, const tides_param *row, const cJSON *value, tides_error *error) {
     const int32_t is_number =
         strcmp(row->key, "seed") == 0 && cJSON_IsNumber(value); /* kept as text, which has room for 64 bits */
+    const int32_t is_switch = row->type == TIDES_PARAM_CHOICE && cJSON_IsBool(value);
     char digits[24];
     if (is_number) snprintf(digits, sizeof digits, "%.0f", value->valuedouble);
-    cJSON *copy = is_number ? cJSON_CreateString(digits) : cJSON_Duplicate(value, 1);
+    cJSON *copy = is_number || is_switch ? cJSON_CreateString(is_number ? digits : td_choice_text(value))
+                                         : cJSON_Duplicate(value, 1);
     if (!copy) return td_fail(error, TIDES_NO_MEMORY, "out of memory: copying %s", row->key);
     cJSON **place = &run->values[row - tides_params(NULL)];
     cJSON_Delete(*place);

@@ -82,9 +82,14 @@ static int32_t is_choice(const char *choices, const char *text, char *names, siz
     return found;
 }
 
+const char *td_choice_text(const cJSON *value) {
+    if (cJSON_IsBool(value)) return cJSON_IsTrue(value) ? "true" : "false";
+    return cJSON_IsString(value) ? value->valuestring : "";
+}
+
 static tides_status check_choice(const tides_param *row, const cJSON *value, const char *where, tides_error *error) {
     char names[256], suggestion[TD_SUGGESTION_MAX];
-    const char *given = cJSON_IsString(value) ? value->valuestring : "";
+    const char *given = td_choice_text(value);
     if (is_choice(row->choices, given, names, sizeof names)) return TIDES_OK;
     return td_fail(error, TIDES_BAD_CONFIG, "%s: %s = %s is none of %s%s", where, row->key, show(value).text, names,
                    td_suggest(given, row->choices, "|", suggestion));

@@ -35,6 +35,7 @@ void tides_scene_destroy(tides_scene *scene) {
     if (!scene) return;
     td_scene_truncate(scene, 0);
     free(scene->objects);
+    free(scene->notes);
     free(scene);
 }
 
@@ -50,6 +51,20 @@ static tides_status object_fill(td_object *object, td_gaussians *gaussians, cons
     object->source = td_strdup(source ? source : "", error);
     object->scale = scale;
     return object->name && object->source ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
+/* What was found out about the file, as lines of the scene that begin with its name. */
+static tides_status take_notes(tides_scene *scene, td_gaussians *gaussians, const char *source, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (char *line = gaussians->notes, *end; line && status == TIDES_OK; line = end) {
+        if ((end = strchr(line, '\n'))) *end++ = '\0';
+        char *named = td_format(error, "%s: %s", source, line);
+        status = named ? td_note(&scene->notes, named, error) : TIDES_NO_MEMORY;
+        free(named);
+    }
+    free(gaussians->notes);
+    gaussians->notes = NULL;
+    return status;
 }
 
 static int32_t is_direction(const double v[3]) { return fabs(v[0]) > 0 || fabs(v[1]) > 0 || fabs(v[2]) > 0; }
@@ -71,6 +86,10 @@ tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const ti
         object_free(&object); /* its gaussians are still the caller's: `object` has none yet */
         return name ? td_fail_within(error, status, "object %zu ('%.80s')", scene->count, name)
                     : td_fail_within(error, status, "%s", numbered);
+    }
+    if ((status = take_notes(scene, gaussians, source ? source : object.name, error)) != TIDES_OK) {
+        object_free(&object);
+        return status;
     }
     if (!trajectory && !is_direction(scene->up)) memcpy(scene->up, gaussians->up, sizeof scene->up);
     object.gaussians = *gaussians;

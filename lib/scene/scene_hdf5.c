@@ -8,6 +8,7 @@
  *     /objects/0, 1, 2 ...     attributes  name, source  text   as in tides_object
  *                                          scale         double
  *                                          sh_degree     int    0..4; K = (sh_degree + 1)^2
+ *                                          trained       text   "plain", "antialiased" or "mixed"; not where nobody says it
  *                              datasets    mean          float  (N x 3)
  *                                          log_scale     float  (N x 3)
  *                                          quaternion    float  (N x 4)      wxyz, raw
@@ -79,6 +80,22 @@ static tides_status read_means(const td_place *place, td_gaussians *made) {
     return status;
 }
 
+const char *const td_trained_names[] = {"", "plain", "antialiased", "mixed"};
+
+/* Files before 2026 haven't got it. */
+static tides_status read_trained(const td_place *place, int32_t *trained) {
+    char *text = NULL;
+    if (H5Aexists(place->id, "trained") <= 0) return TIDES_OK;
+    tides_status status = td_place_read_text(place, "trained", &text);
+    *trained = TIDES_TRAINED_MIXED + 1;
+    while (!status && --*trained > 0 && strcmp(td_trained_names[*trained], text) != 0) continue;
+    if (!status && *trained == 0)
+        status = td_fail(place->error, TIDES_BAD_FILE, "%s: trained of %s is \"%.40s\": should be plain, antialiased or mixed",
+                         place->file, place->where, text);
+    free(text);
+    return status;
+}
+
 static tides_status read_gaussians(const td_place *place, td_gaussians *gaussians) {
     int32_t degree = 0;
     uint64_t count = 0;
@@ -86,7 +103,8 @@ static tides_status read_gaussians(const td_place *place, td_gaussians *gaussian
     tides_status status = check_shapes(place, &degree, &count);
     if (!status) status = td_gaussians_create(&made, (int64_t)count, degree, place->error);
     if (status) return status;
-    status = read_means(place, &made);
+    status = read_trained(place, &made.trained);
+    if (!status) status = read_means(place, &made);
     if (!status) status = td_place_read(place, "log_scale", H5T_NATIVE_FLOAT, made.log_scale);
     if (!status) status = td_place_read(place, "quaternion", H5T_NATIVE_FLOAT, made.quaternion);
     if (!status) status = td_place_read(place, "opacity_logit", H5T_NATIVE_FLOAT, made.opacity_logit);

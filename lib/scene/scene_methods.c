@@ -28,8 +28,11 @@ static tides_status read_gsplat(tides_scene *scene, const td_model_dir *dir, con
     memset(&gaussians, 0, sizeof gaussians);
     tides_status status = td_gsplat_read(dir->weights, &gaussians, error);
     if (status) return status;
-    status = td_scene_take(scene, &gaussians, trajectory, scale, name_of(dir, "gsplat"), dir->weights, NULL, error);
-    if (status) td_fail_within(error, status, "%s", dir->weights);
+    status = td_gsplat_tags(dir, &gaussians.trained, error);
+    if (!status) {
+        status = td_scene_take(scene, &gaussians, trajectory, scale, name_of(dir, "gsplat"), dir->weights, NULL, error);
+        if (status) td_fail_within(error, status, "%s", dir->weights);
+    }
     td_gaussians_free(&gaussians);
     return status;
 }

@@ -15,6 +15,8 @@ typedef struct td_gaussians {
     double origin[3];    /* [scene units] what means are relative to */
     double *mean_double; /* NULL, or means as a reader found them, more exact than `mean`: until td_scene_take */
     double up[3];        /* what their file says of where up is; zeros: nothing */
+    int32_t trained;     /* TIDES_TRAINED_*, as it says */
+    char *notes;         /* NULL, or lines that the scene's user should hear of their file */
 } td_gaussians;
 
 typedef struct td_object {
@@ -32,6 +34,7 @@ struct tides_scene {
     td_object *objects;
     size_t count, capacity;
     double up[3]; /* zeros: nobody says */
+    char *notes;  /* NULL, or lines with "\n" between them */
 };
 
 /* Means, in the world, and coefficients of colour reach no further. In single precision squares of distances are formed of
@@ -52,6 +55,12 @@ tides_status td_gaussians_create(td_gaussians *gaussians, int64_t count, int32_t
 tides_status td_gaussians_copy(td_gaussians *gaussians, const tides_gaussians *source, tides_error *error);
 void td_gaussians_free(td_gaussians *gaussians); /* leaves an empty one: may be called twice */
 tides_gaussians td_gaussians_view(const td_gaussians *gaussians);
+
+/* How two sets together were trained: what one of them says, MIXED where they disagree. */
+int32_t td_trained_join(int32_t a, int32_t b);
+
+/* Appends a line to `*notes`, which is NULL or allocated. */
+tides_status td_note(char **notes, const char *line, tides_error *error);
 
 /* Fails with `blame` (TIDES_BAD_ARGUMENT, TIDES_BAD_FILE), naming Gaussian and property, unless the values can be rendered:
  * all finite, quaternions that can be normalised, exp(log_scale) within float's range, means and coefficients within

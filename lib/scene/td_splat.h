@@ -15,6 +15,9 @@ int td_ply_is_packed(const td_ply_header *header);
 tides_status td_ply_packed_read(const td_ply_file *file, const td_ply_header *header, td_gaussians *gaussians,
                                 tides_error *error);
 
+/* TIDES_UNSUPPORTED: a file of 2-D Gaussians, and what to do. */
+tides_status td_splat_refuse_discs(const char *path, tides_error *error);
+
 tides_status td_splat_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
 
 /* 1 where the bytes begin as a .spz (gzip, or its magic number) does. */
@@ -74,8 +77,27 @@ double td_splat_colour(double dc);
 double td_splat_opacity(float logit);
 void td_splat_unit(const float q[4], double out[4]);
 
-/* spz.c: 1 where coefficient k of INRIA's order changes its sign with y and z: where it is odd in the two together. */
-int td_spz_changes_sign(size_t k);
+/* -- spz_axes.c: what extends a .spz -- */
+
+typedef struct td_spz_records {
+    uint32_t system; /* 0 to 16: the axes; 0 is RUB, right up back */
+    char *notes;     /* what isn't read, as td_gaussians has it; the caller's */
+} td_spz_records;
+
+/* Records in `bytes`, and what may be left behind the last one. TIDES_BAD_FILE, TIDES_UNSUPPORTED, TIDES_NO_MEMORY. */
+tides_status td_spz_read_records(const char *path, const unsigned char *bytes, size_t size, td_spz_records *found,
+                                 tides_error *error);
+
+/* From a file's axes to those of a 3DGS .ply: signs of x, y and z, and then perhaps a quarter turn about x. */
+typedef struct td_spz_axes {
+    double flips[3];
+    int turned;
+} td_spz_axes;
+td_spz_axes td_spz_axes_of(uint32_t system);
+
+/* The sign that coefficient k of INRIA's order gets with such signs of the axes; and the turn, of Gaussians that have them. */
+float td_spz_harmonic_sign(const double flips[3], size_t k);
+tides_status td_spz_turn(const td_spz_axes *axes, td_gaussians *gaussians, tides_error *error);
 
 /* -- splat_write.c, gltf_write.c: whole files, means and scales times `scale` -- */
 

@@ -52,6 +52,13 @@ TIDES_DECODER_SIGMOID = 1
 TIDES_DECODER_CLAMP = 2
 TIDES_DECODER_PLAIN = 3
 TIDES_SH_DEGREE_MAX = 4
+TIDES_TRAINED_UNKNOWN = 0
+TIDES_TRAINED_PLAIN = 1
+TIDES_TRAINED_ANTIALIASED = 2
+TIDES_TRAINED_MIXED = 3
+TIDES_LOSES_HARMONICS = 1
+TIDES_LOSES_TRAINED = 2
+TIDES_LOSES_UP = 4
 TIDES_REFRACTORY_HOLD = 0
 TIDES_REFRACTORY_DROP_KEEP = 1
 TIDES_REFRACTORY_DROP_CONSUME = 2
@@ -74,6 +81,9 @@ TIDES_FILTER_RGGB = 1
 TIDES_FILTER_GRBG = 2
 TIDES_FILTER_GBRG = 3
 TIDES_FILTER_BGGR = 4
+TIDES_ANTIALIAS_FALSE = 0
+TIDES_ANTIALIAS_TRUE = 1
+TIDES_ANTIALIAS_FILE = 2
 TIDES_Y = 0
 TIDES_L = 1
 TIDES_L_DOT = 2
@@ -1108,7 +1118,7 @@ class tides_callback_motion(Structure):
 class tides_gaussians(Structure):
     """int64_t count; /* N */
     int32_t sh_degree; /* 0..4 */
-    int32_t reserved;
+    int32_t trained; /* TIDES_TRAINED_* */
     const float *mean; /* [scene units] (N x 3) */
     const float *log_scale; /* ln [scene units] (N x 3) */
     const float *quaternion; /* wxyz, raw (N x 4) */
@@ -1120,7 +1130,7 @@ class tides_gaussians(Structure):
 
     count: int
     sh_degree: int
-    reserved: int
+    trained: int
     mean: Any
     log_scale: Any
     quaternion: Any
@@ -1132,7 +1142,7 @@ class tides_gaussians(Structure):
     _fields_ = [
         ("count", c_int64),
         ("sh_degree", c_int32),
-        ("reserved", c_int32),
+        ("trained", c_int32),
         ("mean", P(c_float)),
         ("log_scale", P(c_float)),
         ("quaternion", P(c_float)),
@@ -1336,7 +1346,7 @@ class tides_smoothing(Structure):
 class tides_image_params(Structure):
     """uint32_t size; /* sizeof this struct */
     int32_t rules; /* TIDES_RULES_* */
-    int32_t antialias; /* 1: opacity times sqrt(det before / det after dilation) */
+    int32_t antialias; /* TIDES_ANTIALIAS_*; TRUE: opacity times sqrt(det before / det after dilation) */
     int32_t sh_degree; /* bands above this are ignored, 0..4 */
     double dilation; /* added to the diagonal of the 2D covariance [px^2] */
     double luminance[3]; /* Y = luminance . (r, g, b) */
@@ -3693,6 +3703,10 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_scene_destroy": (None, [P(tides_scene)], "scene"),
     # int32_t tides_scene_is_file(const char *file)
     "tides_scene_is_file": (c_int32, [c_char_p], "file"),
+    # int32_t tides_scene_losses(const tides_scene *scene, const char *file)
+    "tides_scene_losses": (c_int32, [P(tides_scene), c_char_p], "scene file"),
+    # const char *tides_scene_notes(const tides_scene *scene)
+    "tides_scene_notes": (c_char_p, [P(tides_scene)], "scene"),
     # tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_object *object, tides_error *error)
     "tides_scene_object": (c_int32, [
         P(tides_scene), c_int32, P(tides_object), P(tides_error)
@@ -3714,6 +3728,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_scene_set_up": (c_int32, [P(tides_scene), P(c_double), P(tides_error)], "scene up error"),
     # int32_t tides_scene_sh_degree(const tides_scene *scene)
     "tides_scene_sh_degree": (c_int32, [P(tides_scene)], "scene"),
+    # int32_t tides_scene_trained(const tides_scene *scene)
+    "tides_scene_trained": (c_int32, [P(tides_scene)], "scene"),
     # int32_t tides_scene_up(const tides_scene *scene, double up[3])
     "tides_scene_up": (c_int32, [P(tides_scene), P(c_double)], "scene up"),
     # void tides_sensor_defaults(tides_sensor *sensor)

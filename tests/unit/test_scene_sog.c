@@ -197,6 +197,24 @@ static void packed(void **state) {
     version_1 = 0;
 }
 
+/* "model" says how the splats were trained; discs are refused. */
+static void models(void **state) {
+    (void)state;
+    static const struct {
+        const char *model;
+        int32_t trained;
+    } cases[] = {{"{\"model\":\"antialiased\",\"version\"", TIDES_TRAINED_ANTIALIASED},
+                 {"{\"model\":\"default\",\"version\"", TIDES_TRAINED_PLAIN},
+                 {"{\"version\"", TIDES_TRAINED_UNKNOWN}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        scene_bytes b = make(&(recipe){.find = "{\"version\"", .replacement = cases[i].model, .without = -1}, NULL);
+        td_gaussians g = splat_parse(td_sog_parse, &b);
+        assert_int_equal(g.trained, cases[i].trained);
+        td_gaussians_free(&g);
+        free(b.data);
+    }
+}
+
 /* In a run file's place it is a scene, though its name ends as a run file's does. */
 static void is_a_run(const char *path) {
     tides_error error = {0, ""};
@@ -242,6 +260,10 @@ static void refused(void **state) {
     } cases[] = {
         {{"{\"version\"", "{version", -1, 0, 0, 0, 0, 0}, TIDES_BAD_FILE, "meta.json: isn't valid JSON"},
         {{"\"version\":2", "\"version\":3", -1, 0, 0, 0, 0, 0}, TIDES_UNSUPPORTED, "no SOG of version 1 or 2"},
+        {{"{\"version\"", "{\"model\":\"2dgs\",\"version\"", -1, 0, 0, 0, 0, 0},
+         TIDES_UNSUPPORTED,
+         "2-D Gaussians|2DGS|train the scene"},
+        {{"{\"version\"", "{\"model\":\"soft\",\"version\"", -1, 0, 0, 0, 0, 0}, TIDES_UNSUPPORTED, "its model is \"soft\""},
         {{"\"version\":2,", "", -1, 0, 0, 0, 0, 0}, TIDES_BAD_FILE, "neither a \"version\" nor means.shape"},
         {{"\"count\":5", "\"count\":0", -1, 0, 0, 0, 0, 0}, TIDES_BAD_FILE, "count: must be a whole number"},
         {{"\"count\":5", "\"count\":2.5", -1, 0, 0, 0, 0, 0}, TIDES_BAD_FILE, "count: must be a whole number"},
@@ -373,6 +395,7 @@ static void streamed_refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(packed),
+        cmocka_unit_test(models),
         cmocka_unit_test_setup_teardown(streamed, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test_setup_teardown(streamed_refused, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test_setup_teardown(kinds, scene_folder_setup, scene_folder_teardown),
