@@ -397,10 +397,17 @@ static tides_status array_facts(const char *start, size_t got, cJSON *facts) {
 
 /* ------------------------------------------------------------------------------------------------------------------- */
 
-/* Of folders that hold no event files the path's reader says best what is wrong. */
+/* Of folders that hold no event files the path's reader says best what is wrong, unless no path is there. */
 static tides_status folder_facts(const char *file, cJSON *facts, tides_error *error) {
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
-    return open_events(file) == TIDES_FILE_NOT_FOUND ? path_facts(file, facts, error) : events_facts(file, facts, error);
+    if (open_events(file) != TIDES_FILE_NOT_FOUND) return events_facts(file, facts, error);
+    const tides_status status = path_facts(file, facts, error);
+    if (status != TIDES_FILE_NOT_FOUND) return status;
+    return cli_error(error, status,
+                     "%s: is a folder in which nothing is known: no trained model, no events of DSEC, EDS, HS-ERGB, BS-ERGB or "
+                     "rpg_vid2e, no camera path of COLMAP, nerfstudio, INRIA, LLFF, nerfies or EuRoC; pictures are for "
+                     "frames.file",
+                     file);
 }
 
 static tides_status facts_of(const char *file, cJSON *facts, tides_error *error) {
@@ -419,6 +426,8 @@ static tides_status facts_of(const char *file, cJSON *facts, tides_error *error)
     if (open_events(file) == TIDES_OK) return events_facts(file, facts, error);
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
     if (memcmp(head, "\x93NUMPY", 6) == 0) return array_facts(head, got, facts);
+    const tides_status foreign = tides_file_foreign(file, error);
+    if (foreign != TIDES_OK) return foreign;
     return text_facts(file, head, facts, error); /* text: the path's reader says best what is wrong */
 }
 

@@ -58,7 +58,8 @@ typedef struct tides_image_params {
     int32_t reserved;
 } tides_image_params;
 
-/* smooth, as the file says, 4, 0.3, (0.2126, 0.7152, 0.0722), 1e-3, black, (0.1/255 to 1/255, 1e-5, 1.25, 1e-4, ellipses), no filter. */
+/* smooth, as the file says, 4, 0.3, (0.2126, 0.7152, 0.0722), 1e-3, black, (0.1/255 to 1/255, 1e-5, 1.25, 1e-4, ellipses), no
+ * filter. */
 TIDES_API void tides_image_params_defaults(tides_image_params *params);
 
 /* clang-format off */

@@ -42,7 +42,7 @@ TIDES_API const tides_param *tides_params(size_t *count);
 typedef struct tides_run tides_run;
 
 /* Reads a run file; a splat file or a model's folder in its place is a run of that scene on an orbit (camera.orbit_s = 12),
- * from 0 to 0.1 s. `overrides` (nullable, `count` of them) are "key=value" texts, value as JSON or bare text, applied after
+ * from 0 to 0.1 s; frames (a video, a folder of pictures, an array of three dimensions) are a run of frames.file. `overrides` (nullable, `count` of them) are "key=value" texts, value as JSON or bare text, applied after
  * the file. Unknown keys are errors that name the nearest known key; values out of range name the key, the value and the range;
  * a key that this version doesn't act on is an error unless it holds its default. Relative paths are relative to the file.
  * Beyond JSON, "//" outside a text begins a comment that ends with the line, and a comma may stand before a closing bracket.

@@ -30,9 +30,9 @@ enum { TIDES_TRAINED_UNKNOWN = 0, TIDES_TRAINED_PLAIN = 1, TIDES_TRAINED_ANTIALI
  * to an origin near them, in which nothing is rounded that was single precision: `origin` of what it gives back
  * (tides_scene_object) isn't 0 then. Files are written with the coordinates that they had. */
 typedef struct tides_gaussians {
-    int64_t count;     /* N */
-    int32_t sh_degree; /* 0..4 */
-    int32_t trained;   /* TIDES_TRAINED_* */
+    int64_t count;              /* N */
+    int32_t sh_degree;          /* 0..4 */
+    int32_t trained;            /* TIDES_TRAINED_* */
     const float *mean;          /* [scene units]            (N x 3) */
     const float *log_scale;     /* ln [scene units]         (N x 3) */
     const float *quaternion;    /* wxyz, raw                (N x 4) */
@@ -113,8 +113,8 @@ enum {
 };
 TIDES_API int32_t tides_scene_losses(const tides_scene *scene, const char *file);
 
-/* What a user of the scene may not expect of its files, a line each: what was left out of one, or isn't known; "" where there is
- * nothing. The scene's, until it is added to. */
+/* What a user of the scene may not expect of its files, a line each: what was left out of one, or isn't known; "" where
+ * there is nothing. The scene's, until it is added to. */
 TIDES_API const char *tides_scene_notes(const tides_scene *scene);
 
 /* Number of objects; all Gaussians; the largest SH degree. */
@@ -160,8 +160,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_bounds_at(const tides_scene 
 TIDES_API int32_t tides_scene_trained(const tides_scene *scene);
 
 /* Which way up is in the scene, a direction of any length: what its first file that is at rest says (.h5; a .ply's comments
- * "up x y z", Brush's "Vertical axis: x y z", and nerfstudio's "Vertical Axis: z"), what tides_generate makes, or what was set. 1; 0 and zeros where nothing
- * says it. tides_scene_save keeps it in .h5 and .ply. Zeros or NULL, set, say that it isn't known. */
+ * "up x y z", Brush's "Vertical axis: x y z", and nerfstudio's "Vertical Axis: z"), what tides_generate makes, or what was
+ * set. 1; 0 and zeros where nothing says it. tides_scene_save keeps it in .h5 and .ply. Zeros or NULL, set, say that it isn't
+ * known. */
 TIDES_API int32_t tides_scene_up(const tides_scene *scene, double up[3]);
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_set_up(tides_scene *scene, const double up[3], tides_error *error);
 

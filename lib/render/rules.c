@@ -173,7 +173,8 @@ tides_status td_image_take_training(const tides_image_params *params, const tide
     image->antialias = trained == TIDES_TRAINED_ANTIALIASED;
     if (trained != TIDES_TRAINED_MIXED) return TIDES_OK;
     return td_fail(error, TIDES_BAD_CONFIG,
-                   "image.antialias: some of the scene was trained with compensated opacities and some without, as its files say, "
+                   "image.antialias: some of the scene was trained with compensated opacities and some without, as its files "
+                   "say, "
                    "and one image has one of both: set it to true or false");
 }
 

@@ -166,7 +166,9 @@ static int has_discs(const binding *b) {
     return found;
 }
 
-static tides_status check_discs(const binding *b) { return has_discs(b) ? td_splat_refuse_discs(b->file->path, b->error) : TIDES_OK; }
+static tides_status check_discs(const binding *b) {
+    return has_discs(b) ? td_splat_refuse_discs(b->file->path, b->error) : TIDES_OK;
+}
 
 /* Everything that the header alone can tell, before memory is asked for. */
 static tides_status check_header(const binding *b, int32_t *degree) {
@@ -222,7 +224,8 @@ static tides_status take_mode(const binding *b, td_gaussians *gaussians) {
     if (has_filter(b) || td_ply_word_reads(mode, "mip")) gaussians->trained = TIDES_TRAINED_ANTIALIASED;
     if (td_ply_word_reads(mode, "default")) gaussians->trained = TIDES_TRAINED_PLAIN;
     if (mode.length == 0 || gaussians->trained != TIDES_TRAINED_UNKNOWN) return TIDES_OK;
-    snprintf(line, sizeof line, "its splats' mode '%s' isn't known: they are drawn as plain ones; image.antialias says otherwise",
+    snprintf(line, sizeof line,
+             "its splats' mode '%s' isn't known: they are drawn as plain ones; image.antialias says otherwise",
              TD_PLY_QUOTE(mode));
     return td_note(&gaussians->notes, line, b->error);
 }

@@ -2,6 +2,7 @@
  * format's own file's. */
 #include "td_base.h"
 #include "td_folder.h"
+#include "td_kinds.h"
 #include "td_model_dir.h"
 #include "td_scene.h"
 #include "td_splat.h"
@@ -119,7 +120,7 @@ static int is_pointer(const beginning *b) {
 }
 static tides_status refuse_pointer(const char *path, td_gaussians *gaussians, tides_error *error) {
     (void)gaussians;
-    return td_fail(error, TIDES_BAD_FILE, "%s: is a pointer of Git LFS and not the file itself: git lfs pull fetches it", path);
+    return td_kind_refuse(path, TD_WANTS_SCENE, error);
 }
 
 /* One line per format, surest first. The first is none, but stands in the place of all of them. */
@@ -180,6 +181,7 @@ tides_status tides_scene_add_file(tides_scene *scene, const char *file, const ti
     if (status) return status;
     size_t format = format_of(&start);
     if (start.folder ? format == FORMATS : td_model_dir_is(file)) return add_model(scene, file, trajectory, scale, error);
+    if (format == FORMATS && (status = td_kind_refuse(file, TD_WANTS_SCENE, error)) != TIDES_OK) return status;
     if (format == FORMATS)
         return td_fail(error, TIDES_BAD_FILE,
                        "%s: is no scene: neither a PLY file (no 'ply' at byte 0), nor .spz, .sog, .glb, .gltf, .ksplat, "

@@ -251,7 +251,8 @@ static tides_status check_version(const td_place *root) {
     int known = td_place_read_text(root, "format", &format) == TIDES_OK && strcmp(format, TD_SCENE_HDF5_FORMAT) == 0;
     free(format);
     if (!known)
-        return td_fail(root->error, TIDES_BAD_FILE, "%s: is HDF5 but not a TIDES scene (attribute format isn't \"%s\")",
+        return td_fail(root->error, TIDES_BAD_FILE,
+                       "%s: is HDF5 but not a TIDES scene (attribute format isn't \"%s\"): tides info says what it holds",
                        root->file, TD_SCENE_HDF5_FORMAT);
     tides_status status = td_place_read_int(root, "version", &version);
     if (status || (version >= TD_SCENE_HDF5_STILL && version <= TD_SCENE_HDF5_VERSION)) return status;

@@ -32,7 +32,8 @@ void td_splat_unit(const float q[4], double out[4]) {
 
 tides_status td_splat_refuse_discs(const char *path, tides_error *error) {
     return td_fail(error, TIDES_UNSUPPORTED,
-                   "%s: holds discs, 2-D Gaussians as 2DGS and SuGaR's kind train them, which are cut by rays and not projected: "
+                   "%s: holds discs, 2-D Gaussians as 2DGS and SuGaR's kind train them, which are cut by rays and not "
+                   "projected: "
                    "this version can't draw them; train the scene with 3-D Gaussians (gsplat, Brush, INRIA's 3DGS)",
                    path);
 }

@@ -15,9 +15,9 @@
  * Smallest three: uint32, 2 bits from the top name the largest of x y z w; then, from w down to x without it, 10 bits from the
  * lowest on: 9 bits m and a sign, m / 511 / sqrt(2).
  *
- * The axes are right, up, back, unless a record says otherwise (spz_axes.c); a 3DGS .ply's are right, down, front: y and z change
- * sign, and with them the SH coefficients that are odd in y and z together. Records lie between header and table in version 4,
- * behind the arrays before. Flag 1 says that opacities were trained with compensation; 2 that there are records. */
+ * The axes are right, up, back, unless a record says otherwise (spz_axes.c); a 3DGS .ply's are right, down, front: y and z
+ * change sign, and with them the SH coefficients that are odd in y and z together. Records lie between header and table in
+ * version 4, behind the arrays before. Flag 1 says that opacities were trained with compensation; 2 that there are records. */
 #include "archive/td_numbers.h"
 #include "td_base.h"
 #include "td_endian.h"

@@ -2,8 +2,8 @@
  *
  * A record is uint32 type, uint32 bytes, and so many bytes. Adobe's 0xADBE0003 is a uint32, the coordinate system of positions,
  * rotations and SH by what x, y and z point to: 1 LDB, 2 RDB, 3 LUB, 4 RUB, 5 LDF, 6 RDF, 7 LUF, 8 RUF (left or right, down or
- * up, back or front), and 9 LFD, 10 RFD, 11 LFU, 12 RFU, 13 LBD, 14 RBD, 15 LBU, 16 RBU: those a quarter turn about x on, so that
- * y is front or back and z down or up. 0, and files without it: RUB. Left and right mirror the numbers, not what is seen. */
+ * up, back or front), and 9 LFD, 10 RFD, 11 LFU, 12 RFU, 13 LBD, 14 RBD, 15 LBU, 16 RBU: those a quarter turn about x on, so
+ * that y is front or back and z down or up. 0, and files without it: RUB. Left and right mirror numbers, not what is seen. */
 #include "td_base.h"
 #include "td_endian.h"
 #include "td_scene.h"
@@ -40,8 +40,8 @@ tides_status td_spz_read_records(const char *path, const unsigned char *bytes, s
         if (length > size - RECORD)
             return td_fail(error, TIDES_BAD_FILE, "%s: its extension 0x%08lx has %lu bytes, but %zu are left: truncated?", path,
                            (unsigned long)type, (unsigned long)length, size - RECORD);
-        status = type == system_record ? read_system(path, bytes + RECORD, length, found, error)
-                                       : note_record(type, found, error);
+        status =
+            type == system_record ? read_system(path, bytes + RECORD, length, found, error) : note_record(type, found, error);
         bytes += RECORD + length;
         size -= RECORD + length;
     }

@@ -3319,6 +3319,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     ], "path width height channels count compression attributes error"),
     # tides_status tides_file_check(const char *path, int32_t streams, tides_error *error)
     "tides_file_check": (c_int32, [c_char_p, c_int32, P(tides_error)], "path streams error"),
+    # tides_status tides_file_foreign(const char *path, tides_error *error)
+    "tides_file_foreign": (c_int32, [c_char_p, P(tides_error)], "path error"),
     # tides_status tides_file_part(const char *path, char *part, size_t size, tides_error *error)
     "tides_file_part": (c_int32, [c_char_p, c_char_p, c_size_t, P(tides_error)], "path part size error"),
     # tides_status tides_file_write(const char *path, const void *bytes, size_t size, tides_error *error)

@@ -301,8 +301,8 @@ static void test_freetime(void **state) {
 
 int main(void) {
 #define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, scene_folder_setup, scene_folder_teardown)
-    const struct CMUnitTest tests[] = {IN_FOLDER(test_inria),  IN_FOLDER(test_deformed), IN_FOLDER(test_other_layouts),
-                                       IN_FOLDER(test_frames), IN_FOLDER(test_gsplat),   IN_FOLDER(test_freetime),
+    const struct CMUnitTest tests[] = {IN_FOLDER(test_inria),      IN_FOLDER(test_deformed), IN_FOLDER(test_other_layouts),
+                                       IN_FOLDER(test_frames),     IN_FOLDER(test_gsplat),   IN_FOLDER(test_freetime),
                                        IN_FOLDER(test_gsplat_tags)};
     return cmocka_run_group_tests_name("model_dir", tests, NULL, NULL);
 }

@@ -28,7 +28,8 @@ static scene_bytes make_arrays(void) {
     scene_bytes b = {0};
     uint64_t seed = 39;
     for (int i = 0; i < 6; i++) add_noise(&b, &seed, sizes[i]);
-    for (size_t i = 0; i < sizes[3]; i++) b.data[sizes[0] + sizes[1] + sizes[2] + i] = (char)(128 + 8 * (i % 7)); /* e^-2 to e */
+    for (size_t i = 0; i < sizes[3]; i++)
+        b.data[sizes[0] + sizes[1] + sizes[2] + i] = (char)(128 + 8 * (i % 7)); /* e^-2 to e */
     return b;
 }
 

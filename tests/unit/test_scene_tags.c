@@ -47,8 +47,10 @@ static void comments(void **state) {
         {"comment antialiased 0\n", TIDES_TRAINED_PLAIN, {0}, NULL},
         {"comment antialiased 1\ncomment SplatRenderMode: default\n", TIDES_TRAINED_PLAIN, {0}, NULL},
         {"comment SplatRenderMode: soft\n", TIDES_TRAINED_UNKNOWN, {0}, "mode 'soft' isn't known"},
-        {"comment Exported from Brush\ncomment Vertical axis: 0 -0.5 1\ncomment SH degree: 0\n", TIDES_TRAINED_UNKNOWN,
-         {0, -0.5, 1}, NULL},
+        {"comment Exported from Brush\ncomment Vertical axis: 0 -0.5 1\ncomment SH degree: 0\n",
+         TIDES_TRAINED_UNKNOWN,
+         {0, -0.5, 1},
+         NULL},
         {"comment Vertical axis: y\n", TIDES_TRAINED_UNKNOWN, {0}, NULL},
         {"comment Vertical Axis: z\n", TIDES_TRAINED_UNKNOWN, {0, 0, 1}, NULL},
         {"comment up 1 2 3\n", TIDES_TRAINED_UNKNOWN, {1, 2, 3}, NULL},
@@ -197,7 +199,7 @@ static void in_run_files(void **state) {
     static const struct {
         const char *value;
         int32_t antialias;
-    } cases[] = {{"true", TIDES_ANTIALIAS_TRUE},       {"false", TIDES_ANTIALIAS_FALSE},     {"\"true\"", TIDES_ANTIALIAS_TRUE},
+    } cases[] = {{"true", TIDES_ANTIALIAS_TRUE},       {"false", TIDES_ANTIALIAS_FALSE},   {"\"true\"", TIDES_ANTIALIAS_TRUE},
                  {"\"false\"", TIDES_ANTIALIAS_FALSE}, {"\"file\"", TIDES_ANTIALIAS_FILE}, {NULL, TIDES_ANTIALIAS_FILE}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         char text[160], set[64];
@@ -212,7 +214,8 @@ static void in_run_files(void **state) {
         tides_run_get(run, &values);
         assert_int_equal(values.image.antialias, cases[i].antialias);
         snprintf(set, sizeof set, "image.antialias=%s", cases[i].value ? cases[i].value : "file");
-        scene_expect_ok(tides_run_parse("{\"scene\": {\"file\": \"a\"}, \"camera\": {\"file\": \"b\"}}", "", sets, 1, &again, &error),
+        scene_expect_ok(tides_run_parse("{\"scene\": {\"file\": \"a\"}, \"camera\": {\"file\": \"b\"}}", "", sets, 1, &again,
+                                        &error),
                         &error);
         tides_run_get(again, &values);
         assert_int_equal(values.image.antialias, cases[i].antialias);
