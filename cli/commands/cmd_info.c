@@ -1,5 +1,6 @@
 /* tides info: what a file or folder holds. The kind of file is found from its content. */
 #include "cli.h"
+#include "info_preset.h"
 
 #include <errno.h>
 #include <math.h>
@@ -370,6 +371,8 @@ static tides_status text_facts(const char *file, const char *start, cJSON *facts
     tides_run *run = NULL;
     tides_error of_run;
     if (tides_run_load(file, NULL, 0, &run, &of_run) != TIDES_OK) {
+        tides_status of_preset = TIDES_OK;
+        if (info_preset(file, facts, &of_preset, error)) return of_preset;
         tides_status of_path = path_facts(file, facts, error);
         if (of_path != TIDES_OK && looks_like_run(start)) *error = of_run;
         return of_path;

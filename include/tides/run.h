@@ -38,6 +38,10 @@ typedef struct tides_param {
 /* The table; static storage, `count` (nullable) receives its length. */
 TIDES_API const tides_param *tides_params(size_t *count);
 
+/* 1 where `key` takes the path of a file, or objects that name files: relative paths are relative to the run file.
+ * sensor.preset's may be a name, too. */
+TIDES_API int32_t tides_param_is_path(const char *key);
+
 /* A run file that was read. Opaque, constant once made. */
 typedef struct tides_run tides_run;
 

@@ -3487,6 +3487,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_page_write_file": (c_int32, [
         c_char_p, c_char_p, P(tides_page_options), tides_progress, c_void_p, P(tides_page_report), P(tides_error)
     ], "events path options progress user report error"),
+    # int32_t tides_param_is_path(const char *key)
+    "tides_param_is_path": (c_int32, [c_char_p], "key"),
     # const tides_param *tides_params(size_t *count)
     "tides_params": (P(tides_param), [P(c_size_t)], "count"),
     # tides_status tides_path_load(const char *file, const tides_path_options *options, tides_path *path, tides_error
