@@ -1,5 +1,5 @@
-/* Paths in --set: typed in a shell, they are of the shell's folder, while the run file's own are of its folder. So that what was
- * written for the run file's folder goes on working, it is that where the shell's has no such file. */
+/* Paths in --set: typed in a shell, they are of the shell's folder, while the run file's own are of its folder. So that what
+ * was written for the run file's folder goes on working, it is that where the shell's has no such file. */
 #include "sets.h"
 
 #include <limits.h>

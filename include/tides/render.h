@@ -96,6 +96,7 @@ typedef struct tides_render_stats {
     uint64_t blocks;                 /* (4x4 block, time) pairs of these */
     uint64_t tile_jobs_skipped;      /* tiles without a candidate: background by formula */
     uint64_t gaussians_total;        /* Gaussians in the scene */
+    uint64_t gaussians_dropped;      /* those of its files that were left out (tides_scene_options) */
     uint64_t gaussians_projected;    /* (Gaussian, tile job) projections, */
     uint64_t gaussians_shared;       /* of these, worked out once for all tiles of the time, */
     uint64_t gaussians_culled;       /* and touching none of the job's blocks at that time */

@@ -94,6 +94,31 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add_file(tides_scene *scene,
                                                              const tides_trajectory *trajectory, double scale,
                                                              tides_error *error);
 
+/* What becomes of a file's Gaussians that can't be rendered (NaN, Inf, a zero quaternion ...): the file is refused, or they are
+ * left out, which tides_scene_notes tells. Those that a motion moves stay: then the file is refused. */
+enum { TIDES_INVALID_ERROR = 0, TIDES_INVALID_DROP = 1 };
+
+/* How files are read. Fill with tides_scene_options_defaults: ERROR, no part. */
+typedef struct tides_scene_options {
+    uint32_t size;
+    /* Of a file that holds more than it shows at first, which part is read instead: a glTF's scene and an .h5's object by name
+     * or number, a streamed SOG's level of detail (0: the finest), a trained model's iteration. NULL: the glTF's default
+     * scene, all objects, the finest level, the newest iteration; tides_scene_notes says what else there is. Where a file
+     * has no parts, or not this one: TIDES_BAD_ARGUMENT. */
+    const char *part;
+    int32_t invalid; /* TIDES_INVALID_* */
+    int32_t reserved;
+} tides_scene_options;
+TIDES_API void tides_scene_options_defaults(tides_scene_options *options);
+
+/* tides_scene_add_file as `options` (nullable: its defaults) say. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_scene_read(tides_scene *scene, const char *file,
+                                                         const tides_scene_options *options, const tides_trajectory *trajectory,
+                                                         double scale, tides_error *error);
+
+/* How many Gaussians of the scene's files were left out (TIDES_INVALID_DROP). */
+TIDES_API int64_t tides_scene_dropped(const tides_scene *scene);
+
 /* 1 where tides_scene_add_file would take `file` for a scene, by the same signs; whether it can be read is another matter: a
  * glTF may hold no splats, and a pointer of Git LFS stand in a scene's place, which that says. 0 also where it can't be
  * opened. */

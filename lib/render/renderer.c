@@ -90,6 +90,7 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     made->image.sh_stride = made->store.sh_stride;
     td_image_set_decoder(scene, &made->store, &made->image);
     made->stats.gaussians_total = (uint64_t)made->store.real_count;
+    made->stats.gaussians_dropped = (uint64_t)tides_scene_dropped(scene);
     status = td_candidates_create(intrinsics->width, intrinsics->height, &made->candidates, error);
     if (status != TIDES_OK) goto done;
     made->stats.tiles = made->candidates.tiles_x * made->candidates.tiles_y;

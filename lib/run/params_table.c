@@ -40,6 +40,11 @@ static const int32_t lens_models[] = {TIDES_LENS_NONE, TIDES_LENS_NONE, TIDES_LE
 const td_param td_params[] = {
     {STRING("scene.file", scene_file, "splats (.ply, .h5, .spz, .splat, .ksplat, .sog, .glb); not needed with scene.objects"),
      .fallback = "null", .is_file = 1},
+    {STRING("scene.part", scene_options.part,
+            "a glTF's scene, an .h5's object, an iteration, a level of detail; null: what a file shows first"),
+     .fallback = "null"},
+    {CHOICE("scene.invalid", scene_options.invalid, "error|drop",
+            "Gaussians of files that are NaN or infinite: refuse the file, or leave them out")},
     {VECTOR3("scene.background", image.background, "", 0, 1e6, "linear colour behind everything")},
     {NUMBER("scene.duration_s", scene_duration_s, "s", 1e-9, LAST_SECOND,
             "seconds that motions last; null takes the scene's own"),
@@ -49,7 +54,7 @@ const td_param td_params[] = {
     {NUMBER("scene.metres_per_unit", metres_per_unit, "m", 1e-12, 1e12,
             "what a unit of the scene is; null: unknown, so that nothing can be had in metres"),
      .fallback = "null"},
-    {OBJECTS("scene.objects", "more splat files, each {file, trajectory, scale}; a trajectory moves it as a rigid body"),
+    {OBJECTS("scene.objects", "more splat files, each {file, trajectory, scale, part}; a trajectory moves it as a rigid body"),
      .fallback = "[]"},
 
     {STRING("camera.file", camera_file,

@@ -116,7 +116,7 @@ static tides_status check_string(const tides_param *row, const cJSON *value, con
 
 /* One key of one entry of scene.objects; `name` is "scene.objects[i]". */
 static tides_status check_object_key(const char *name, const cJSON *item, const char *where, tides_error *error) {
-    static const char *const known[] = {"file", "trajectory", "scale", NULL};
+    static const char *const known[] = {"file", "trajectory", "scale", "part", NULL};
     char key[TD_KEY_MAX];
     snprintf(key, sizeof key, "%s.%.40s", name, item->string);
     td_one_line(key);
@@ -125,6 +125,9 @@ static tides_status check_object_key(const char *name, const cJSON *item, const 
     } else if (strcmp(item->string, "trajectory") == 0) {
         if (!cJSON_IsNull(item) && (!cJSON_IsString(item) || !item->valuestring[0]))
             return wrong_type(where, key, item, "a path file in quotes, or null for an object at rest", error);
+    } else if (strcmp(item->string, "part") == 0) {
+        if (!cJSON_IsNull(item) && (!cJSON_IsString(item) || !item->valuestring[0]))
+            return wrong_type(where, key, item, "a text in quotes, or null for what the file shows first", error);
     } else if (strcmp(item->string, "scale") == 0) {
         if (!cJSON_IsNumber(item)) return wrong_type(where, key, item, "a number", error);
         if (!(item->valuedouble >= 1e-6 && item->valuedouble <= 1e6))
@@ -132,8 +135,9 @@ static tides_status check_object_key(const char *name, const cJSON *item, const 
                            show(item).text);
     } else {
         const char *nearest = tides_nearest_name(item->string, known);
-        return td_fail(error, TIDES_BAD_CONFIG, "%s: unknown key \"%s\"; did you mean \"%s.%s\"? (file, trajectory, scale)",
-                       where, key, name, nearest ? nearest : "file");
+        return td_fail(error, TIDES_BAD_CONFIG,
+                       "%s: unknown key \"%s\"; did you mean \"%s.%s\"? (file, trajectory, scale, part)", where, key, name,
+                       nearest ? nearest : "file");
     }
     for (const cJSON *other = item->next; other; other = other->next)
         if (strcmp(other->string, item->string) == 0)

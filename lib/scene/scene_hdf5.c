@@ -209,7 +209,10 @@ static tides_status read_object(tides_scene *scene, const td_place *place, const
     if (!status) status = read_trajectory(place, &own);
     if (!status) status = read_gaussians(place, &gaussians);
     if (!status) status = td_motion_hdf5_read(place, &motion, &duration_s);
+    const int32_t drop = scene->drop;
+    if (motion) scene->drop = 0; /* its rows are theirs */
     if (!status) status = take_object(scene, place, moved, &gaussians, own, scale);
+    scene->drop = drop;
     if (!status && motion) {
         status = td_scene_give_motion(scene, motion, duration_s, place->error);
         if (status)
@@ -223,7 +226,20 @@ static tides_status read_object(tides_scene *scene, const td_place *place, const
     return status;
 }
 
+/* Whether the object is the part that is wanted: by its name, or else its number. `*named` is set by the first of that name. */
+static tides_status is_part(const tides_scene *scene, const td_place *object, const char *number, int *named, int *wanted) {
+    char *name = NULL;
+    *wanted = 1;
+    if (!scene->part) return TIDES_OK;
+    tides_status status = td_place_read_text(object, "name", &name);
+    *wanted = !status && (strcmp(scene->part, name) == 0 || strcmp(scene->part, number) == 0);
+    *named |= *wanted;
+    free(name);
+    return status;
+}
+
 static tides_status read_objects(tides_scene *scene, const td_place *root, const placement *moved) {
+    int named = scene->part == NULL;
     int32_t count = 0;
     td_place objects, object;
     tides_status status = td_place_read_int(root, "objects", &count);
@@ -234,13 +250,17 @@ static tides_status read_objects(tides_scene *scene, const td_place *root, const
     for (int32_t i = 0; i < count && !status; i++) {
         char number[16];
         snprintf(number, sizeof number, "%d", (int)i);
+        int wanted = 0;
         status = td_place_open(&objects, number, &object);
         if (status) break;
-        status = read_object(scene, &object, moved);
+        status = is_part(scene, &object, number, &named, &wanted);
+        if (!status && wanted) status = read_object(scene, &object, moved);
         H5Gclose(object.id);
     }
     H5Gclose(objects.id);
-    return status;
+    if (status || named) return status;
+    return td_fail(root->error, TIDES_BAD_ARGUMENT, "%s: scene.part = \"%.80s\" is none of its %d objects' names, nor 0 to %d",
+                   root->file, scene->part, (int)count, (int)count - 1);
 }
 
 /* -- the file -- */

@@ -26,6 +26,8 @@ tides_status td_note(char **notes, const char *line, tides_error *error) {
     return TIDES_OK;
 }
 
+int64_t tides_scene_dropped(const tides_scene *scene) { return scene ? scene->dropped : 0; }
+
 const char *tides_scene_notes(const tides_scene *scene) { return scene && scene->notes ? scene->notes : ""; }
 
 /* -- losses -- */

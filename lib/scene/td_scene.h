@@ -35,6 +35,9 @@ struct tides_scene {
     size_t count, capacity;
     double up[3]; /* zeros: nobody says */
     char *notes;  /* NULL, or lines with "\n" between them */
+    int64_t dropped;
+    int32_t drop;     /* 1 while a file is read whose bad Gaussians are left out */
+    const char *part; /* NULL, or while a file is read which part of it */
 };
 
 /* Means, in the world, and coefficients of colour reach no further. In single precision squares of distances are formed of
@@ -66,6 +69,9 @@ tides_status td_note(char **notes, const char *line, tides_error *error);
  * all finite, quaternions that can be normalised, exp(log_scale) within float's range, means and coefficients within
  * TD_VALUE_MOST; in place, that is times `scale`. */
 tides_status td_gaussians_check(const td_gaussians *gaussians, double scale, tides_status blame, tides_error *error);
+
+/* Leaves out what td_gaussians_check would refuse; how many that were. At least one is left: else as td_gaussians_check. */
+tides_status td_gaussians_drop(td_gaussians *gaussians, double scale, int64_t *dropped, tides_error *error);
 
 /* -- origin.c: means far from (0, 0, 0) -- */
 

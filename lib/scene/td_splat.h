@@ -35,15 +35,17 @@ tides_status td_sog_read_folder(const char *path, td_gaussians *gaussians, tides
 int td_sog_is_meta(const char *path); /* 1 where the file's name is meta.json */
 int td_sog_is_zip(const char *path);  /* 1 where the file is a ZIP with a meta.json */
 
-/* Streamed SOG: lod-meta.json or its folder, at the finest level (sog_lod.c). The files that this reads: the meta.json of each
- * part. */
-tides_status td_sog_read_lod(const char *path, td_gaussians *gaussians, tides_error *error);
-tides_status td_sog_lod_files(const char *path, td_folder *files, tides_error *error);
+/* Streamed SOG: lod-meta.json or its folder, at level `part` of detail, NULL: the finest (sog_lod.c). The files that this
+ * reads: the meta.json of each part. */
+tides_status td_sog_read_lod(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
+tides_status td_sog_lod_files(const char *path, const char *part, td_folder *files, tides_error *error);
 int td_sog_is_lod(const char *path); /* 1 where the file's name is lod-meta.json */
 
-/* glTF, .glb or .gltf (gltf_splats.c). The files that its buffers are in, beside it or below (gltf.c). */
+/* glTF, .glb or .gltf (gltf_splats.c): its default scene; td_gltf_read: or that which `part` (nullable) names, or numbers. The
+ * files that its buffers are in, beside it or below, whatever the part (gltf.c). */
 tides_status td_gltf_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
-tides_status td_gltf_files(const char *path, td_folder *files, tides_error *error);
+tides_status td_gltf_read(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
+tides_status td_gltf_files(const char *path, const char *part, td_folder *files, tides_error *error);
 
 /* -- inflate.c: gzip and zstd into a buffer of known size -------------------------------------------------------------- */
 

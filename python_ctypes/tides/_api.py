@@ -56,6 +56,8 @@ TIDES_TRAINED_UNKNOWN = 0
 TIDES_TRAINED_PLAIN = 1
 TIDES_TRAINED_ANTIALIASED = 2
 TIDES_TRAINED_MIXED = 3
+TIDES_INVALID_ERROR = 0
+TIDES_INVALID_DROP = 1
 TIDES_LOSES_HARMONICS = 1
 TIDES_LOSES_TRAINED = 2
 TIDES_LOSES_UP = 4
@@ -1153,6 +1155,30 @@ class tides_gaussians(Structure):
     ]
 
 
+class tides_scene_options(Structure):
+    """uint32_t size;
+    /* Of a file that holds more than it shows at first, which part is read instead: a glTF's scene and an .h5's object by name
+    * or number, a streamed SOG's level of detail (0: the finest), a trained model's iteration. NULL: the glTF's default
+    * scene, all objects, the finest level, the newest iteration; tides_scene_notes says what else there is. Where a file
+    * has no parts, or not this one: TIDES_BAD_ARGUMENT. */
+    const char *part;
+    int32_t invalid; /* TIDES_INVALID_* */
+    int32_t reserved;
+    """
+
+    size: int
+    part: bytes | None
+    invalid: int
+    reserved: int
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("part", c_char_p),
+        ("invalid", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
 class tides_object(Structure):
     """tides_gaussians gaussians; /* views of its arrays */
     const tides_trajectory *trajectory; /* NULL: at rest */
@@ -1401,6 +1427,7 @@ class tides_render_stats(Structure):
     uint64_t blocks; /* (4x4 block, time) pairs of these */
     uint64_t tile_jobs_skipped; /* tiles without a candidate: background by formula */
     uint64_t gaussians_total; /* Gaussians in the scene */
+    uint64_t gaussians_dropped; /* those of its files that were left out (tides_scene_options) */
     uint64_t gaussians_projected; /* (Gaussian, tile job) projections, */
     uint64_t gaussians_shared; /* of these, worked out once for all tiles of the time, */
     uint64_t gaussians_culled; /* and touching none of the job's blocks at that time */
@@ -1424,6 +1451,7 @@ class tides_render_stats(Structure):
     blocks: int
     tile_jobs_skipped: int
     gaussians_total: int
+    gaussians_dropped: int
     gaussians_projected: int
     gaussians_shared: int
     gaussians_culled: int
@@ -1452,6 +1480,7 @@ class tides_render_stats(Structure):
         ("blocks", c_uint64),
         ("tile_jobs_skipped", c_uint64),
         ("gaussians_total", c_uint64),
+        ("gaussians_dropped", c_uint64),
         ("gaussians_projected", c_uint64),
         ("gaussians_shared", c_uint64),
         ("gaussians_culled", c_uint64),
@@ -2134,6 +2163,7 @@ class tides_run_values(Structure):
     const char *frames_file; /* NULL: the run has a scene */
     double frames_per_second; /* of a baseline's renders [Hz] */
     tides_path_options path; /* of camera.file */
+    tides_scene_options scene_options; /* of scene.file, and `invalid` of all files */
     double scene_duration_s; /* 0: the scene's own */
     double metres_per_unit; /* of the scene [m]; 0: unknown */
     const char *dataset_layout; /* layouts of tides_dataset_write; NULL: not said */
@@ -2166,6 +2196,7 @@ class tides_run_values(Structure):
     frames_file: bytes | None
     frames_per_second: float
     path: tides_path_options
+    scene_options: tides_scene_options
     scene_duration_s: float
     metres_per_unit: float
     dataset_layout: bytes | None
@@ -2200,6 +2231,7 @@ class tides_run_values(Structure):
         ("frames_file", c_char_p),
         ("frames_per_second", c_double),
         ("path", tides_path_options),
+        ("scene_options", tides_scene_options),
         ("scene_duration_s", c_double),
         ("metres_per_unit", c_double),
         ("dataset_layout", c_char_p),
@@ -3705,6 +3737,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_scene_create": (c_int32, [P(P(tides_scene)), P(tides_error)], "scene error"),
     # void tides_scene_destroy(tides_scene *scene)
     "tides_scene_destroy": (None, [P(tides_scene)], "scene"),
+    # int64_t tides_scene_dropped(const tides_scene *scene)
+    "tides_scene_dropped": (c_int64, [P(tides_scene)], "scene"),
     # int32_t tides_scene_is_file(const char *file)
     "tides_scene_is_file": (c_int32, [c_char_p], "file"),
     # int32_t tides_scene_losses(const tides_scene *scene, const char *file)
@@ -3717,6 +3751,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     ], "scene index object error"),
     # int32_t tides_scene_objects(const tides_scene *scene)
     "tides_scene_objects": (c_int32, [P(tides_scene)], "scene"),
+    # void tides_scene_options_defaults(tides_scene_options *options)
+    "tides_scene_options_defaults": (None, [P(tides_scene_options)], "options"),
     # tides_status tides_scene_orbit(const tides_scene *scene, const double up[3], double field_of_view, tides_orbit
     # *orbit, tides_error *error)
     "tides_scene_orbit": (c_int32, [
@@ -3724,6 +3760,11 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     ], "scene up field_of_view orbit error"),
     # void tides_scene_range(const tides_scene *scene, double *start, double *stop)
     "tides_scene_range": (None, [P(tides_scene), P(c_double), P(c_double)], "scene start stop"),
+    # tides_status tides_scene_read(tides_scene *scene, const char *file, const tides_scene_options *options, const
+    # tides_trajectory *trajectory, double scale, tides_error *error)
+    "tides_scene_read": (c_int32, [
+        P(tides_scene), c_char_p, P(tides_scene_options), P(tides_trajectory), c_double, P(tides_error)
+    ], "scene file options trajectory scale error"),
     # tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_error *error)
     "tides_scene_save": (c_int32, [P(tides_scene), c_char_p, P(tides_error)], "scene file error"),
     # int32_t tides_scene_set_duration(tides_scene *scene, double duration_s)
@@ -3956,9 +3997,9 @@ STRUCTS = (
     tides_event_summary, tides_event_conversion, tides_event_conversion_report, tides_readout, tides_readout_stats,
     tides_pose_sample, tides_pose, tides_orbit, tides_dolly, tides_handheld, tides_lens, tides_intrinsics,
     tides_path_options, tides_path, tides_device_info, tides_polynomial_motion, tides_rotor_motion,
-    tides_keyframes_motion, tides_theta, tides_callback_motion, tides_gaussians, tides_object, tides_circuit,
-    tides_sensor, tides_smoothing, tides_image_params, tides_frame, tides_render_stats, tides_risk, tides_stepping,
-    tides_stats, tides_stat, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params,
+    tides_keyframes_motion, tides_theta, tides_callback_motion, tides_gaussians, tides_scene_options, tides_object,
+    tides_circuit, tides_sensor, tides_smoothing, tides_image_params, tides_frame, tides_render_stats, tides_risk,
+    tides_stepping, tides_stats, tides_stat, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params,
     tides_baseline_params, tides_frame_supply, tides_exposure, tides_exposed, tides_imu, tides_imu_sample, tides_param,
     tides_run_values, tides_rig_camera, tides_session_facts, tides_session_taken, tides_recording, tides_recorded,
     tides_dataset_layout, tides_dataset_report, tides_generator, tides_generate_options, tides_world, tides_channel,

@@ -120,7 +120,12 @@ class Scene(Handle):
     _destroy = "tides_scene_destroy"
 
     def __init__(
-        self, file: str | os.PathLike[str] | None = None, trajectory: Trajectory | None = None, scale: float = 1.0
+        self,
+        file: str | os.PathLike[str] | None = None,
+        trajectory: Trajectory | None = None,
+        scale: float = 1.0,
+        part: str | int | None = None,
+        invalid: str = "error",
     ):
         made = POINTER(_api.tides_scene)()
         call("tides_scene_create", byref(made))
@@ -128,7 +133,7 @@ class Scene(Handle):
         self._callbacks: list[Any] = []  # what the motions in it call; a scene outlives its users
         self._steps: list[tuple[str, tuple[Any, ...]]] | None = []  # how it was made, for pickle; None: elsewhere
         if file is not None:
-            self.add_file(file, trajectory, scale)
+            self.add_file(file, trajectory, scale, part, invalid)
 
     @classmethod
     def _of(cls, pointer: Any) -> "Scene":
@@ -188,15 +193,27 @@ class Scene(Handle):
         self._note("add", index.value, trajectory)
         return index.value
 
-    def add_file(self, file: str | os.PathLike[str], trajectory: Trajectory | None = None, scale: float = 1.0) -> None:
-        """Adds what a file holds."""
+    def add_file(
+        self,
+        file: str | os.PathLike[str],
+        trajectory: Trajectory | None = None,
+        scale: float = 1.0,
+        part: str | int | None = None,
+        invalid: str = "error",
+    ) -> None:
+        """Adds what a file holds, or a `part` of it: a glTF's scene, an .h5's object, a trained model's iteration, a streamed
+        SOG's level. `invalid` Gaussians (NaN, infinite) are an "error", or "drop": left out, `dropped` of them."""
         self._unused("changed")
+        how = _api.tides_scene_options()
+        lib.tides_scene_options_defaults(how)
+        how.invalid = choice("invalid", invalid, constants("TIDES_INVALID_"))
+        how.part = None if part is None else str(part).encode()
         with self._lock:
             before = self.notes
-            call("tides_scene_add_file", self._pointer, path(file), trajectory._pointer if trajectory else None, scale)
+            call("tides_scene_read", self._pointer, path(file), how, trajectory._pointer if trajectory else None, scale)
         for note in self.notes[len(before) :]:
             warn(note)
-        self._note("add_file", os.path.abspath(file), trajectory, scale)
+        self._note("add_file", os.path.abspath(file), trajectory, scale, part, invalid)
 
     def append(
         self, index: int, times: Any, positions: Any, quaternions: Any, velocities: Any = None, angular_velocities: Any = None
@@ -261,6 +278,11 @@ class Scene(Handle):
         """How all objects were trained that say so, and so must be drawn: "unknown", "plain", "antialiased" (mip-splatting's
         compensated opacities), "mixed". ImageParams(antialias="file") goes by it."""
         return _trained(lib.tides_scene_trained(self._pointer))
+
+    @property
+    def dropped(self) -> int:
+        """Gaussians of its files that were left out (add_file's `invalid`)."""
+        return lib.tides_scene_dropped(self._pointer)
 
     @property
     def notes(self) -> list[str]:

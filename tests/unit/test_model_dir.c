@@ -52,7 +52,7 @@ static void expect(void *folder, const char *named, int method, int64_t iteratio
     tides_error error;
     const char *path = scene_in_folder(folder, named);
     assert_true(td_model_dir_is(path));
-    scene_expect_ok(td_model_dir_find(path, &dir, &error), &error);
+    scene_expect_ok(td_model_dir_find(path, NULL, &dir, &error), &error);
     assert_string_equal(td_method_name(dir.method), td_method_name(method));
     assert_int_equal(dir.iteration, iteration);
     expect_path(dir.points, folder, points);
@@ -99,7 +99,7 @@ static void test_inria(void **state) {
     assert_int_equal(gaussians_in(*state, "m/point_cloud/iteration_7000", name), 3);
     assert_int_equal(gaussians_in(*state, "m/point_cloud/iteration_7000/point_cloud.ply", name), 3);
     td_model_dir dir;
-    assert_int_equal(td_model_dir_find(scene_in_folder(*state, "m"), &dir, NULL), TIDES_OK);
+    assert_int_equal(td_model_dir_find(scene_in_folder(*state, "m"), NULL, &dir, NULL), TIDES_OK);
     assert_string_equal(td_value_text(td_value_get(td_tree_root(dir.cfg), "source_path")), "D:\\x");
     td_model_dir_free(&dir);
     put_text(*state, "m/cfg_args", "Namespace(sh_degree=");
@@ -169,7 +169,7 @@ static void test_frames(void **state) {
         snprintf(name, sizeof name, "t/time_%05d.ply", i);
         put_ply(*state, name, 1);
     }
-    scene_expect_ok(td_model_dir_find(scene_in_folder(*state, "t"), &dir, &error), &error);
+    scene_expect_ok(td_model_dir_find(scene_in_folder(*state, "t"), NULL, &dir, &error), &error);
     assert_int_equal(dir.method, TD_METHOD_FRAMES);
     assert_int_equal(dir.frame_count, 12);
     expect_path(dir.frames[0], *state, "t/time_00000.ply");

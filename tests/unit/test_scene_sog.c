@@ -348,6 +348,20 @@ static void streamed(void **state) {
         assert_memory_equal(g.mean + 6 * COUNT, g.mean, 3 * COUNT * sizeof(float));
         tides_scene_destroy(scene);
     }
+    tides_scene *coarse = scene_new();
+    tides_scene_options options;
+    tides_error error = {0, ""};
+    tides_scene_options_defaults(&options);
+    scene_load(coarse, paths[0], NULL, 1);
+    assert_non_null(
+        strstr(tides_scene_notes(coarse), "level of detail 0 is read, of 0, the finest, to 1: scene.part names another"));
+    options.part = "1"; /* its one part, and the environment */
+    scene_expect_ok(tides_scene_read(coarse, paths[0], &options, NULL, 1, &error), &error);
+    assert_int_equal(tides_scene_count(coarse), 3 * COUNT + 2 * COUNT);
+    options.part = "2";
+    scene_expect_error(tides_scene_read(coarse, paths[0], &options, NULL, 1, &error), TIDES_BAD_ARGUMENT, &error,
+                       "none of its levels of detail, 0 to 1");
+    tides_scene_destroy(coarse);
     write_lod(*state, "{\"lodLevels\":2,\"environment\":null," NAMES "," TREE "}"); /* before it had versions */
     tides_scene *scene = scene_new();
     scene_load(scene, paths[1], NULL, 1);

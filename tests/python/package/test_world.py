@@ -130,6 +130,35 @@ def test_tags_of_a_scene(cloud, tmp_path):
     assert tides.ImageParams().antialias == "file" and tides.ImageParams(antialias=True).antialias == "true"
 
 
+def test_broken_gaussians_and_parts(cloud, tmp_path):
+    scene = tides.Scene()
+    scene.add(cloud, name="first")
+    scene.add(cloud, name="second")
+    scene.save(tmp_path / "two.h5")
+    assert [len(tides.Scene(tmp_path / "two.h5", part=part)) for part in (None, "second", 0)] == [2, 1, 1]
+    with pytest.raises(tides.errors.BadArgument, match="scene.part"):
+        tides.Scene(tmp_path / "two.h5", part="third")
+    one = tides.Scene()
+    one.add(cloud)
+    one.save(tmp_path / "a.ply")
+    data = bytearray((tmp_path / "a.ply").read_bytes())
+    start = data.index(b"end_header\n") + len(b"end_header\n")
+    data[start : start + 4] = np.float32("nan").tobytes()
+    (tmp_path / "a.ply").write_bytes(data)
+    with pytest.raises(tides.errors.BadFile, match="scene.invalid = drop"):
+        tides.Scene(tmp_path / "a.ply")
+    with pytest.warns(UserWarning, match="1 of .* left out"):
+        whole = tides.Scene(tmp_path / "a.ply", invalid="drop")
+    assert whole.dropped == 1 and whole.count == len(cloud) - 1 and len(whole.notes) == 1
+
+
+def test_foreign_files_are_named(tmp_path):
+    (tmp_path / "a.mp4").write_bytes(b"\0\0\0\x20ftypisom" + bytes(100))
+    with pytest.raises(tides.errors.BadFile, match="an MP4 video.*ffmpeg"):
+        tides.files.check_kind(tmp_path / "a.mp4")
+    assert {row.key for row in tides.parameters() if row.path} >= {"scene.file", "sensor.preset", "scene.objects"}
+
+
 def test_means_far_from_the_origin(cloud, tmp_path):
     """Doubles go in and come back as they are, by arrays, by files and as keyframes; what floats hold comes back as floats."""
     far = np.array([4194304.0, -1048576.0, 65536.0])
