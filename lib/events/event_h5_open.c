@@ -94,7 +94,7 @@ static tides_status wrong_shape(const td_event_source *source, const td_h5_colum
 
 static int is_dataset(hid_t file, const char *name) {
     H5O_info_t info;
-    return H5Oget_info_by_name(file, name, &info, H5P_DEFAULT) >= 0 && info.type == H5O_TYPE_DATASET;
+    return H5Oget_info_by_name2(file, name, &info, H5O_INFO_BASIC, H5P_DEFAULT) >= 0 && info.type == H5O_TYPE_DATASET;
 }
 
 /* Opens a dataset of integers (or h5py's booleans, an enumeration of bytes) that this HDF5 can decompress; of real numbers
