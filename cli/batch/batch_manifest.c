@@ -336,6 +336,7 @@ tides_status batch_read(batch *b, tides_error *error) {
     if (stat(b->manifest, &found) != 0)
         return cli_error(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened; name the batch's manifest", b->manifest);
     cJSON *root = batch_read_json(b->manifest);
+    if (!root && tides_file_foreign(b->manifest, error) != TIDES_OK) return error->status;
     tides_status status = cJSON_IsObject(root) ? add_all(b, root, error)
                                                : cli_error(error, TIDES_BAD_CONFIG,
                                                            "%s: is not one JSON object { ... }; look "

@@ -1,5 +1,6 @@
 /* tides batch: many runs, several at a time, gone on with after any interruption. */
 #include "batch.h"
+#include "sets.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -85,6 +86,7 @@ int cmd_batch(const cli_command *command, int argc, char **argv) {
     if (shard && (code = take_shard(command, shard, &b)) != CLI_GO) return code;
     if (shard && only.count) return cli_usage(command, "--only names runs and --shard counts them; give one of the two");
 
+    cli_sets_of_manifest();
     tides_error error = {TIDES_OK, ""};
     tides_status status = parent ? batch_end_with(parent, &error) : TIDES_OK;
     if (status == TIDES_OK) status = batch_read(&b, &error);

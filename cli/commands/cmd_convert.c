@@ -2,17 +2,31 @@
 #include "event_job.h"
 
 #include <stdio.h>
+#include <string.h>
 
-static int convert_scene(const char *in, const char *out, const cli_common *common) {
+/* A warning for each thing that the file has no place for. */
+static void tell_losses(const tides_scene *scene, const char *out) {
+    static const struct {
+        int32_t lost;
+        const char *what;
+    } losses[] = {{TIDES_LOSES_HARMONICS, "SH beyond the constant: colours don't change with the view"},
+                  {TIDES_LOSES_TRAINED, "how the scene was trained: image.antialias must say it in runs of this file"},
+                  {TIDES_LOSES_UP, "where up is: camera.up must say it"}};
+    const int32_t lost = tides_scene_losses(scene, out);
+    const char *ending = strrchr(out, '.');
+    for (size_t i = 0; ending && i < sizeof losses / sizeof losses[0]; i++)
+        if (lost & losses[i].lost) fprintf(stderr, "tides: %s: a %s has no place for %s\n", out, ending, losses[i].what);
+}
+
+static int convert_scene(const char *in, const char *out, const tides_scene_options *how, const cli_common *common) {
     tides_error error = {TIDES_OK, ""};
     tides_scene *scene = NULL;
     int code = CLI_OK;
     tides_status status = tides_scene_create(&scene, &error);
-    if (status == TIDES_OK) status = tides_scene_add_file(scene, in, NULL, 1.0, &error);
+    if (status == TIDES_OK) status = tides_scene_read(scene, in, how, NULL, 1.0, &error);
     if (status == TIDES_OK) status = tides_scene_save(scene, out, &error);
-    if (status == TIDES_OK && !common->quiet && cli_ends_in(out, ".splat") && tides_scene_sh_degree(scene) > 0)
-        fprintf(stderr, "tides: %s: a .splat has no place for SH beyond the constant: colours don't change with the view\n",
-                out);
+    if (status == TIDES_OK && !common->quiet) tell_losses(scene, out);
+    cli_tell_lines(common, tides_scene_notes(scene));
     if (status != TIDES_OK) {
         code = cli_fail(&error);
     } else if (common->json) {
@@ -20,6 +34,7 @@ static int convert_scene(const char *in, const char *out, const cli_common *comm
         cJSON_AddStringToObject(facts, "file", out);
         cJSON_AddNumberToObject(facts, "gaussians", (double)tides_scene_count(scene));
         cJSON_AddNumberToObject(facts, "objects", tides_scene_objects(scene));
+        cJSON_AddNumberToObject(facts, "dropped", (double)tides_scene_dropped(scene));
         code = cli_print_facts(facts, 1);
     } else if (!common->quiet) {
         printf("%s: %lld Gaussians\n", out, (long long)tides_scene_count(scene));
@@ -42,12 +57,16 @@ int cmd_convert(const cli_command *command, int argc, char **argv) {
     cli_common common;
     tides_event_conversion what;
     tides_event_conversion_defaults(&what);
+    tides_scene_options how;
+    tides_scene_options_defaults(&how);
     const char *files[2] = {NULL, NULL}, *width = NULL, *height = NULL;
     const cli_option options[] = {
         {"--from", 0, "FORMAT", "events: read as this (by content)", NULL, &what.from, NULL},
         {"--to", 0, "FORMAT", "events: write as this (by ending)", NULL, &what.to, NULL},
         {"--width", 0, "PX", "events: the sensor's width, where the file doesn't say", NULL, &width, NULL},
         {"--height", 0, "PX", "events: and its height", NULL, &height, NULL},
+        {"--part", 0, "PART", "scenes: a glTF's scene, an .h5's object, an iteration, a level", NULL, &how.part, NULL},
+        {"--drop-invalid", 0, NULL, "scenes: leave Gaussians out that are NaN or infinite", &how.invalid, NULL, NULL},
         {"--rebase", 0, NULL, "events: count times from the first one", &what.rebase, NULL, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
@@ -57,6 +76,8 @@ int cmd_convert(const cli_command *command, int argc, char **argv) {
     if (code == CLI_GO && height) code = cli_size(command, "--height", height, &what.height);
     if (code != CLI_GO) return code;
     const int asked = what.from || what.to || width || height || what.rebase;
-    if (!asked && is_scene(files[0])) return convert_scene(files[0], files[1], &common);
+    if (!asked && is_scene(files[0])) return convert_scene(files[0], files[1], &how, &common);
+    if (how.part || how.invalid)
+        return cli_usage(command, "%s is of scenes, and %s is none", how.part ? "--part" : "--drop-invalid", files[0]);
     return cli_event_convert(files[0], files[1], &what, &common);
 }

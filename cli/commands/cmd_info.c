@@ -1,5 +1,6 @@
 /* tides info: what a file or folder holds. The kind of file is found from its content. */
 #include "cli.h"
+#include "info_preset.h"
 
 #include <errno.h>
 #include <math.h>
@@ -95,6 +96,20 @@ static tides_status motion_facts(const tides_scene *scene, cJSON *facts, tides_e
     return sweep_facts(scene, start, stop, facts, error);
 }
 
+/* How it was trained, and what a user may not expect of it. */
+static void tag_facts(const tides_scene *scene, cJSON *facts) {
+    static const char *const names[] = {NULL, "plain", "antialiased", "mixed"}; /* TIDES_TRAINED_* */
+    const char *trained = names[tides_scene_trained(scene)], *line = tides_scene_notes(scene);
+    if (trained) cJSON_AddStringToObject(facts, "trained", trained);
+    cJSON *notes = *line ? cJSON_AddArrayToObject(facts, "notes") : NULL;
+    for (size_t length; *line; line += length + (line[length] == '\n')) {
+        char note[1024];
+        length = strcspn(line, "\n");
+        snprintf(note, sizeof note, "%.*s", (int)length, line);
+        cJSON_AddItemToArray(notes, cJSON_CreateString(note));
+    }
+}
+
 static tides_status scene_facts(const char *file, cJSON *facts, tides_error *error) {
     tides_scene *scene = NULL;
     tides_status status = tides_scene_create(&scene, error);
@@ -108,6 +123,7 @@ static tides_status scene_facts(const char *file, cJSON *facts, tides_error *err
     cJSON_AddItemToObject(facts, "lower", cJSON_CreateDoubleArray(lower, 3));
     cJSON_AddItemToObject(facts, "upper", cJSON_CreateDoubleArray(upper, 3));
     if (tides_scene_up(scene, up)) cJSON_AddItemToObject(facts, "up", cJSON_CreateDoubleArray(up, 3));
+    tag_facts(scene, facts);
     status = motion_facts(scene, facts, error);
     cJSON *objects = cJSON_AddArrayToObject(facts, "objects");
     for (int32_t i = 0; i < tides_scene_objects(scene) && status == TIDES_OK; i++) {
@@ -355,6 +371,8 @@ static tides_status text_facts(const char *file, const char *start, cJSON *facts
     tides_run *run = NULL;
     tides_error of_run;
     if (tides_run_load(file, NULL, 0, &run, &of_run) != TIDES_OK) {
+        tides_status of_preset = TIDES_OK;
+        if (info_preset(file, facts, &of_preset, error)) return of_preset;
         tides_status of_path = path_facts(file, facts, error);
         if (of_path != TIDES_OK && looks_like_run(start)) *error = of_run;
         return of_path;
@@ -382,10 +400,17 @@ static tides_status array_facts(const char *start, size_t got, cJSON *facts) {
 
 /* ------------------------------------------------------------------------------------------------------------------- */
 
-/* Of folders that hold no event files the path's reader says best what is wrong. */
+/* Of folders that hold no event files the path's reader says best what is wrong, unless no path is there. */
 static tides_status folder_facts(const char *file, cJSON *facts, tides_error *error) {
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
-    return open_events(file) == TIDES_FILE_NOT_FOUND ? path_facts(file, facts, error) : events_facts(file, facts, error);
+    if (open_events(file) != TIDES_FILE_NOT_FOUND) return events_facts(file, facts, error);
+    const tides_status status = path_facts(file, facts, error);
+    if (status != TIDES_FILE_NOT_FOUND) return status;
+    return cli_error(error, status,
+                     "%s: is a folder in which nothing is known: no trained model, no events of DSEC, EDS, HS-ERGB, BS-ERGB or "
+                     "rpg_vid2e, no camera path of COLMAP, nerfstudio, INRIA, LLFF, nerfies or EuRoC; pictures are for "
+                     "frames.file",
+                     file);
 }
 
 static tides_status facts_of(const char *file, cJSON *facts, tides_error *error) {
@@ -404,6 +429,8 @@ static tides_status facts_of(const char *file, cJSON *facts, tides_error *error)
     if (open_events(file) == TIDES_OK) return events_facts(file, facts, error);
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
     if (memcmp(head, "\x93NUMPY", 6) == 0) return array_facts(head, got, facts);
+    const tides_status foreign = tides_file_foreign(file, error);
+    if (foreign != TIDES_OK) return foreign;
     return text_facts(file, head, facts, error); /* text: the path's reader says best what is wrong */
 }
 

@@ -7,8 +7,8 @@
 /* [s] of wall time: what a crash may cost at most, at well below a percent of a run's time. */
 #define DEFAULT_CHECKPOINT_S 30.0
 
-/* Without an operand: what --set names alone, a video (frames.file) or a scene, which leaves the list. NULL: nothing. */
-static const char *operand_of(cli_list *sets) {
+/* Without an operand: what --set names alone, frames or a scene, which leaves the list. NULL: nothing. */
+static const char *operand_of(cli_list *sets, int32_t *names_scene) {
     static const char *const keys[] = {"frames.file=", "scene.file="};
     const char *operand = NULL;
     for (int k = 0; k < 2 && !operand; k++) {
@@ -16,15 +16,38 @@ static const char *operand_of(cli_list *sets) {
         size_t kept = 0;
         for (size_t i = 0; i < sets->count; i++) {
             const char *value = sets->items[i] + length;
-            const int32_t is_key = strncmp(sets->items[i], keys[k], length) == 0;
-            if (is_key && (k ? tides_scene_is_file(value) : strcmp(value, "-") == 0 || cli_ends_in(value, ".y4m")))
+            if (strncmp(sets->items[i], keys[k], length) == 0)
                 operand = value; /* the last one, as of any key */
             else
                 sets->items[kept++] = sets->items[i];
         }
         sets->count = kept;
+        *names_scene = operand && k;
     }
     return operand;
+}
+
+/* What the reader of frames has against a file that frames.file names alone: that they have no times is for the run to say. */
+static int check_frames(const char *file) {
+    tides_error error = {TIDES_OK, ""};
+    tides_frames_options options;
+    tides_frames *frames = NULL;
+    if (strcmp(file, "-") == 0 || cli_ends_in(file, ".y4m")) return CLI_GO; /* a pipe is read once */
+    tides_frames_options_defaults(&options);
+    const tides_status status = tides_frames_open(file, &options, &frames, &error);
+    tides_frames_close(frames);
+    return status == TIDES_OK || status == TIDES_BAD_CONFIG ? CLI_GO : cli_fail(&error);
+}
+
+/* What a scene's reader has against a file that scene.file names alone; CLI_GO where it is a scene. */
+static int check_scene(const char *file) {
+    tides_error error = {TIDES_OK, ""};
+    tides_scene *scene = NULL;
+    if (tides_scene_is_file(file)) return CLI_GO;
+    tides_status status = tides_scene_create(&scene, &error);
+    if (status == TIDES_OK) status = tides_scene_add_file(scene, file, NULL, 1.0, &error);
+    tides_scene_destroy(scene);
+    return status == TIDES_OK ? CLI_GO : cli_fail(&error);
 }
 
 int cmd_simulate(const cli_command *command, int argc, char **argv) {
@@ -48,7 +71,9 @@ int cmd_simulate(const cli_command *command, int argc, char **argv) {
     int code = cli_parse(command, options, argc, argv, &common, &run);
     if (code == CLI_OK) cli_help_keys();
     if (code != CLI_GO) return code;
-    if (!run) run = operand_of(&sets);
+    int32_t names_scene = 0;
+    if (!run && (run = operand_of(&sets, &names_scene)))
+        if ((code = names_scene ? check_scene(run) : check_frames(run)) != CLI_GO) return code;
     if (!run) return cli_usage(command, "too few arguments: tides %s %s", command->name, command->arguments);
     if (!output) return cli_usage(command, "the output is missing: -o EVENTS.h5");
     double checkpoint_s = DEFAULT_CHECKPOINT_S;

@@ -1,5 +1,6 @@
 /* Opens what a run file names, and says what it found. */
 #include "session.h"
+#include "sets.h"
 
 static const char UNFUSED[] =
     "this device has no fused multiply-add: its events are within some 20 ns of other devices', not the same";
@@ -12,7 +13,10 @@ void cli_tell_unseen(const cli_common *common, const char *who) {
 tides_status cli_session_open(const char *file, const cli_list *sets, const cli_common *common, tides_session **session,
                               tides_error *error) {
     tides_session_facts s;
-    tides_status status = tides_session_load(file, sets->items, sets->count, common->device, session, error);
+    cli_placed placed;
+    cli_sets_place(sets, file, common, &placed);
+    tides_status status = tides_session_load(file, placed.list.items, placed.list.count, common->device, session, error);
+    cli_sets_free(&placed);
     if (status != TIDES_OK) return status;
     tides_session_get(*session, &s);
     cli_tell_lines(common, tides_run_notes(s.run));
@@ -21,6 +25,9 @@ tides_status cli_session_open(const char *file, const cli_list *sets, const cli_
     } else {
         if (!s.info.fused) cli_tell_lines(common, UNFUSED);
         cli_note(common, "device %s (%s)", s.info.name, s.info.platform);
+        cli_tell_lines(common, tides_scene_notes(s.scene));
+        if (s.values.image.antialias == TIDES_ANTIALIAS_FILE && tides_scene_trained(s.scene) == TIDES_TRAINED_ANTIALIASED)
+            cli_note(common, "image.antialias: on, as the scene's file says that it was trained so");
         cli_note(common, "scene of %lld Gaussians in %d objects, %dx%d px", (long long)tides_scene_count(s.scene),
                  tides_scene_objects(s.scene), s.intrinsics.width, s.intrinsics.height);
     }

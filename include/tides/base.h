@@ -84,6 +84,10 @@ TIDES_API const char *tides_nearest_name(const char *name, const char *const *na
  * between the launches of a step, too: one that is stopped there is undone, and goes on from the step's start. */
 typedef int (*tides_progress)(void *user, double fraction, const char *stage);
 
+/* TIDES_BAD_FILE where a file, by its first bytes and its name's ending, is of a kind that nothing here reads (a video, a mesh,
+ * an archive, a web page): `error` says what it is and what gets further. TIDES_OK where it isn't known as such. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_file_foreign(const char *path, tides_error *error);
+
 /* How every file of the library is written, so that PATH holds the old bytes or the new ones, never a part, whatever dies:
  *   - beside it, as PATH.part, which is put on the disk (fsync) and renamed, and then its folder; a failure leaves what was
  *     there alone and no PATH.part, but for recordings of events: those stay in PATH.part, and the error says so;

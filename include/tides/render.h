@@ -38,11 +38,15 @@ enum { TIDES_FILTER_OFF = 0, TIDES_FILTER_RGGB = 1, TIDES_FILTER_GRBG = 2, TIDES
 /* The channel that pixel (x, y) sees through `filter`: 0 red, 1 green, 2 blue; -1 where it is OFF, or none of these. */
 TIDES_API int32_t tides_colour_filter_channel(int32_t filter, int32_t x, int32_t y);
 
+/* Whether opacities are compensated for the dilation. FILE: where the scene's files say that it was trained so
+ * (tides_scene_trained); TIDES_BAD_CONFIG where they contradict each other. */
+enum { TIDES_ANTIALIAS_FALSE = 0, TIDES_ANTIALIAS_TRUE = 1, TIDES_ANTIALIAS_FILE = 2 };
+
 /* Image formation; fill with tides_image_params_defaults. */
 typedef struct tides_image_params {
     uint32_t size;             /* sizeof this struct */
     int32_t rules;             /* TIDES_RULES_* */
-    int32_t antialias;         /* 1: opacity times sqrt(det before / det after dilation) */
+    int32_t antialias;         /* TIDES_ANTIALIAS_*; TRUE: opacity times sqrt(det before / det after dilation) */
     int32_t sh_degree;         /* bands above this are ignored, 0..4 */
     double dilation;           /* added to the diagonal of the 2D covariance [px^2] */
     double luminance[3];       /* Y = luminance . (r, g, b) */
@@ -54,7 +58,8 @@ typedef struct tides_image_params {
     int32_t reserved;
 } tides_image_params;
 
-/* smooth, 0, 4, 0.3, (0.2126, 0.7152, 0.0722), 1e-3, black, (0.1/255 to 1/255, 1e-5, 1.25, 1e-4, ellipses), no filter. */
+/* smooth, as the file says, 4, 0.3, (0.2126, 0.7152, 0.0722), 1e-3, black, (0.1/255 to 1/255, 1e-5, 1.25, 1e-4, ellipses), no
+ * filter. */
 TIDES_API void tides_image_params_defaults(tides_image_params *params);
 
 /* clang-format off */
@@ -91,6 +96,7 @@ typedef struct tides_render_stats {
     uint64_t blocks;                 /* (4x4 block, time) pairs of these */
     uint64_t tile_jobs_skipped;      /* tiles without a candidate: background by formula */
     uint64_t gaussians_total;        /* Gaussians in the scene */
+    uint64_t gaussians_dropped;      /* those of its files that were left out (tides_scene_options) */
     uint64_t gaussians_projected;    /* (Gaussian, tile job) projections, */
     uint64_t gaussians_shared;       /* of these, worked out once for all tiles of the time, */
     uint64_t gaussians_culled;       /* and touching none of the job's blocks at that time */

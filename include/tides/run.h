@@ -38,16 +38,21 @@ typedef struct tides_param {
 /* The table; static storage, `count` (nullable) receives its length. */
 TIDES_API const tides_param *tides_params(size_t *count);
 
+/* 1 where `key` takes the path of a file, or objects that name files: relative paths are relative to the run file.
+ * sensor.preset's may be a name, too. */
+TIDES_API int32_t tides_param_is_path(const char *key);
+
 /* A run file that was read. Opaque, constant once made. */
 typedef struct tides_run tides_run;
 
 /* Reads a run file; a splat file or a model's folder in its place is a run of that scene on an orbit (camera.orbit_s = 12),
- * from 0 to 0.1 s. `overrides` (nullable, `count` of them) are "key=value" texts, value as JSON or bare text, applied after
- * the file. Unknown keys are errors that name the nearest known key; values out of range name the key, the value and the range;
- * a key that this version doesn't act on is an error unless it holds its default. Relative paths are relative to the file.
- * Beyond JSON, "//" outside a text begins a comment that ends with the line, and a comma may stand before a closing bracket.
- * A value that an override gives is stronger than a preset (sensor.preset) that an override names, that than the file's own
- * values, and those than a preset that the file names; tides_run_notes says what a preset didn't get to set. */
+ * from 0 to 0.1 s; frames (a video, a folder of pictures, an array of three dimensions) are a run of frames.file.
+ * `overrides` (nullable, `count` of them) are "key=value" texts, value as JSON or bare text, applied after the file. Unknown
+ * keys are errors that name the nearest known key; values out of range name the key, the value and the range; a key that
+ * this version doesn't act on is an error unless it holds its default. Relative paths are relative to the file. Beyond JSON,
+ * "//" outside a text begins a comment that ends with the line, and a comma may stand before a closing bracket. A value that
+ * an override gives is stronger than a preset (sensor.preset) that an override names, that than the file's own values, and
+ * those than a preset that the file names; tides_run_notes says what a preset didn't get to set. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_run_load(const char *file, const char *const *overrides, size_t count,
                                                        tides_run **run, tides_error *error);
 
@@ -80,6 +85,7 @@ typedef struct tides_run_values {
     const char *frames_file;                                       /* NULL: the run has a scene */
     double frames_per_second;                                      /* of a baseline's renders [Hz] */
     tides_path_options path;                                       /* of camera.file */
+    tides_scene_options scene_options;                             /* of scene.file, and `invalid` of all files */
     double scene_duration_s;                                       /* 0: the scene's own */
     double metres_per_unit;                                        /* of the scene [m]; 0: unknown */
     const char *dataset_layout;                                    /* layouts of tides_dataset_write; NULL: not said */

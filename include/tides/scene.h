@@ -18,6 +18,11 @@ typedef struct tides_scene tides_scene;
 /* The highest degree of spherical harmonics that is read and rendered. */
 enum { TIDES_SH_DEGREE_MAX = 4 };
 
+/* How Gaussians were trained, and so must be drawn: plainly, or with opacities that are compensated for the dilation
+ * (mip-splatting's "antialiased"). UNKNOWN: nobody says; MIXED: parts of it say different things. A run's image.antialias =
+ * file goes by it. */
+enum { TIDES_TRAINED_UNKNOWN = 0, TIDES_TRAINED_PLAIN = 1, TIDES_TRAINED_ANTIALIASED = 2, TIDES_TRAINED_MIXED = 3 };
+
 /* Gaussians as arrays. Plain value; the arrays belong to whoever filled it. K = (sh_degree + 1)^2.
  *
  * Single precision has no room for means far from (0, 0, 0), as georeferenced scans have them. Give those in double, or
@@ -25,9 +30,9 @@ enum { TIDES_SH_DEGREE_MAX = 4 };
  * to an origin near them, in which nothing is rounded that was single precision: `origin` of what it gives back
  * (tides_scene_object) isn't 0 then. Files are written with the coordinates that they had. */
 typedef struct tides_gaussians {
-    int64_t count;     /* N */
-    int32_t sh_degree; /* 0..4 */
-    int32_t reserved;
+    int64_t count;              /* N */
+    int32_t sh_degree;          /* 0..4 */
+    int32_t trained;            /* TIDES_TRAINED_* */
     const float *mean;          /* [scene units]            (N x 3) */
     const float *log_scale;     /* ln [scene units]         (N x 3) */
     const float *quaternion;    /* wxyz, raw                (N x 4) */
@@ -89,6 +94,31 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add_file(tides_scene *scene,
                                                              const tides_trajectory *trajectory, double scale,
                                                              tides_error *error);
 
+/* What becomes of a file's Gaussians that can't be rendered (NaN, Inf, a zero quaternion ...): the file is refused, or they are
+ * left out, which tides_scene_notes tells. Those that a motion moves stay: then the file is refused. */
+enum { TIDES_INVALID_ERROR = 0, TIDES_INVALID_DROP = 1 };
+
+/* How files are read. Fill with tides_scene_options_defaults: ERROR, no part. */
+typedef struct tides_scene_options {
+    uint32_t size;
+    /* Of a file that holds more than it shows at first, which part is read instead: a glTF's scene and an .h5's object by name
+     * or number, a streamed SOG's level of detail (0: the finest), a trained model's iteration. NULL: the glTF's default
+     * scene, all objects, the finest level, the newest iteration; tides_scene_notes says what else there is. Where a file
+     * has no parts, or not this one: TIDES_BAD_ARGUMENT. */
+    const char *part;
+    int32_t invalid; /* TIDES_INVALID_* */
+    int32_t reserved;
+} tides_scene_options;
+TIDES_API void tides_scene_options_defaults(tides_scene_options *options);
+
+/* tides_scene_add_file as `options` (nullable: its defaults) say. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_scene_read(tides_scene *scene, const char *file,
+                                                         const tides_scene_options *options, const tides_trajectory *trajectory,
+                                                         double scale, tides_error *error);
+
+/* How many Gaussians of the scene's files were left out (TIDES_INVALID_DROP). */
+TIDES_API int64_t tides_scene_dropped(const tides_scene *scene);
+
 /* 1 where tides_scene_add_file would take `file` for a scene, by the same signs; whether it can be read is another matter: a
  * glTF may hold no splats, and a pointer of Git LFS stand in a scene's place, which that says. 0 also where it can't be
  * opened. */
@@ -99,6 +129,18 @@ TIDES_API int32_t tides_scene_is_file(const char *file);
  * constant) and .glb (floats, in glTF's axes) hold one object at rest (TIDES_UNSUPPORTED for more). Written beside and
  * renamed. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_error *error);
+
+/* What a file of that name can't hold of the scene, and loses: a sum of TIDES_LOSES_*. */
+enum {
+    TIDES_LOSES_HARMONICS = 1, /* all SH but the constant: colours don't change with the view */
+    TIDES_LOSES_TRAINED = 2,   /* tides_scene_trained */
+    TIDES_LOSES_UP = 4         /* tides_scene_up */
+};
+TIDES_API int32_t tides_scene_losses(const tides_scene *scene, const char *file);
+
+/* What a user of the scene may not expect of its files, a line each: what was left out of one, or isn't known; "" where
+ * there is nothing. The scene's, until it is added to. */
+TIDES_API const char *tides_scene_notes(const tides_scene *scene);
 
 /* Number of objects; all Gaussians; the largest SH degree. */
 TIDES_API int32_t tides_scene_objects(const tides_scene *scene);
@@ -137,9 +179,15 @@ TIDES_API void tides_scene_range(const tides_scene *scene, double *start, double
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_bounds_at(const tides_scene *scene, double time, double lower[3],
                                                               double upper[3], tides_error *error);
 
+/* How all objects were trained that say so: TIDES_TRAINED_*. Files say it in .h5; in a .ply's comments "SplatRenderMode: mip"
+ * or "default" (Brush, splat-transform), "antialiased 1" or "0" (Postshot), or its filter_3D (mip-splatting); a .spz's flag 1;
+ * a SOG's "model"; "antialiased" in the cfg.yml of gsplat's checkpoints. tides_scene_save keeps it in .h5, .ply and .spz. */
+TIDES_API int32_t tides_scene_trained(const tides_scene *scene);
+
 /* Which way up is in the scene, a direction of any length: what its first file that is at rest says (.h5; a .ply's comments
- * "up x y z", and nerfstudio's "Vertical Axis: z"), what tides_generate makes, or what was set. 1; 0 and zeros where nothing
- * says it. tides_scene_save keeps it in .h5 and .ply. Zeros or NULL, set, say that it isn't known. */
+ * "up x y z", Brush's "Vertical axis: x y z", and nerfstudio's "Vertical Axis: z"), what tides_generate makes, or what was
+ * set. 1; 0 and zeros where nothing says it. tides_scene_save keeps it in .h5 and .ply. Zeros or NULL, set, say that it isn't
+ * known. */
 TIDES_API int32_t tides_scene_up(const tides_scene *scene, double up[3]);
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_set_up(tides_scene *scene, const double up[3], tides_error *error);
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <time.h>
 
 #define TD_TEXT(x) #x
@@ -122,6 +123,11 @@ char *td_format(tides_error *error, const char *format, ...) {
 
 /* Size of an open file, or -1 with the error filled. */
 static long td_file_size(FILE *file, const char *path, size_t limit, tides_error *error) {
+    struct stat facts;
+    if (fstat(fileno(file), &facts) == 0 && S_ISDIR(facts.st_mode)) {
+        td_fail(error, TIDES_BAD_FILE, "%s: is a folder, where a file is needed", path);
+        return -1;
+    }
     long size = fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
     if (size < 0 || fseek(file, 0, SEEK_SET) != 0) {
         td_fail(error, TIDES_BAD_FILE, "%s: is not a regular file", path);

@@ -4,6 +4,7 @@
 #include "camera/td_colmap.h"
 #include "camera/td_path_reader.h"
 #include "td_folder.h"
+#include "td_kinds.h"
 #include "td_struct.h"
 #include "td_text.h"
 
@@ -230,7 +231,7 @@ static tides_status load_file(const char *file, const tides_path_options *option
     tides_status status = td_read_file(file, TD_LARGEST_PATH, &text, &bytes, error);
     if (status == TIDES_OK) status = td_path_parse(file, text, bytes, options, path, error);
     free(text);
-    return status;
+    return td_kind_judge(file, TD_WANTS_POSES, status, error);
 }
 
 /* A folder with one of the files that are known, or of nerfies cameras. */

@@ -219,7 +219,7 @@ tides_status td_path_read_nerfies_folder(td_path_reader *reader, const char *fol
     reader->list = "cameras";
     tides_status status = list_names(reader, folder, &all);
     if (!status && all.count == 0)
-        status = td_fail(reader->error, TIDES_BAD_FILE,
+        status = td_fail(reader->error, TIDES_FILE_NOT_FOUND,
                          "%s: no camera path is in this folder: looked for COLMAP's images.bin or .txt, transforms.json, "
                          "cameras.json, poses_bounds.npy, EuRoC's data.csv, and nerfies' camera/*.json",
                          folder);

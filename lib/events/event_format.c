@@ -2,6 +2,7 @@
 #include "td_event_format.h"
 
 #include "td_folder.h"
+#include "td_kinds.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -76,6 +77,7 @@ tides_status td_event_format_detect(const char *path, const td_event_format **fo
         *format = td_event_formats[i];
         return TIDES_OK;
     }
+    if ((status = td_kind_refuse(path, TD_WANTS_EVENTS, error)) != TIDES_OK) return status;
     return td_fail(error, TIDES_BAD_FILE,
                    "%s: isn't known by its content as an event file (HDF5, AEDAT, EVT, DAT, ES, numpy, CSV, text): name its "
                    "format, as tides convert --from does",

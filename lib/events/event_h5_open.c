@@ -92,10 +92,22 @@ static tides_status wrong_shape(const td_event_source *source, const td_h5_colum
     return td_fail(error, TIDES_BAD_FILE, "%s: %s should be a one-dimensional dataset of integers", source->path, c->name);
 }
 
+static int is_dataset(hid_t file, const char *name) {
+    H5O_info_t info;
+    return H5Oget_info_by_name2(file, name, &info, H5O_INFO_BASIC, H5P_DEFAULT) >= 0 && info.type == H5O_TYPE_DATASET;
+}
+
 /* Opens a dataset of integers (or h5py's booleans, an enumeration of bytes) that this HDF5 can decompress; of real numbers
  * only where the layout has them. */
 static tides_status open_column(td_event_source *source, td_h5_column *c, int real, tides_error *error) {
     c->dataset = H5Dopen2(source->file, c->name, H5P_DEFAULT);
+    if (c->dataset < 0 && is_dataset(source->file, c->name))
+        return td_fail(
+            error, TIDES_UNSUPPORTED,
+            "%s: %s is a dataset that HDF5 %d.%d.%d can't open: damaged, or written by a newer one in its newest layout "
+            "(HDF5 2, libver='latest'): h5py.File(..., libver=('earliest', 'v110')) or h5repack --high=2 writes it so "
+            "that all read it",
+            source->path, c->name, H5_VERS_MAJOR, H5_VERS_MINOR, H5_VERS_RELEASE);
     if (c->dataset < 0)
         return td_fail(error, TIDES_BAD_FILE, "%s: %s can't be opened: it should be a dataset", source->path, c->name);
     hid_t type = H5Dget_type(c->dataset), space = H5Dget_space(c->dataset);

@@ -3,6 +3,7 @@
 #include "td_event_format.h"
 #include "td_event_h5.h"
 #include "td_folder.h"
+#include "td_kinds.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -62,7 +63,7 @@ tides_status tides_event_reader_open(const char *path, const char *format, tides
     if (kept) made->stream.input.path = kept;
     if (!kept) made->format = NULL; /* nothing was opened */
     tides_event_reader_close(made);
-    return status;
+    return td_kind_judge(path, TD_WANTS_EVENTS, status, error); /* a ZIP may hold anything */
 }
 
 void tides_event_reader_close(tides_event_reader *reader) {

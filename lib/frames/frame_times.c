@@ -2,6 +2,7 @@
 #include "td_frames.h"
 
 #include "td_folder.h"
+#include "td_kinds.h"
 #include "td_text.h"
 
 #include <math.h>
@@ -62,7 +63,7 @@ static tides_status read_file(tides_frames *frames, const char *file, tides_erro
     td_plain_numbers numbers;
     status = td_plain_begin(&numbers, file, error);
     if (status == TIDES_OK) {
-        status = read_lines(frames, file, text, error);
+        status = td_kind_judge(file, TD_WANTS_TEXT, read_lines(frames, file, text, error), error);
         td_plain_end(&numbers);
     }
     free(text);

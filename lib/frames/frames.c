@@ -3,6 +3,7 @@
 #include "td_frames.h"
 
 #include "td_folder.h"
+#include "td_kinds.h"
 #include "td_struct.h"
 
 #include <math.h>
@@ -104,7 +105,7 @@ tides_status tides_frames_open(const char *path, const tides_frames_options *opt
     if (!made) return TIDES_NO_MEMORY;
     made->options = own;
     made->path = td_strdup(path, error);
-    status = made->path ? open_source(made, error) : TIDES_NO_MEMORY;
+    status = made->path ? td_kind_judge(path, TD_WANTS_FRAMES, open_source(made, error), error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK) status = td_frames_times(made, error);
     made->options.timestamps = NULL; /* the caller's; read by now */
     if (status == TIDES_OK)

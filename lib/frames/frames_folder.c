@@ -18,12 +18,31 @@ static void close_folder(void *state) {
     free(f);
 }
 
+/* Pictures of another kind become a video that is read. */
+static tides_status refuse_folder(const char *path, tides_error *error) {
+    static const char *const others[] = {".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp"};
+    size_t count = 0, kind = 0;
+    for (; kind < sizeof others / sizeof others[0] && !count; kind++) {
+        td_folder found = {NULL, 0, 0};
+        const tides_status status = td_folder_list(&found, path, others[kind], error);
+        count = found.count;
+        td_folder_free(&found);
+        if (status != TIDES_OK) return status;
+    }
+    if (!count) return td_fail(error, TIDES_BAD_FILE, "%s: there is no .png or .exr in this folder", path);
+    return td_fail(error, TIDES_BAD_FILE,
+                   "%s: holds %zu %s pictures, where .png or .exr are read: ffmpeg -pattern_type glob -i '%s/*%s' -f "
+                   "yuv4mpegpipe - "
+                   "| tides simulate - -o events.h5 makes events of them",
+                   path, count, others[kind - 1], path, others[kind - 1]);
+}
+
 static tides_status scan(folder *f, const char *path, tides_error *error) {
     tides_status status = td_folder_list(&f->list, path, ".png", error);
     const size_t png = f->list.count;
     if (status == TIDES_OK) status = td_folder_list(&f->list, path, ".exr", error);
     if (status != TIDES_OK) return status;
-    if (!f->list.count) return td_fail(error, TIDES_BAD_FILE, "%s: there is no .png or .exr in this folder", path);
+    if (!f->list.count) return refuse_folder(path, error);
     if (png && png < f->list.count)
         return td_fail(error, TIDES_BAD_FILE, "%s: holds .png and .exr; keep the frames of one kind in a folder of their own",
                        path);

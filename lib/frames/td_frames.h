@@ -35,6 +35,11 @@ typedef struct td_picture_values {
 /* frame_png.c */
 tides_status td_frame_png(const char *path, td_picture_values *picture, tides_error *error);
 
+/* frames_kind.c: 1 where a path, given alone, is one of frames by what is there: a video's name, a folder of pictures, an array
+ * of three dimensions, an HDF5 file with a dataset of frames. */
+int td_frames_is(const char *path);
+int td_frames_is_video(const char *path); /* .y4m, or "-" for one from a pipe */
+
 /* frame_values.c: one stored value to linear light; stored values (count x channels) to luminance. */
 double td_frame_decode(const tides_frames_options *options, double value);
 void td_frame_luminance(const tides_frames_options *options, const float *values, int32_t channels, size_t count, double *Y);

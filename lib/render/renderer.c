@@ -79,6 +79,7 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     made->row_limit = ROW_LIMIT;
     made->told = (td_share){.width = 1, .stage = "rendering"};
     status = td_image_resolve(params, intrinsics, tides_scene_sh_degree(scene), &made->image, error);
+    if (status == TIDES_OK) status = td_image_take_training(params, scene, &made->image, error);
     /* Hard order blends splats of one depth in the scene's. */
     if (status == TIDES_OK)
         status = td_store_create(scene, params->rules == TIDES_RULES_SMOOTH, made->image.soft_order, &made->store, error);
@@ -90,6 +91,7 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     made->image.sh_stride = made->store.sh_stride;
     td_image_set_decoder(scene, &made->store, &made->image);
     made->stats.gaussians_total = (uint64_t)made->store.real_count;
+    made->stats.gaussians_dropped = (uint64_t)tides_scene_dropped(scene);
     status = td_candidates_create(intrinsics->width, intrinsics->height, &made->candidates, error);
     if (status != TIDES_OK) goto done;
     made->stats.tiles = made->candidates.tiles_x * made->candidates.tiles_y;

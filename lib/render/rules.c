@@ -110,6 +110,8 @@ static tides_status check_params(const tides_image_params *params, tides_error *
     if (params->sh_degree < 0 || params->sh_degree > TIDES_SH_DEGREE_MAX)
         return td_fail(error, TIDES_BAD_ARGUMENT, "image.sh_degree: %d is outside 0 to %d", (int)params->sh_degree,
                        TIDES_SH_DEGREE_MAX);
+    if (params->antialias < TIDES_ANTIALIAS_FALSE || params->antialias > TIDES_ANTIALIAS_FILE)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "image.antialias: %d is none of TIDES_ANTIALIAS_*", (int)params->antialias);
     if (params->rules == TIDES_RULES_SMOOTH && check_smoothing(&params->smoothing, error) != TIDES_OK)
         return TIDES_BAD_ARGUMENT;
     const ranged numbers[] = {{"image.dilation", params->dilation, 0, 100},
@@ -127,6 +129,7 @@ void tides_image_params_defaults(tides_image_params *params) {
     /* The measures of smooth were chosen by error against run time (tides bench image). */
     static const tides_image_params defaults = {.size = sizeof defaults,
                                                 .rules = TIDES_RULES_SMOOTH,
+                                                .antialias = TIDES_ANTIALIAS_FILE,
                                                 .sh_degree = TIDES_SH_DEGREE_MAX,
                                                 .dilation = 0.3,
                                                 .luminance = {0.2126, 0.7152, 0.0722},
@@ -154,13 +157,25 @@ tides_status td_image_resolve(const tides_image_params *params, const tides_intr
         set_smooth(image, &params->smoothing);
     set_limits(image, params->rules, intrinsics);
     image->dilation = params->dilation;
-    image->antialias = params->antialias != 0;
+    image->antialias = params->antialias == TIDES_ANTIALIAS_TRUE;
     image->log_eps = params->log_eps;
     for (int c = 0; c < 3; c++) image->luminance[c] = params->luminance[c];
     image->sh_degree = params->sh_degree < scene_sh_degree ? params->sh_degree : scene_sh_degree;
     image->sh_stride = 3 * (scene_sh_degree + 1) * (scene_sh_degree + 1);
     image->outputs = TD_OUT_SIGNAL;
     return TIDES_OK;
+}
+
+tides_status td_image_take_training(const tides_image_params *params, const tides_scene *scene, td_image *image,
+                                    tides_error *error) {
+    if (params->antialias != TIDES_ANTIALIAS_FILE) return TIDES_OK;
+    const int32_t trained = tides_scene_trained(scene);
+    image->antialias = trained == TIDES_TRAINED_ANTIALIASED;
+    if (trained != TIDES_TRAINED_MIXED) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_CONFIG,
+                   "image.antialias: some of the scene was trained with compensated opacities and some without, as its files "
+                   "say, "
+                   "and one image has one of both: set it to true or false");
 }
 
 td_image_numbers td_image_pack(const td_image *image) {

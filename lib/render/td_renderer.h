@@ -40,6 +40,9 @@ tides_status td_image_resolve(const tides_image_params *params, const tides_intr
                               td_image *image, tides_error *error);
 
 /* A td_image as numbers for any precision. */
+/* What TIDES_ANTIALIAS_FILE is for a scene, TIDES_BAD_CONFIG where it contradicts itself. */
+tides_status td_image_take_training(const tides_image_params *params, const tides_scene *scene, td_image *image,
+                                    tides_error *error);
 td_image_numbers td_image_pack(const td_image *image);
 
 /* The scene's Gaussians, activated, and its motions; `fades` is td_mover.fades; in_space: what rests is in an order of its own

@@ -104,11 +104,12 @@ static tides_status add_ending(list *l, const char *key, const char *path, const
 }
 
 /* What the file names, each meta.json with its pictures. What is wrong with the file is its reader's to say. */
-static tides_status add_parts(list *l, const char *key, const char *path,
-                              tides_status (*find)(const char *path, td_folder *files, tides_error *error)) {
+static tides_status add_parts(list *l, const char *key, const char *path, const char *part,
+                              tides_status (*find)(const char *path, const char *part, td_folder *files, tides_error *error)) {
     td_folder parts = {NULL, 0, 0};
-    tides_status status =
-        find(path, &parts, NULL) == TIDES_NO_MEMORY ? td_fail(l->error, TIDES_NO_MEMORY, "out of memory: %s", path) : TIDES_OK;
+    tides_status status = find(path, part, &parts, NULL) == TIDES_NO_MEMORY
+                              ? td_fail(l->error, TIDES_NO_MEMORY, "out of memory: %s", path)
+                              : TIDES_OK;
     for (size_t i = 0; status == TIDES_OK && i < parts.count; i++) {
         status = add(l, key, td_strdup(parts.files[i], l->error));
         if (status == TIDES_OK && td_sog_is_meta(parts.files[i])) status = add_ending(l, key, parts.files[i], ".webp");
@@ -119,7 +120,7 @@ static tides_status add_parts(list *l, const char *key, const char *path,
 
 /* What is read of a trained model: of its newest iteration where it is a folder, among checkpoints and pictures. */
 static tides_status add_model(list *l, const char *key, const td_model_dir *model) {
-    static const char *const names[] = {"cfg_args", NULL};
+    static const char *const names[] = {"cfg_args", "cfg.yml", "../cfg.yml", NULL};
     tides_status status = TIDES_OK;
     if (model->points) status = add(l, key, td_strdup(model->points, l->error));
     if (status == TIDES_OK && model->weights) status = add(l, key, td_strdup(model->weights, l->error));
@@ -129,9 +130,10 @@ static tides_status add_model(list *l, const char *key, const td_model_dir *mode
 }
 
 /* What isn't a scene is for its reader to refuse. */
-static tides_status add_scene(list *l, const char *key, const char *path) {
+static tides_status add_scene(list *l, const char *key, const char *path, const cJSON *chosen) {
     td_model_dir model;
-    if (td_model_dir_is(path) && td_model_dir_find(path, &model, NULL) == TIDES_OK) {
+    const char *part = cJSON_IsString(chosen) ? chosen->valuestring : NULL;
+    if (td_model_dir_is(path) && td_model_dir_find(path, part, &model, NULL) == TIDES_OK) {
         tides_status status = add_model(l, key, &model);
         td_model_dir_free(&model);
         return status;
@@ -139,8 +141,8 @@ static tides_status add_scene(list *l, const char *key, const char *path) {
     tides_status status = add(l, key, td_strdup(path, l->error));
     if (status != TIDES_OK || !td_is_file(path)) return status;
     if (td_sog_is_meta(path)) status = add_ending(l, key, path, ".webp");
-    if (td_sog_is_lod(path)) status = add_parts(l, key, path, td_sog_lod_files);
-    if (td_ends_in(path, ".gltf") || td_ends_in(path, ".glb")) status = add_parts(l, key, path, td_gltf_files);
+    if (td_sog_is_lod(path)) status = add_parts(l, key, path, part, td_sog_lod_files);
+    if (td_ends_in(path, ".gltf") || td_ends_in(path, ".glb")) status = add_parts(l, key, path, part, td_gltf_files);
     return status;
 }
 
@@ -157,7 +159,7 @@ static tides_status add_objects(list *l, const tides_run *run, const char *key) 
             if (!cJSON_IsString(name)) continue;
             char *path = td_run_resolve(run, name->valuestring, l->error);
             if (!path) return TIDES_NO_MEMORY;
-            status = i ? add_path(l, key, path) : add_scene(l, key, path);
+            status = i ? add_path(l, key, path) : add_scene(l, key, path, cJSON_GetObjectItemCaseSensitive(object, "part"));
             free(path);
         }
     }
@@ -166,7 +168,7 @@ static tides_status add_objects(list *l, const tides_run *run, const char *key) 
 
 /* A key's file, and what belongs to it. */
 static tides_status add_row(list *l, const tides_run *run, const td_param *row, const char *file) {
-    if (strcmp(row->key, "scene.file") == 0) return add_scene(l, row->key, file);
+    if (strcmp(row->key, "scene.file") == 0) return add_scene(l, row->key, file, td_run_value(run, "scene.part"));
     if (strcmp(row->key, "camera.file") == 0) return add_path(l, row->key, file);
     tides_status status = add(l, row->key, td_strdup(file, l->error));
     if (status != TIDES_OK || strcmp(row->key, "frames.file") != 0) return status;

@@ -94,6 +94,13 @@ const tides_param *td_param_find(const char *key) {
     return NULL;
 }
 
+int32_t tides_param_is_path(const char *key) {
+    for (size_t i = 0; key && i < td_params_count; i++)
+        if (strcmp(td_params[i].key, key) == 0)
+            return td_params[i].is_file || td_params[i].type == TIDES_PARAM_OBJECTS || strcmp(key, "sensor.preset") == 0;
+    return 0;
+}
+
 int32_t td_param_is_group(const char *key) {
     size_t length = strlen(key);
     for (size_t i = 0; i < td_params_count; i++)

@@ -31,12 +31,20 @@
 /* In the order of stepping.model's choices. */
 static const int32_t models[] = {TIDES_MODEL_HERMITE, TIDES_MODEL_QUADRATIC, TIDES_MODEL_LINEAR, TIDES_MODEL_SECANT};
 
+/* In the order of image.antialias's. */
+static const int32_t antialiases[] = {TIDES_ANTIALIAS_FILE, TIDES_ANTIALIAS_TRUE, TIDES_ANTIALIAS_FALSE};
+
 /* In the order of camera.lens's; run_open.c sees to the first. */
 static const int32_t lens_models[] = {TIDES_LENS_NONE, TIDES_LENS_NONE, TIDES_LENS_RADTAN, TIDES_LENS_EQUIDISTANT};
 
 const td_param td_params[] = {
     {STRING("scene.file", scene_file, "splats (.ply, .h5, .spz, .splat, .ksplat, .sog, .glb); not needed with scene.objects"),
      .fallback = "null", .is_file = 1},
+    {STRING("scene.part", scene_options.part,
+            "a glTF's scene, an .h5's object, an iteration, a level of detail; null: what a file shows first"),
+     .fallback = "null"},
+    {CHOICE("scene.invalid", scene_options.invalid, "error|drop",
+            "Gaussians of files that are NaN or infinite: refuse the file, or leave them out")},
     {VECTOR3("scene.background", image.background, "", 0, 1e6, "linear colour behind everything")},
     {NUMBER("scene.duration_s", scene_duration_s, "s", 1e-9, LAST_SECOND,
             "seconds that motions last; null takes the scene's own"),
@@ -46,7 +54,7 @@ const td_param td_params[] = {
     {NUMBER("scene.metres_per_unit", metres_per_unit, "m", 1e-12, 1e12,
             "what a unit of the scene is; null: unknown, so that nothing can be had in metres"),
      .fallback = "null"},
-    {OBJECTS("scene.objects", "more splat files, each {file, trajectory, scale}; a trajectory moves it as a rigid body"),
+    {OBJECTS("scene.objects", "more splat files, each {file, trajectory, scale, part}; a trajectory moves it as a rigid body"),
      .fallback = "[]"},
 
     {STRING("camera.file", camera_file,
@@ -105,8 +113,9 @@ const td_param td_params[] = {
     {NUMBER("time.stop", stop, "s", -LAST_SECOND, LAST_SECOND, "where the run ends")},
 
     {CHOICE("image.rules", image.rules, "smooth|inria|gsplat", "whose cutoffs form the image; smooth has no jumps in time")},
-    {BOOLEAN("image.antialias", image.antialias,
-             "compensate opacity for the dilation (scenes trained with mip-splatting's filter)")},
+    {CHOICE("image.antialias", image.antialias, "file|true|false",
+            "compensate opacity for the dilation (mip-splatting); file: where the scene's files say so"),
+     .constants = antialiases},
     {INTEGER("image.sh_degree", image.sh_degree, "", 0, 4, "spherical-harmonics bands above this degree are ignored")},
     {NUMBER("image.dilation", image.dilation, "px^2", 0, 100, "added to the diagonal of every splat's 2-D covariance")},
     {VECTOR3("image.luminance", image.luminance, "", 0, 100, "weights of r, g, b in luminance Y")},

@@ -5,6 +5,7 @@
  * frontend and readout; a value may be { "value": value, "source": text } to say where it comes from. Those of share/presets
  * are in the library, by the names of their files. */
 #include "device/td_kernel_source.h"
+#include "td_kinds.h"
 #include "td_run.h"
 
 #include <stdlib.h>
@@ -64,7 +65,8 @@ static tides_status load(const tides_run *run, const char *name, char **text, ti
             return (*text = join_lines(p->lines, error)) != NULL ? TIDES_OK : TIDES_NO_MEMORY;
     if (!is_file) return unknown(run, name, error);
     char *path = td_run_resolve(run, name, error);
-    tides_status status = path ? td_read_file(path, PRESET_LIMIT, text, &bytes, error) : TIDES_NO_MEMORY;
+    tides_status status = path ? td_kind_refuse(path, TD_WANTS_TEXT, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) status = td_read_file(path, PRESET_LIMIT, text, &bytes, error);
     if (path && status != TIDES_OK) status = td_fail_within(error, status, "%s: sensor.preset", run->origin);
     free(path);
     return status;

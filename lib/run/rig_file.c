@@ -2,6 +2,7 @@
  * place. Its places are in metres, so scene.metres_per_unit must be known where they aren't 0. What rig.cameras says of a
  * camera of that name wins: its kind, its sensor; a name that the file hasn't is refused. */
 #include "camera/td_camchain.h"
+#include "td_kinds.h"
 #include "td_run.h"
 
 #include <stdlib.h>
@@ -117,6 +118,7 @@ static tides_status read_file(const tides_run *run, const char *file, td_camchai
     if (status == TIDES_OK && memchr(text, 0, bytes))
         status = td_fail(error, TIDES_BAD_FILE, "%s: has a byte 0; not a text file", file);
     if (status == TIDES_OK) status = td_camchain_parse(file, text, chain, error);
+    status = td_kind_judge(file, TD_WANTS_TEXT, status, error);
     free(text);
     return status == TIDES_OK ? status : td_fail_within(error, status, "%s: rig.file", run->origin);
 }

@@ -1,6 +1,8 @@
 /* A run file as an object: load, parse, vary, and what no single row of the table can say. */
+#include "frames/td_frames.h"
 #include "scene/td_splat.h"
 #include "td_folder.h"
+#include "td_kinds.h"
 #include "td_params.h"
 #include "td_run.h"
 
@@ -163,15 +165,45 @@ static int32_t is_scene(const char *file) {
     return (!td_ends_in(file, ".json") || td_sog_is_meta(file) || td_sog_is_lod(file)) && tides_scene_is_file(file);
 }
 
-/* The run that a video is, which ends with it (session.c): "-" is one from a pipe. */
-static char *run_of_video(const char *file, tides_error *error) {
+/* The run that frames are, given alone. A video ends with its run (session.c), and is known to be sRGB. */
+static char *run_of_frames(const char *file, tides_error *error) {
     cJSON *root = cJSON_CreateObject(), *frames = root ? cJSON_AddObjectToObject(root, "frames") : NULL;
-    const int32_t ok = frames && cJSON_AddStringToObject(frames, "file", td_base_name(file)) &&
-                       cJSON_AddStringToObject(frames, "transfer", "srgb");
+    int32_t ok = frames && cJSON_AddStringToObject(frames, "file", td_base_name(file));
+    if (ok && td_run_is_video(file)) ok = cJSON_AddStringToObject(frames, "transfer", "srgb") != NULL;
     return print_run(root, ok, file, error);
 }
 
-int32_t td_run_is_video(const char *file) { return strcmp(file, "-") == 0 || td_ends_in(file, ".y4m"); }
+int32_t td_run_is_video(const char *file) { return td_frames_is_video(file); }
+
+/* What the values of pictures stand for is nobody's to know. */
+static tides_status note_frames(tides_run *run, const char *file, tides_error *error) {
+    char line[300];
+    if (!td_is_folder(file) || is_given(run, "frames.transfer", TD_GIVEN_SET)) return TIDES_OK;
+    snprintf(line, sizeof line,
+             "%.100s: pictures without a run file: their values are taken as linear light; --set frames.transfer=srgb decodes "
+             "those of photographs and videos",
+             run->origin);
+    td_one_line(line);
+    return td_run_note(run, line, error);
+}
+
+/* A folder that is neither a scene nor frames. */
+static tides_status refuse_folder(const char *file, tides_error *error) {
+    td_folder jpeg = {NULL, 0, 0};
+    tides_frames_options options;
+    tides_frames *frames = NULL;
+    tides_status status = td_folder_list(&jpeg, file, ".jpg", error);
+    tides_frames_options_defaults(&options);
+    if (status == TIDES_OK && jpeg.count)
+        status = tides_frames_open(file, &options, &frames, error); /* which says what to do */
+    tides_frames_close(frames);
+    td_folder_free(&jpeg);
+    if (status != TIDES_OK) return status;
+    return td_fail(error, TIDES_BAD_CONFIG,
+                   "%s: is a folder, and neither a trained model's (point_cloud/iteration_N/point_cloud.ply, params.npz, "
+                   "chkpntN.pth, ckpt_N.pt, time_N.ply), nor one of .png or .exr pictures",
+                   file);
+}
 
 static tides_status note_scene(tides_run *run, tides_error *error) {
     char line[400];
@@ -188,17 +220,22 @@ tides_status tides_run_load(const char *file, const char *const *overrides, size
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_load: file, run or overrides is NULL");
     char *text = NULL, *plain = NULL, *directory = NULL;
     size_t bytes = 0;
-    const int32_t video = td_run_is_video(file), scene = !video && is_scene(file);
+    /* An HDF5 file may be either, and a model's folder has pictures of its own. */
+    const int32_t video = td_run_is_video(file),
+                  scene = !video && (td_is_folder(file) || !td_frames_is(file)) && is_scene(file);
+    const int32_t frames = video || (!scene && td_frames_is(file));
     tides_status status = TIDES_OK;
     if (!(plain = td_plain_path(file, error)) || !(directory = td_folder_prefix(plain, error)))
         status = TIDES_NO_MEMORY;
-    else if (!scene && !video)
-        status = td_read_file(file, RUN_FILE_LIMIT, &text, &bytes, error);
-    else if (!(text = scene ? run_of_scene(plain, error) : run_of_video(file, error)))
+    else if (!scene && !frames)
+        status = td_is_folder(file) ? refuse_folder(file, error) : td_read_file(file, RUN_FILE_LIMIT, &text, &bytes, error);
+    else if (!(text = scene ? run_of_scene(plain, error) : run_of_frames(plain, error)))
         status = TIDES_NO_MEMORY;
-    if (scene || video) bytes = text ? strlen(text) : 0;
+    if (scene || frames) bytes = text ? strlen(text) : 0;
     if (status == TIDES_OK) status = parse(text, bytes, file, directory, overrides, count, run, error);
+    if (!scene && !frames) status = td_kind_judge(file, TD_WANTS_RUN, status, error);
     if (status == TIDES_OK && scene) status = note_scene(*run, error);
+    if (status == TIDES_OK && frames) status = note_frames(*run, file, error);
     free(directory);
     free(plain);
     free(text);

@@ -7,9 +7,11 @@
 tides_status td_run_store(tides_run *run, const tides_param *row, const cJSON *value, tides_error *error) {
     const int32_t is_number =
         strcmp(row->key, "seed") == 0 && cJSON_IsNumber(value); /* kept as text, which has room for 64 bits */
+    const int32_t is_switch = row->type == TIDES_PARAM_CHOICE && cJSON_IsBool(value);
     char digits[24];
     if (is_number) snprintf(digits, sizeof digits, "%.0f", value->valuedouble);
-    cJSON *copy = is_number ? cJSON_CreateString(digits) : cJSON_Duplicate(value, 1);
+    cJSON *copy =
+        is_number || is_switch ? cJSON_CreateString(is_number ? digits : td_choice_text(value)) : cJSON_Duplicate(value, 1);
     if (!copy) return td_fail(error, TIDES_NO_MEMORY, "out of memory: copying %s", row->key);
     cJSON **place = &run->values[row - tides_params(NULL)];
     cJSON_Delete(*place);
@@ -64,9 +66,16 @@ static tides_status bad_syntax(const tides_run *run, const char *text, size_t by
         line += text[i] == '\n';
     }
     char near_it[24];
-    snprintf(near_it, sizeof near_it, "%.20s", text + offset);
+    const size_t blank = strspn(text, " \t\r\n\xEF\xBB\xBF"); /* a byte order mark, too */
+    const int32_t is_json = text[blank] == '{' || text[blank] == '[' || !text[blank];
+    snprintf(near_it, sizeof near_it, "%.20s", text + (is_json ? offset : blank));
     near_it[strcspn(near_it, "\r\n")] = '\0';
     td_one_line(near_it);
+    if (!is_json)
+        return td_fail(error, TIDES_BAD_CONFIG,
+                       "%s: isn't a run file, which is one JSON object { ... }: it begins with \"%s\"; tides info says what it "
+                       "is",
+                       run->origin, near_it);
     return td_fail(error, TIDES_BAD_CONFIG,
                    "%s:%zu:%zu: not valid JSON from here on: %s%s%s; look for a comma, quote or brace too many or too few",
                    run->origin, line, column, near_it[0] ? "\"" : "", near_it[0] ? near_it : "end of line",

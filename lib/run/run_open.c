@@ -31,11 +31,14 @@ static tides_status check_motion(const tides_run *run, const tides_scene *scene,
     return status;
 }
 
-/* Adds a splat file; `key` is what names it. */
-static tides_status add_file(const tides_run *run, tides_scene *scene, const char *file, const tides_trajectory *motion,
-                             double scale, const char *key, tides_error *error) {
+/* Adds a splat file, or a part of it (nullable); `key` is what names it. */
+static tides_status add_file(const tides_run *run, tides_scene *scene, const char *file, const char *part,
+                             const tides_trajectory *motion, double scale, const char *key, tides_error *error) {
     const int32_t first = tides_scene_objects(scene);
-    tides_status status = tides_scene_add_file(scene, file, motion, scale, error);
+    tides_run_values values;
+    tides_run_get(run, &values);
+    values.scene_options.part = part;
+    tides_status status = tides_scene_read(scene, file, &values.scene_options, motion, scale, error);
     return status == TIDES_OK ? check_motion(run, scene, first, file, key, error) : status;
 }
 
@@ -60,7 +63,9 @@ static tides_status add_object(const tides_run *run, const cJSON *object, int in
         if (status == TIDES_OK) status = check_cover(run, path.trajectory, path_file, path_key, error);
         if (status != TIDES_OK) goto done;
     }
-    status = add_file(run, scene, file, path.trajectory, size ? size->valuedouble : 1.0, key, error);
+    const cJSON *part = cJSON_GetObjectItemCaseSensitive(object, "part");
+    status = add_file(run, scene, file, cJSON_IsString(part) ? part->valuestring : NULL, path.trajectory,
+                      size ? size->valuedouble : 1.0, key, error);
 done:
     tides_trajectory_destroy(path.trajectory);
     free(path_file);
@@ -81,7 +86,9 @@ static tides_status open_scene(const tides_run *run, tides_scene **scene, tides_
     tides_status status = tides_scene_create(&made, error);
     if (status != TIDES_OK) return status;
     const char *file = td_run_file(run, "scene.file");
-    if (file) status = add_file(run, made, file, NULL, 1.0, "scene.file", error);
+    const cJSON *part = td_run_value(run, "scene.part");
+    if (file)
+        status = add_file(run, made, file, cJSON_IsString(part) ? part->valuestring : NULL, NULL, 1.0, "scene.file", error);
     const cJSON *object;
     int index = 0;
     cJSON_ArrayForEach(object, td_run_value(run, "scene.objects")) {

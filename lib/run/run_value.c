@@ -82,9 +82,14 @@ static int32_t is_choice(const char *choices, const char *text, char *names, siz
     return found;
 }
 
+const char *td_choice_text(const cJSON *value) {
+    if (cJSON_IsBool(value)) return cJSON_IsTrue(value) ? "true" : "false";
+    return cJSON_IsString(value) ? value->valuestring : "";
+}
+
 static tides_status check_choice(const tides_param *row, const cJSON *value, const char *where, tides_error *error) {
     char names[256], suggestion[TD_SUGGESTION_MAX];
-    const char *given = cJSON_IsString(value) ? value->valuestring : "";
+    const char *given = td_choice_text(value);
     if (is_choice(row->choices, given, names, sizeof names)) return TIDES_OK;
     return td_fail(error, TIDES_BAD_CONFIG, "%s: %s = %s is none of %s%s", where, row->key, show(value).text, names,
                    td_suggest(given, row->choices, "|", suggestion));
@@ -111,7 +116,7 @@ static tides_status check_string(const tides_param *row, const cJSON *value, con
 
 /* One key of one entry of scene.objects; `name` is "scene.objects[i]". */
 static tides_status check_object_key(const char *name, const cJSON *item, const char *where, tides_error *error) {
-    static const char *const known[] = {"file", "trajectory", "scale", NULL};
+    static const char *const known[] = {"file", "trajectory", "scale", "part", NULL};
     char key[TD_KEY_MAX];
     snprintf(key, sizeof key, "%s.%.40s", name, item->string);
     td_one_line(key);
@@ -120,6 +125,9 @@ static tides_status check_object_key(const char *name, const cJSON *item, const 
     } else if (strcmp(item->string, "trajectory") == 0) {
         if (!cJSON_IsNull(item) && (!cJSON_IsString(item) || !item->valuestring[0]))
             return wrong_type(where, key, item, "a path file in quotes, or null for an object at rest", error);
+    } else if (strcmp(item->string, "part") == 0) {
+        if (!cJSON_IsNull(item) && (!cJSON_IsString(item) || !item->valuestring[0]))
+            return wrong_type(where, key, item, "a text in quotes, or null for what the file shows first", error);
     } else if (strcmp(item->string, "scale") == 0) {
         if (!cJSON_IsNumber(item)) return wrong_type(where, key, item, "a number", error);
         if (!(item->valuedouble >= 1e-6 && item->valuedouble <= 1e6))
@@ -127,8 +135,9 @@ static tides_status check_object_key(const char *name, const cJSON *item, const 
                            show(item).text);
     } else {
         const char *nearest = tides_nearest_name(item->string, known);
-        return td_fail(error, TIDES_BAD_CONFIG, "%s: unknown key \"%s\"; did you mean \"%s.%s\"? (file, trajectory, scale)",
-                       where, key, name, nearest ? nearest : "file");
+        return td_fail(error, TIDES_BAD_CONFIG,
+                       "%s: unknown key \"%s\"; did you mean \"%s.%s\"? (file, trajectory, scale, part)", where, key, name,
+                       nearest ? nearest : "file");
     }
     for (const cJSON *other = item->next; other; other = other->next)
         if (strcmp(other->string, item->string) == 0)

@@ -14,6 +14,7 @@ void td_run_values_defaults(tides_run_values *values) {
     tides_baseline_params_defaults(&values->baseline);
     tides_frames_options_defaults(&values->frames);
     tides_path_options_defaults(&values->path);
+    tides_scene_options_defaults(&values->scene_options);
     tides_exposure_defaults(&values->exposure);
     tides_imu_defaults(&values->imu);
     values->track_count = 100;

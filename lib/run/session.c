@@ -99,8 +99,8 @@ tides_status tides_session_open(const tides_run *run, tides_device *device, tide
 /* -- variations  */
 
 /* Keys of what a session has open, each "group." or a whole key. Of frames, how they are read depends on the rest, too. */
-static const char *const opened[] = {"scene.file",  "scene.objects", "scene.duration_s", "camera.",
-                                     "rig.cameras", "frames.",       "device",           NULL};
+static const char *const opened[] = {"scene.file",    "scene.objects", "scene.duration_s", "camera.", "scene.part",
+                                     "scene.invalid", "rig.cameras",   "frames.",          "device",  NULL};
 static const char *const opened_frames[] = {"image.luminance", "ldati.fps", NULL};
 
 static int32_t is_among(const char *const *names, const char *key) {

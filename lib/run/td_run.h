@@ -38,6 +38,10 @@ void td_one_line(char *text);
 int32_t td_param_is_default(const tides_param *row, const cJSON *value);
 tides_status td_param_check(const tides_param *row, const cJSON *value, const char *where, tides_error *error);
 
+/* run_value.c: the choice that a value names: JSON's true and false are "true" and "false", as in run files from before a
+ * switch became a choice; "" where it is neither these nor a text. */
+const char *td_choice_text(const cJSON *value);
+
 /* run_json.c: reads `bytes` of JSON text into run->values, and one "key=value" on top of it. */
 tides_status td_run_read(tides_run *run, const char *text, size_t bytes, tides_error *error);
 tides_status td_run_override(tides_run *run, const char *assignment, tides_error *error);

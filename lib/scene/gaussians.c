@@ -49,6 +49,8 @@ tides_status td_gaussians_copy(td_gaussians *gaussians, const tides_gaussians *s
                        : !source->quaternion ? "quaternion"
                        : !source->sh         ? "sh"
                                              : "opacity_logit");
+    if (source->trained < TIDES_TRAINED_UNKNOWN || source->trained > TIDES_TRAINED_MIXED)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "trained is %d: none of TIDES_TRAINED_*", (int)source->trained);
     td_gaussians made = {0};
     tides_status status = td_gaussians_create(&made, source->count, source->sh_degree, error);
     if (!made.sh) return status;
@@ -59,6 +61,7 @@ tides_status td_gaussians_copy(td_gaussians *gaussians, const tides_gaussians *s
         return status;
     }
     memcpy(made.origin, source->origin, sizeof made.origin);
+    made.trained = source->trained;
     memcpy(made.log_scale, source->log_scale, n * 3 * sizeof(float));
     memcpy(made.quaternion, source->quaternion, n * 4 * sizeof(float));
     memcpy(made.opacity_logit, source->opacity_logit, n * sizeof(float));
@@ -74,12 +77,14 @@ void td_gaussians_free(td_gaussians *gaussians) {
     free(gaussians->opacity_logit);
     free(gaussians->sh);
     free(gaussians->mean_double);
+    free(gaussians->notes);
     memset(gaussians, 0, sizeof *gaussians);
 }
 
 tides_gaussians td_gaussians_view(const td_gaussians *gaussians) {
     return (tides_gaussians){.count = gaussians->count,
                              .sh_degree = gaussians->sh_degree,
+                             .trained = gaussians->trained,
                              .mean = gaussians->mean,
                              .log_scale = gaussians->log_scale,
                              .quaternion = gaussians->quaternion,

@@ -185,10 +185,11 @@ static void append(const td_gaussians *to, size_t at, const td_gaussians *from) 
 
 tides_status td_gaussians_join(td_gaussians *parts, size_t count, td_gaussians *joined, tides_error *error) {
     int64_t total = 0;
-    int32_t degree = 0;
+    int32_t degree = 0, trained = TIDES_TRAINED_UNKNOWN;
     int wide = 0;
     for (size_t i = 0; i < count; i++) {
         total += parts[i].count;
+        trained = td_trained_join(trained, parts[i].trained);
         if (parts[i].sh_degree > degree) degree = parts[i].sh_degree;
         if (parts[i].mean_double) wide = 1;
     }
@@ -200,9 +201,14 @@ tides_status td_gaussians_join(td_gaussians *parts, size_t count, td_gaussians *
     } else
         status = td_gaussians_create(&made, total, degree, error);
     if (!status && wide) status = td_gaussians_widen(&made, error);
+    made.trained = trained;
     for (size_t i = 0, at = 0; !status && count > 1 && i < count; i++) {
         append(&made, at, &parts[i]);
         at += (size_t)parts[i].count;
+        if (parts[i].notes && !made.notes) { /* what parts of one file say they all say */
+            made.notes = parts[i].notes;
+            parts[i].notes = NULL;
+        }
         td_gaussians_free(&parts[i]);
     }
     if (status)

@@ -76,7 +76,7 @@ static tides_status check_asset(const td_gltf *g) {
 tides_status td_gltf_open(td_gltf *g, const char *path, const void *data, size_t size, tides_error *error) {
     const unsigned char *bytes = data, *json = NULL;
     size_t length = 0;
-    *g = (td_gltf){.path = path, .error = error};
+    *g = (td_gltf){.path = path, .scene = -1, .error = error};
     tides_status status = TIDES_OK;
     if (size >= 4 && td_le32(bytes) == TD_GLTF_MAGIC) {
         status = find_chunks(g, bytes, size, &json, &length);
@@ -155,7 +155,8 @@ static tides_status add_file(const td_gltf *g, const char *folder, const char *u
     return status;
 }
 
-tides_status td_gltf_files(const char *path, td_folder *files, tides_error *error) {
+tides_status td_gltf_files(const char *path, const char *part, td_folder *files, tides_error *error) {
+    (void)part;
     td_gltf g = {.path = path};
     char *data = NULL, *folder = td_folder_of(path, error);
     size_t size = 0;

@@ -63,11 +63,10 @@ static tides_status find_parents(const td_gltf *g, int64_t *parents) {
     return TIDES_OK;
 }
 
-/* Sets those of `shown` that the default scene begins with; without scenes all. */
+/* Sets those of `shown` that the scene begins with; without scenes all. */
 static void find_roots(const td_gltf *g, unsigned char *shown) {
     const cJSON *scenes = cJSON_GetObjectItemCaseSensitive(g->json, "scenes"), *root;
-    const int64_t number = td_json_whole(g->json, "scene", 0, INT32_MAX);
-    const cJSON *scene = cJSON_GetArrayItem(scenes, number < 0 ? 0 : (int)number);
+    const cJSON *scene = cJSON_GetArrayItem(scenes, (int)td_gltf_scene(g));
     memset(shown, scenes == NULL, (size_t)g->node_count);
     cJSON_ArrayForEach(root, cJSON_GetObjectItemCaseSensitive(scene, "nodes")) {
         if (cJSON_IsNumber(root) && root->valuedouble >= 0 && root->valuedouble < (double)g->node_count)

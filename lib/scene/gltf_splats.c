@@ -260,6 +260,7 @@ static tides_status read_splats(td_gltf *g, td_gaussians *gaussians) {
     if (!status) status = td_gltf_places(g, wanted, &places, &count);
     if (!status) status = read_places(g, places, count, logarithms, parts, &made);
     if (!status) status = td_gaussians_join(parts, made, gaussians, g->error);
+    if (!status && (status = td_gltf_note_rest(g, wanted, &gaussians->notes)) != TIDES_OK) td_gaussians_free(gaussians);
     for (size_t i = 0; i < made; i++) td_gaussians_free(&parts[i]);
     free(parts);
     free(places);
@@ -267,10 +268,26 @@ static tides_status read_splats(td_gltf *g, td_gaussians *gaussians) {
     return status;
 }
 
-tides_status td_gltf_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {
+/* A NULL part: the default scene. */
+static tides_status parse_part(const char *path, const void *data, size_t size, const char *part, td_gaussians *gaussians,
+                               tides_error *error) {
     td_gltf g;
     tides_status status = td_gltf_open(&g, path, data, size, error);
+    if (!status && part) status = td_gltf_choose(&g, part);
     if (!status) status = read_splats(&g, gaussians);
     td_gltf_close(&g);
+    return status;
+}
+
+tides_status td_gltf_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {
+    return parse_part(path, data, size, NULL, gaussians, error);
+}
+
+tides_status td_gltf_read(const char *path, const char *part, td_gaussians *gaussians, tides_error *error) {
+    char *data = NULL;
+    size_t size = 0;
+    tides_status status = td_read_file(path, SIZE_MAX - 1, &data, &size, error);
+    if (!status) status = parse_part(path, data, size, part, gaussians, error);
+    free(data);
     return status;
 }

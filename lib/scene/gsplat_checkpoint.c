@@ -1,8 +1,11 @@
 /* gsplat's checkpoint, {"step", "splats": {means [N, 3], scales [N, 3] (log), quats [N, 4] (wxyz, raw), opacities [N] (logit),
- * sh0 [N, 1, 3], shN [N, K - 1, 3]}}: the parameters as they are (gsplat, examples/simple_trainer.py). */
+ * sh0 [N, 1, 3], shN [N, K - 1, 3]}}: the parameters as they are (gsplat, examples/simple_trainer.py). How they were trained is
+ * in the trainer's cfg.yml, a line for each setting, above the folder of checkpoints. */
 #include "archive/td_pickle.h"
 #include "scene/td_model_dir.h"
 #include "td_base.h"
+#include "td_folder.h"
+#include "td_splat.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -68,6 +71,36 @@ static tides_status read_splats(const td_value *splats, td_gaussians *gaussians,
         td_gaussians_free(&made);
     else
         *gaussians = made;
+    return status;
+}
+
+/* 1 where the text has the line "key: value". */
+static int says(const char *text, const char *line) {
+    const size_t length = strlen(line);
+    for (const char *at = text; (at = strstr(at, line)); at += length)
+        if ((at == text || at[-1] == '\n') && strchr("\r\n", at[length])) return 1;
+    return 0;
+}
+
+tides_status td_gsplat_tags(const td_model_dir *dir, int32_t *trained, tides_error *error) {
+    enum { LIMIT = 1 << 20 };
+    char *above = td_folder_of(dir->folder, error), *file = NULL, *text = NULL;
+    const char *const folders[] = {dir->folder, above};
+    size_t size = 0;
+    tides_status status = above ? TIDES_OK : TIDES_NO_MEMORY;
+    for (int i = 0; i < 2 && !status && !text; i++) {
+        free(file);
+        file = td_format(error, "%s/cfg.yml", folders[i]);
+        if (!file) status = TIDES_NO_MEMORY;
+        if (file && td_is_file(file)) status = td_read_file(file, LIMIT, &text, &size, error);
+    }
+    if (text && says(text, "antialiased: true")) *trained = TIDES_TRAINED_ANTIALIASED;
+    if (text && says(text, "antialiased: false")) *trained = TIDES_TRAINED_PLAIN;
+    if (text && (says(text, "model_type: 2dgs") || says(text, "model_type: '2dgs'")))
+        status = td_splat_refuse_discs(dir->weights, error);
+    free(text);
+    free(file);
+    free(above);
     return status;
 }
 

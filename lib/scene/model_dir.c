@@ -32,8 +32,9 @@ void td_model_dir_free(td_model_dir *dir) {
     free(dir->folder);
     free(dir->points);
     free(dir->weights);
+    free(dir->others);
     td_tree_free(dir->cfg);
-    *dir = (td_model_dir){.iteration = -1};
+    *dir = (td_model_dir){.iteration = -1, .wanted = -1};
 }
 
 /* -- paths -- */
@@ -83,14 +84,31 @@ static tides_status take_iteration(td_model_dir *dir, const char *iteration, int
     return status;
 }
 
-/* The newest iteration that is complete. */
+/* The numbers of a sorted list, where there are several. */
+static tides_status list_others(td_model_dir *dir, const td_numbered_list *list, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; list->count > 1 && i < list->count && !status; i++) {
+        char *grown = td_format(error, "%s%s%lld", dir->others ? dir->others : "", dir->others ? ", " : "",
+                                (long long)list->items[i].number);
+        if (!grown) status = TIDES_NO_MEMORY;
+        if (grown) free(dir->others);
+        if (grown) dir->others = grown;
+    }
+    return status;
+}
+
+static int is_wanted(const td_model_dir *dir, int64_t number) { return dir->wanted < 0 || dir->wanted == number; }
+
+/* The newest iteration that is complete, or the one that is wanted. */
 static tides_status find_iteration(td_model_dir *dir, int deformable, tides_error *error) {
     td_numbered_list list = {.items = NULL};
     char *folder = td_format(error, "%s/point_cloud", dir->folder);
     tides_status status = folder ? td_scan_numbered(folder, "iteration_", "", &list, error) : TIDES_NO_MEMORY;
     td_numbered_sort(&list);
+    if (!status) status = list_others(dir, &list, error);
     for (size_t i = list.count; i-- > 0 && !status && !dir->points;)
-        status = take_iteration(dir, list.items[i].path, list.items[i].number, deformable, error);
+        if (is_wanted(dir, list.items[i].number))
+            status = take_iteration(dir, list.items[i].path, list.items[i].number, deformable, error);
     td_numbered_free(&list);
     free(folder);
     return status;
@@ -126,10 +144,13 @@ static tides_status take_newest(td_model_dir *dir, const char *folder, const cha
     td_numbered_list list = {.items = NULL};
     tides_status status = td_scan_numbered(folder, before, after, &list, error);
     td_numbered_sort(&list);
-    if (!status && list.count && !dir->weights) {
-        dir->weights = list.items[list.count - 1].path;
-        dir->iteration = list.items[list.count - 1].number;
-        list.items[list.count - 1].path = NULL;
+    size_t last = list.count;
+    while (last > 0 && !is_wanted(dir, list.items[last - 1].number)) last--;
+    if (!status && last && !dir->weights) {
+        dir->weights = list.items[last - 1].path;
+        dir->iteration = list.items[last - 1].number;
+        status = list_others(dir, &list, error);
+        list.items[last - 1].path = NULL;
     }
     td_numbered_free(&list);
     return status;
@@ -293,9 +314,9 @@ static tides_status enter_file(td_model_dir *dir, const char *path, tides_error 
 }
 
 /* As td_model_dir_find, without cfg_args. */
-static tides_status find(const char *path, td_model_dir *dir, tides_error *error) {
+static tides_status find(const char *path, int64_t wanted, td_model_dir *dir, tides_error *error) {
     struct stat facts;
-    *dir = (td_model_dir){.iteration = -1};
+    *dir = (td_model_dir){.iteration = -1, .wanted = wanted};
     if (stat(path, &facts) != 0) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
     int is_folder = S_ISDIR(facts.st_mode);
     dir->folder = is_folder ? td_plain_path(path, error) : td_folder_of(path, error);
@@ -308,7 +329,7 @@ static tides_status find(const char *path, td_model_dir *dir, tides_error *error
 int td_model_dir_is(const char *path) {
     if (td_is_folder(path)) {
         td_model_dir dir;
-        int found = find(path, &dir, NULL) == TIDES_OK;
+        int found = find(path, -1, &dir, NULL) == TIDES_OK;
         td_model_dir_free(&dir);
         return found;
     }
@@ -324,9 +345,32 @@ int td_model_dir_is(const char *path) {
     return td_zip_is(start, got);
 }
 
-tides_status td_model_dir_find(const char *path, td_model_dir *dir, tides_error *error) {
+/* The number that a part is; -1 where it is none. */
+static int64_t iteration_of(const char *part) { return td_numbered(part, "", ""); }
+
+static tides_status refuse_part(const char *path, const char *part, tides_error *error) {
+    td_model_dir any;
+    tides_status status = find(path, -1, &any, error);
+    if (!status && any.others)
+        status = td_fail(error, TIDES_BAD_ARGUMENT, "%s: scene.part = \"%.80s\" is none of its iterations: %s", path, part,
+                         any.others);
+    else if (!status && any.iteration >= 0)
+        status = td_fail(error, TIDES_BAD_ARGUMENT, "%s: scene.part = \"%.80s\", but its one iteration is %lld", path, part,
+                         (long long)any.iteration);
+    else if (!status)
+        status = td_fail(error, TIDES_BAD_ARGUMENT, "%s: scene.part = \"%.80s\", but this model has no iterations", path, part);
+    td_model_dir_free(&any);
+    return status;
+}
+
+tides_status td_model_dir_find(const char *path, const char *part, td_model_dir *dir, tides_error *error) {
     td_model_dir found;
-    tides_status status = find(path, &found, error);
+    const int64_t wanted = part ? iteration_of(part) : -1;
+    tides_status status = find(path, wanted, &found, error);
+    if (part && (status == TIDES_BAD_FILE || (!status && (wanted < 0 || found.iteration != wanted)))) {
+        td_model_dir_free(&found);
+        return refuse_part(path, part, error);
+    }
     if (!status) status = read_cfg(&found, error);
     if (status)
         td_model_dir_free(&found);

@@ -16,8 +16,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
-enum { WORDS_MAX = 6 }; /* one more than the longest line, "property list T T NAME", has */
+enum { WORDS_MAX = 7 }; /* one more than the longest line, "comment Vertical axis: x y z", has */
 
 /* One line, split at blanks. */
 typedef struct td_ply_line {
@@ -188,22 +189,51 @@ static void take_up(const td_ply_word words[3], double up[3]) {
     memcpy(up, found, sizeof found);
 }
 
-/* "comment up x y z" is ours; "comment Vertical Axis: z" is nerfstudio's, whose z is up. Of another axis that comment says
- * nothing: Brush writes y into every file, and what it trains is mostly y down, as its cameras are. */
-static tides_status parse_comment(parser *p) {
+int td_ply_word_reads(td_ply_word word, const char *text) {
+    return strlen(text) == word.length && strncasecmp(word.text, text, word.length) == 0;
+}
+
+/* 1 where the line's words from the second on begin with `names`, NULL at their end, in capitals or not. */
+static int comment_is(const td_ply_line *line, const char *const *names) {
+    size_t i = 1;
+    for (; names[i - 1]; i++)
+        if (i >= line->count || !td_ply_word_reads(line->words[i], names[i - 1])) return 0;
+    return 1;
+}
+
+/* "comment up x y z" is ours and "comment Vertical axis: x y z" Brush's; "comment Vertical Axis: z" is nerfstudio's, whose z is
+ * up. Of another single axis that comment says nothing: Brush writes y where it doesn't know. */
+static tides_status parse_up(parser *p) {
+    static const char *const ours[] = {"up", NULL}, *const theirs[] = {"Vertical", "axis:", NULL};
     const td_ply_line *line = &p->line;
-    double *up = p->header->up;
+    const size_t first = comment_is(line, ours) ? 2 : comment_is(line, theirs) ? 3 : 0;
     td_plain_numbers numbers;
-    if (line->count == 5 && td_ply_word_is(line->words[1], "up")) {
+    if (first && line->count == first + 3) {
         tides_status status = td_plain_begin(&numbers, p->file->path, p->error);
         if (status) return status;
-        take_up(line->words + 2, up);
+        take_up(line->words + first, p->header->up);
         td_plain_end(&numbers);
-    } else if (line->count == 4 && td_ply_word_is(line->words[1], "Vertical") && td_ply_word_is(line->words[2], "Axis:") &&
-               td_ply_word_is(line->words[3], "z")) {
-        memcpy(up, (const double[]){0, 0, 1}, 3 * sizeof *up);
+    } else if (first == 3 && line->count == 4 && td_ply_word_is(line->words[3], "z")) {
+        memcpy(p->header->up, (const double[]){0, 0, 1}, sizeof p->header->up);
     }
     return TIDES_OK;
+}
+
+/* Brush and splat-transform write "comment SplatRenderMode: mip", "default" or "2dgs", Postshot "comment antialiased 1". */
+static void parse_mode(parser *p) {
+    static const char *const mode[] = {"SplatRenderMode:", NULL}, *const flag[] = {"antialiased", NULL};
+    static const char plain[] = "default", compensated[] = "mip";
+    const td_ply_line *line = &p->line;
+    if (line->count != 3) return;
+    if (comment_is(line, mode)) p->header->mode = line->words[2];
+    if (!comment_is(line, flag)) return;
+    if (td_ply_word_is(line->words[2], "0")) p->header->mode = (td_ply_word){plain, strlen(plain)};
+    if (td_ply_word_is(line->words[2], "1")) p->header->mode = (td_ply_word){compensated, strlen(compensated)};
+}
+
+static tides_status parse_comment(parser *p) {
+    parse_mode(p);
+    return parse_up(p);
 }
 
 /* `*ended` is set by the end_header line. */

@@ -9,6 +9,7 @@
  *     scale_0 .. scale_2    natural logarithms
  *     rot_0 .. rot_3        quaternion w x y z
  *     filter_3D             optional: mip-splatting's filter, folded in (mip_filter.c)
+ * Comments say how it was trained and where up is (ply_header.c); so does filter_3D, which comes with compensated opacities.
  * Everything else (normals, colours, other elements) is skipped. Writers: INRIA, gsplat, nerfstudio, SuperSplat and others.
  * Compressed files are handed to ply_packed.c. */
 #include "td_base.h"
@@ -157,9 +158,22 @@ static tides_status read_rows(const binding *b) {
     return status;
 }
 
+/* Discs have two scales; all else that draws them is as a 3-D Gaussian's. */
+static int has_discs(const binding *b) {
+    static const char *const both[] = {"opacity", "rot_3", "scale_0", "scale_1"};
+    int found = find_property(b, "scale_2") == b->vertex->properties;
+    for (size_t i = 0; i < sizeof both / sizeof both[0]; i++) found &= find_property(b, both[i]) < b->vertex->properties;
+    return found;
+}
+
+static tides_status check_discs(const binding *b) {
+    return has_discs(b) ? td_splat_refuse_discs(b->file->path, b->error) : TIDES_OK;
+}
+
 /* Everything that the header alone can tell, before memory is asked for. */
 static tides_status check_header(const binding *b, int32_t *degree) {
     tides_status status = check_kind(b);
+    if (!status) status = check_discs(b);
     if (!status) status = find_sh_degree(b, degree);
     if (!status) status = bind_all(b, &(td_gaussians){.sh_degree = *degree}, NULL);
     if (status) return status;
@@ -203,6 +217,19 @@ static tides_status read_gaussians(binding *b, td_gaussians *gaussians) {
     return status;
 }
 
+/* What the comments say of training, or filter_3D where they don't. */
+static tides_status take_mode(const binding *b, td_gaussians *gaussians) {
+    const td_ply_word mode = b->header->mode;
+    char line[160];
+    if (has_filter(b) || td_ply_word_reads(mode, "mip")) gaussians->trained = TIDES_TRAINED_ANTIALIASED;
+    if (td_ply_word_reads(mode, "default")) gaussians->trained = TIDES_TRAINED_PLAIN;
+    if (mode.length == 0 || gaussians->trained != TIDES_TRAINED_UNKNOWN) return TIDES_OK;
+    snprintf(line, sizeof line,
+             "its splats' mode '%s' isn't known: they are drawn as plain ones; image.antialias says otherwise",
+             TD_PLY_QUOTE(mode));
+    return td_note(&gaussians->notes, line, b->error);
+}
+
 tides_status td_ply_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {
     td_ply_file file = {path, data, size};
     td_ply_header header;
@@ -211,11 +238,14 @@ tides_status td_ply_parse(const char *path, const void *data, size_t size, td_ga
     binding b = {.file = &file, .header = &header, .vertex = td_ply_find_element(&header, "vertex"), .error = error};
     if (!b.vertex)
         status = td_fail(error, TIDES_BAD_FILE, "%s: has no element vertex: this isn't a 3DGS scene", path);
+    else if (td_ply_word_reads(header.mode, "2dgs"))
+        status = td_splat_refuse_discs(path, error);
     else if (td_ply_is_packed(&header))
         status = td_ply_packed_read(&file, &header, gaussians, error);
     else
         status = read_gaussians(&b, gaussians);
     if (!status) memcpy(gaussians->up, header.up, sizeof gaussians->up);
+    if (!status && (status = take_mode(&b, gaussians)) != TIDES_OK) td_gaussians_free(gaussians);
     td_ply_header_free(&header);
     return status;
 }

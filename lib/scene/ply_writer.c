@@ -22,6 +22,8 @@ static void write_header(FILE *out, const td_gaussians *g, int wide) {
     const double *up = g->up;
     fprintf(out, "ply\nformat binary_little_endian 1.0\n");
     if (up[0] != 0 || up[1] != 0 || up[2] != 0) fprintf(out, "comment up %.17g %.17g %.17g\n", up[0], up[1], up[2]);
+    if (g->trained == TIDES_TRAINED_PLAIN || g->trained == TIDES_TRAINED_ANTIALIASED)
+        fprintf(out, "comment SplatRenderMode: %s\n", g->trained == TIDES_TRAINED_PLAIN ? "default" : "mip");
     fprintf(out, "element vertex %lld\n", (long long)g->count);
     static const char *const first[] = {"x", "y", "z", "nx", "ny", "nz"};
     for (size_t i = 0; i < sizeof first / sizeof first[0]; i++)

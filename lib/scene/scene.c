@@ -35,14 +35,27 @@ void tides_scene_destroy(tides_scene *scene) {
     if (!scene) return;
     td_scene_truncate(scene, 0);
     free(scene->objects);
+    free(scene->notes);
     free(scene);
 }
 
+/* There is a way on without them. */
+static tides_status suggest_drop(tides_status status, tides_error *error) {
+    const tides_error why = error ? *error : (tides_error){TIDES_OK, ""};
+    if (status != TIDES_BAD_FILE) return status;
+    return td_fail(error, status, "%.800s; scene.invalid = drop (tides convert --drop-invalid) leaves such Gaussians out",
+                   why.text);
+}
+
+/* `dropped` NULL: bad Gaussians are refused. */
 static tides_status object_fill(td_object *object, td_gaussians *gaussians, const tides_trajectory *trajectory, double scale,
-                                const char *name, const char *source, tides_error *error) {
+                                const char *name, const char *source, int64_t *dropped, tides_error *error) {
     if (!(scale > 0 && scale <= FLT_MAX))
         return td_fail(error, TIDES_BAD_ARGUMENT, "scale is %g: must be a positive number within float's range", scale);
-    tides_status status = td_gaussians_check(gaussians, scale, source ? TIDES_BAD_FILE : TIDES_BAD_ARGUMENT, error);
+    const tides_status blame = source ? TIDES_BAD_FILE : TIDES_BAD_ARGUMENT;
+    tides_status status =
+        dropped ? td_gaussians_drop(gaussians, scale, dropped, error) : td_gaussians_check(gaussians, scale, blame, error);
+    if (status && source && !dropped) return suggest_drop(status, error);
     if (status) return status;
     if (trajectory && (status = td_trajectory_copy(trajectory, &object->trajectory, error)) != TIDES_OK) return status;
     if ((status = td_gaussians_recentre(gaussians, error)) != TIDES_OK) return status;
@@ -50,6 +63,20 @@ static tides_status object_fill(td_object *object, td_gaussians *gaussians, cons
     object->source = td_strdup(source ? source : "", error);
     object->scale = scale;
     return object->name && object->source ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
+/* What was found out about the file, as lines of the scene that begin with its name. */
+static tides_status take_notes(tides_scene *scene, td_gaussians *gaussians, const char *source, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (char *line = gaussians->notes, *end; line && status == TIDES_OK; line = end) {
+        if ((end = strchr(line, '\n'))) *end++ = '\0';
+        char *named = td_format(error, "%s: %s", source, line);
+        status = named ? td_note(&scene->notes, named, error) : TIDES_NO_MEMORY;
+        free(named);
+    }
+    free(gaussians->notes);
+    gaussians->notes = NULL;
+    return status;
 }
 
 static int32_t is_direction(const double v[3]) { return fabs(v[0]) > 0 || fabs(v[1]) > 0 || fabs(v[2]) > 0; }
@@ -65,14 +92,21 @@ tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const ti
     char numbered[32];
     snprintf(numbered, sizeof numbered, "object %zu", scene->count);
     td_object object;
+    int64_t dropped = 0;
     memset(&object, 0, sizeof object);
-    status = object_fill(&object, gaussians, trajectory, scale, name ? name : numbered, source, error);
+    status = object_fill(&object, gaussians, trajectory, scale, name ? name : numbered, source, scene->drop ? &dropped : NULL,
+                         error);
     if (status) {
         object_free(&object); /* its gaussians are still the caller's: `object` has none yet */
         return name ? td_fail_within(error, status, "object %zu ('%.80s')", scene->count, name)
                     : td_fail_within(error, status, "%s", numbered);
     }
+    if ((status = take_notes(scene, gaussians, source ? source : object.name, error)) != TIDES_OK) {
+        object_free(&object);
+        return status;
+    }
     if (!trajectory && !is_direction(scene->up)) memcpy(scene->up, gaussians->up, sizeof scene->up);
+    scene->dropped += dropped;
     object.gaussians = *gaussians;
     memset(gaussians, 0, sizeof *gaussians);
     if (index) *index = (int32_t)scene->count;

@@ -2,6 +2,8 @@
  * format's own file's. */
 #include "td_base.h"
 #include "td_folder.h"
+#include "td_kinds.h"
+#include "td_struct.h"
 #include "td_model_dir.h"
 #include "td_scene.h"
 #include "td_splat.h"
@@ -20,13 +22,22 @@ static char *stem_of(const char *path, tides_error *error) {
     return td_format(error, "%.*s", (int)(dot && dot > start ? (size_t)(dot - start) : strlen(start)), start);
 }
 
-/* A format whose files are parsed from memory, or which reads what it needs; NULL, NULL: td_scene_hdf5_read. */
+/* A format whose files are parsed from memory, or which reads what it needs, perhaps a part; NULLs: td_scene_hdf5_read. */
 typedef struct reader {
     tides_status (*parse)(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
     tides_status (*read)(const char *path, td_gaussians *gaussians, tides_error *error);
+    tides_status (*choose)(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
 } reader;
 
-static tides_status read_gaussians(const char *file, reader with, td_gaussians *gaussians, tides_error *error) {
+static tides_status read_gaussians(const char *file, reader with, const char *part, td_gaussians *gaussians,
+                                   tides_error *error) {
+    if (with.choose) return with.choose(file, part, gaussians, error);
+    if (part)
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "%s: scene.part = \"%.80s\", but this file has no parts: those of glTF, .h5, streamed SOG and trained "
+                       "models "
+                       "have",
+                       file, part);
     if (with.read) return with.read(file, gaussians, error);
     char *data = NULL;
     size_t size = 0;
@@ -42,7 +53,7 @@ static tides_status add_gaussians(tides_scene *scene, const char *file, reader w
     char *stem = NULL;
     td_gaussians gaussians;
     memset(&gaussians, 0, sizeof gaussians);
-    tides_status status = read_gaussians(file, with, &gaussians, error);
+    tides_status status = read_gaussians(file, with, scene->part, &gaussians, error);
     if (status) goto done;
     status = (stem = stem_of(file, error)) ? TIDES_OK : TIDES_NO_MEMORY;
     if (!status) status = td_scene_take(scene, &gaussians, trajectory, scale, name ? name : stem, file, NULL, error);
@@ -55,15 +66,24 @@ done:
 
 tides_status td_scene_add_ply(tides_scene *scene, const char *file, const char *name, const tides_trajectory *trajectory,
                               double scale, tides_error *error) {
-    return add_gaussians(scene, file, (reader){td_ply_parse, NULL}, name, trajectory, scale, error);
+    const char *part = scene->part; /* the model's, which this is of */
+    scene->part = NULL;
+    const tides_status status = add_gaussians(scene, file, (reader){.parse = td_ply_parse}, name, trajectory, scale, error);
+    scene->part = part;
+    return status;
 }
 
 static tides_status add_model(tides_scene *scene, const char *path, const tides_trajectory *trajectory, double scale,
                               tides_error *error) {
     td_model_dir dir;
-    tides_status status = td_model_dir_find(path, &dir, error);
+    tides_status status = td_model_dir_find(path, scene->part, &dir, error);
     if (status) return status;
-    status = td_scene_add_model(scene, &dir, trajectory, scale, error);
+    char *line = dir.others ? td_format(error, "%s: iteration %lld is read, of %s: scene.part names another", path,
+                                        (long long)dir.iteration, dir.others)
+                            : NULL;
+    if (dir.others) status = line ? td_note(&scene->notes, line, error) : TIDES_NO_MEMORY;
+    if (!status) status = td_scene_add_model(scene, &dir, trajectory, scale, error);
+    free(line);
     td_model_dir_free(&dir);
     return status;
 }
@@ -119,7 +139,7 @@ static int is_pointer(const beginning *b) {
 }
 static tides_status refuse_pointer(const char *path, td_gaussians *gaussians, tides_error *error) {
     (void)gaussians;
-    return td_fail(error, TIDES_BAD_FILE, "%s: is a pointer of Git LFS and not the file itself: git lfs pull fetches it", path);
+    return td_kind_refuse(path, TD_WANTS_SCENE, error);
 }
 
 /* One line per format, surest first. The first is none, but stands in the place of all of them. */
@@ -127,16 +147,16 @@ static const struct {
     int (*is)(const beginning *b);
     reader with;
 } formats[] = {
-    {is_pointer, {NULL, refuse_pointer}},
-    {is_ply, {td_ply_parse, NULL}},
-    {is_spz, {td_spz_parse, NULL}},
-    {is_sog, {td_sog_parse, NULL}},
-    {is_gltf, {td_gltf_parse, NULL}},
-    {is_sog_lod, {NULL, td_sog_read_lod}},
-    {is_sog_folder, {NULL, td_sog_read_folder}},
-    {is_hdf5, {NULL, NULL}},
-    {is_ksplat, {td_ksplat_parse, NULL}},
-    {is_splat, {td_splat_parse, NULL}},
+    {is_pointer, {.read = refuse_pointer}},
+    {is_ply, {.parse = td_ply_parse}},
+    {is_spz, {.parse = td_spz_parse}},
+    {is_sog, {.parse = td_sog_parse}},
+    {is_gltf, {.choose = td_gltf_read}},
+    {is_sog_lod, {.choose = td_sog_read_lod}},
+    {is_sog_folder, {.read = td_sog_read_folder}},
+    {is_hdf5, {NULL, NULL, NULL}},
+    {is_ksplat, {.parse = td_ksplat_parse}},
+    {is_splat, {.parse = td_splat_parse}},
 };
 enum { FORMATS = sizeof formats / sizeof formats[0] };
 
@@ -168,10 +188,8 @@ int32_t tides_scene_is_file(const char *file) {
     return file && read_beginning(file, &start, NULL) == TIDES_OK && format_of(&start) < FORMATS;
 }
 
-tides_status tides_scene_add_file(tides_scene *scene, const char *file, const tides_trajectory *trajectory, double scale,
-                                  tides_error *error) {
-    if (!scene || !file)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_scene_add_file: %s is NULL", scene ? "file" : "scene");
+static tides_status add_file(tides_scene *scene, const char *file, const tides_trajectory *trajectory, double scale,
+                             tides_error *error) {
     if (!(scale > 0 && scale <= FLT_MAX))
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: scale is %g: must be a positive number within float's range", file,
                        scale);
@@ -180,14 +198,41 @@ tides_status tides_scene_add_file(tides_scene *scene, const char *file, const ti
     if (status) return status;
     size_t format = format_of(&start);
     if (start.folder ? format == FORMATS : td_model_dir_is(file)) return add_model(scene, file, trajectory, scale, error);
+    if (format == FORMATS && (status = td_kind_refuse(file, TD_WANTS_SCENE, error)) != TIDES_OK) return status;
     if (format == FORMATS)
         return td_fail(error, TIDES_BAD_FILE,
                        "%s: is no scene: neither a PLY file (no 'ply' at byte 0), nor .spz, .sog, .glb, .gltf, .ksplat, "
                        ".splat or an HDF5 one: convert it to a 3DGS .ply first",
                        file);
     reader with = formats[format].with;
-    if (with.parse || with.read) return add_gaussians(scene, file, with, NULL, trajectory, scale, error);
+    if (with.parse || with.read || with.choose) return add_gaussians(scene, file, with, NULL, trajectory, scale, error);
     return td_scene_hdf5_read(scene, file, trajectory, scale, error);
+}
+
+void tides_scene_options_defaults(tides_scene_options *options) { *options = (tides_scene_options){.size = sizeof *options}; }
+
+tides_status tides_scene_read(tides_scene *scene, const char *file, const tides_scene_options *options,
+                              const tides_trajectory *trajectory, double scale, tides_error *error) {
+    tides_scene_options own;
+    tides_scene_options_defaults(&own);
+    if (!scene || !file) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_scene_read: %s is NULL", scene ? "file" : "scene");
+    tides_status status = options ? TD_TAKE_STRUCT(tides_scene_options, &own, options, error) : TIDES_OK;
+    if (status) return status;
+    if (own.invalid < TIDES_INVALID_ERROR || own.invalid > TIDES_INVALID_DROP)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "scene.invalid: %d is none of TIDES_INVALID_*", (int)own.invalid);
+    scene->drop = own.invalid == TIDES_INVALID_DROP;
+    scene->part = own.part;
+    status = add_file(scene, file, trajectory, scale, error);
+    scene->drop = 0;
+    scene->part = NULL;
+    return status;
+}
+
+tides_status tides_scene_add_file(tides_scene *scene, const char *file, const tides_trajectory *trajectory, double scale,
+                                  tides_error *error) {
+    if (!scene || !file)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_scene_add_file: %s is NULL", scene ? "file" : "scene");
+    return tides_scene_read(scene, file, NULL, trajectory, scale, error);
 }
 
 /* Formats that hold the Gaussians of one object at rest. */

@@ -8,6 +8,7 @@
  *     /objects/0, 1, 2 ...     attributes  name, source  text   as in tides_object
  *                                          scale         double
  *                                          sh_degree     int    0..4; K = (sh_degree + 1)^2
+ *                                          trained       text   "plain", "antialiased" or "mixed"; not where nobody says it
  *                              datasets    mean          float  (N x 3)
  *                                          log_scale     float  (N x 3)
  *                                          quaternion    float  (N x 4)      wxyz, raw
@@ -79,6 +80,22 @@ static tides_status read_means(const td_place *place, td_gaussians *made) {
     return status;
 }
 
+const char *const td_trained_names[] = {"", "plain", "antialiased", "mixed"};
+
+/* Files before 2026 haven't got it. */
+static tides_status read_trained(const td_place *place, int32_t *trained) {
+    char *text = NULL;
+    if (H5Aexists(place->id, "trained") <= 0) return TIDES_OK;
+    tides_status status = td_place_read_text(place, "trained", &text);
+    *trained = TIDES_TRAINED_MIXED + 1;
+    while (!status && --*trained > 0 && strcmp(td_trained_names[*trained], text) != 0) continue;
+    if (!status && *trained == 0)
+        status = td_fail(place->error, TIDES_BAD_FILE, "%s: trained of %s is \"%.40s\": should be plain, antialiased or mixed",
+                         place->file, place->where, text);
+    free(text);
+    return status;
+}
+
 static tides_status read_gaussians(const td_place *place, td_gaussians *gaussians) {
     int32_t degree = 0;
     uint64_t count = 0;
@@ -86,7 +103,8 @@ static tides_status read_gaussians(const td_place *place, td_gaussians *gaussian
     tides_status status = check_shapes(place, &degree, &count);
     if (!status) status = td_gaussians_create(&made, (int64_t)count, degree, place->error);
     if (status) return status;
-    status = read_means(place, &made);
+    status = read_trained(place, &made.trained);
+    if (!status) status = read_means(place, &made);
     if (!status) status = td_place_read(place, "log_scale", H5T_NATIVE_FLOAT, made.log_scale);
     if (!status) status = td_place_read(place, "quaternion", H5T_NATIVE_FLOAT, made.quaternion);
     if (!status) status = td_place_read(place, "opacity_logit", H5T_NATIVE_FLOAT, made.opacity_logit);
@@ -191,7 +209,10 @@ static tides_status read_object(tides_scene *scene, const td_place *place, const
     if (!status) status = read_trajectory(place, &own);
     if (!status) status = read_gaussians(place, &gaussians);
     if (!status) status = td_motion_hdf5_read(place, &motion, &duration_s);
+    const int32_t drop = scene->drop;
+    if (motion) scene->drop = 0; /* its rows are theirs */
     if (!status) status = take_object(scene, place, moved, &gaussians, own, scale);
+    scene->drop = drop;
     if (!status && motion) {
         status = td_scene_give_motion(scene, motion, duration_s, place->error);
         if (status)
@@ -205,7 +226,20 @@ static tides_status read_object(tides_scene *scene, const td_place *place, const
     return status;
 }
 
+/* Whether the object is the part that is wanted: by its name, or else its number. `*named` is set by the first of that name. */
+static tides_status is_part(const tides_scene *scene, const td_place *object, const char *number, int *named, int *wanted) {
+    char *name = NULL;
+    *wanted = 1;
+    if (!scene->part) return TIDES_OK;
+    tides_status status = td_place_read_text(object, "name", &name);
+    *wanted = !status && (strcmp(scene->part, name) == 0 || strcmp(scene->part, number) == 0);
+    *named |= *wanted;
+    free(name);
+    return status;
+}
+
 static tides_status read_objects(tides_scene *scene, const td_place *root, const placement *moved) {
+    int named = scene->part == NULL;
     int32_t count = 0;
     td_place objects, object;
     tides_status status = td_place_read_int(root, "objects", &count);
@@ -216,13 +250,17 @@ static tides_status read_objects(tides_scene *scene, const td_place *root, const
     for (int32_t i = 0; i < count && !status; i++) {
         char number[16];
         snprintf(number, sizeof number, "%d", (int)i);
+        int wanted = 0;
         status = td_place_open(&objects, number, &object);
         if (status) break;
-        status = read_object(scene, &object, moved);
+        status = is_part(scene, &object, number, &named, &wanted);
+        if (!status && wanted) status = read_object(scene, &object, moved);
         H5Gclose(object.id);
     }
     H5Gclose(objects.id);
-    return status;
+    if (status || named) return status;
+    return td_fail(root->error, TIDES_BAD_ARGUMENT, "%s: scene.part = \"%.80s\" is none of its %d objects' names, nor 0 to %d",
+                   root->file, scene->part, (int)count, (int)count - 1);
 }
 
 /* -- the file -- */
@@ -233,7 +271,8 @@ static tides_status check_version(const td_place *root) {
     int known = td_place_read_text(root, "format", &format) == TIDES_OK && strcmp(format, TD_SCENE_HDF5_FORMAT) == 0;
     free(format);
     if (!known)
-        return td_fail(root->error, TIDES_BAD_FILE, "%s: is HDF5 but not a TIDES scene (attribute format isn't \"%s\")",
+        return td_fail(root->error, TIDES_BAD_FILE,
+                       "%s: is HDF5 but not a TIDES scene (attribute format isn't \"%s\"): tides info says what it holds",
                        root->file, TD_SCENE_HDF5_FORMAT);
     tides_status status = td_place_read_int(root, "version", &version);
     if (status || (version >= TD_SCENE_HDF5_STILL && version <= TD_SCENE_HDF5_VERSION)) return status;

@@ -31,6 +31,8 @@ static tides_status write_gaussians(const td_place *place, const td_gaussians *g
     const hid_t stored = H5T_IEEE_F32LE, given = H5T_NATIVE_FLOAT;
     uint64_t n = (uint64_t)g->count, k = td_sh_coefficients(g->sh_degree);
     tides_status status = td_place_write_int(place, "sh_degree", g->sh_degree);
+    if (!status && g->trained != TIDES_TRAINED_UNKNOWN)
+        status = td_place_write_text(place, "trained", td_trained_names[g->trained]);
     if (!status) status = write_means(place, g);
     if (!status) status = td_place_write(place, "log_scale", stored, given, 2, (uint64_t[]){n, 3}, g->log_scale);
     if (!status) status = td_place_write(place, "quaternion", stored, given, 2, (uint64_t[]){n, 4}, g->quaternion);

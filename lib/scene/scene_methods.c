@@ -28,8 +28,11 @@ static tides_status read_gsplat(tides_scene *scene, const td_model_dir *dir, con
     memset(&gaussians, 0, sizeof gaussians);
     tides_status status = td_gsplat_read(dir->weights, &gaussians, error);
     if (status) return status;
-    status = td_scene_take(scene, &gaussians, trajectory, scale, name_of(dir, "gsplat"), dir->weights, NULL, error);
-    if (status) td_fail_within(error, status, "%s", dir->weights);
+    status = td_gsplat_tags(dir, &gaussians.trained, error);
+    if (!status) {
+        status = td_scene_take(scene, &gaussians, trajectory, scale, name_of(dir, "gsplat"), dir->weights, NULL, error);
+        if (status) td_fail_within(error, status, "%s", dir->weights);
+    }
     td_gaussians_free(&gaussians);
     return status;
 }
@@ -45,7 +48,10 @@ static tides_status add_moving(tides_scene *scene, const td_model_dir *dir, open
     memset(&gaussians, 0, sizeof gaussians);
     tides_status status = open(dir, &gaussians, &motion, error);
     if (status) return status;
+    const int32_t drop = scene->drop;
+    scene->drop = 0; /* the motion's rows are theirs */
     status = td_scene_take(scene, &gaussians, trajectory, scale, name_of(dir, "model"), source, NULL, error);
+    scene->drop = drop;
     if (!status) {
         status = td_scene_give_motion(scene, motion, 0, error);
         if (status) td_scene_truncate(scene, scene->count - 1);

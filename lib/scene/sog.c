@@ -9,7 +9,9 @@
  *              x = (n mod 64) K' + k, y = n / 64 of the first one (K' = 3, 8, 15 for 1, 2, 3 bands), r g b into a codebook
  *
  * Version 1 has no "version" and no codebooks, but mins and maxs between which a byte of 255 lies (one of each for shN); the
- * opacity, too, as its logit, and the count is means.shape[0]. */
+ * opacity, too, as its logit, and the count is means.shape[0].
+ *
+ * "model" is "antialiased" or "2dgs" where the splats aren't plain ones (version 2, since 2026). */
 #include "archive/td_zip.h"
 #include "td_base.h"
 #include "td_splat.h"
@@ -28,7 +30,7 @@ typedef struct sog {
     td_zip zip;
     cJSON *meta;
     size_t count;
-    int32_t degree, version;
+    int32_t degree, version, trained;
     tides_error *error;
 } sog;
 
@@ -138,6 +140,17 @@ static tides_status count_and_degree(sog *s) {
     return TIDES_OK;
 }
 
+static tides_status read_model(sog *s) {
+    const char *model = td_json_text(s->meta, "model");
+    if (!model) return TIDES_OK;
+    if (strcmp(model, "2dgs") == 0) return td_splat_refuse_discs(s->path, s->error);
+    s->trained = strcmp(model, "antialiased") == 0 ? TIDES_TRAINED_ANTIALIASED
+                 : strcmp(model, "default") == 0   ? TIDES_TRAINED_PLAIN
+                                                   : TIDES_TRAINED_UNKNOWN;
+    if (s->trained != TIDES_TRAINED_UNKNOWN) return TIDES_OK;
+    return td_fail(s->error, TIDES_UNSUPPORTED, "%s: its model is \"%.40s\": default and antialiased are read", s->path, model);
+}
+
 static tides_status parse_meta(sog *s) {
     const unsigned char *text = NULL;
     void *owned = NULL;
@@ -153,7 +166,8 @@ static tides_status parse_meta(sog *s) {
     if (s->version != 1 && s->version != 2)
         return td_fail(s->error, TIDES_UNSUPPORTED, "%s: is no SOG of version 1 or 2: convert it with splat-transform",
                        s->path);
-    return count_and_degree(s);
+    status = read_model(s);
+    return status ? status : count_and_degree(s);
 }
 
 /* -- pictures into Gaussians -- */
@@ -283,6 +297,7 @@ static tides_status read_sog(sog *s, td_gaussians *gaussians) {
     WebPFree(probe.rgba);
     if (!status) status = td_gaussians_create(&made, (int64_t)s->count, s->degree, s->error);
     if (!status) {
+        made.trained = s->trained;
         status = unpack(s, &made);
         if (status)
             td_gaussians_free(&made);

@@ -4,11 +4,12 @@
  *     {"version": 1, "lodLevels": 2, "environment": "env/meta.json", "filenames": ["0_0/meta.json", "1_0/meta.json"],
  *      "tree": {"bound": .., "children": [{"bound": .., "lods": {"0": {"file": 0, "offset": 0, "count": 600}, "1": ..}}, ..]}}
  *
- * Level 0 is the finest, and it is what is read, with the environment. A file holds Gaussians of one level and no others than
- * its leaves', so that whole files are taken, and runs only counted. Before version 1 "version" wasn't written, and
- * "environment" could be null. */
+ * Level 0 is the finest, and it is what is read unless another is asked for, with the environment. A file holds Gaussians of
+ * one level and no others than its leaves', so that whole files are taken, and runs only counted. Before version 1 "version"
+ * wasn't written, and "environment" could be null. */
 #include "td_base.h"
 #include "td_folder.h"
+#include "td_model_files.h"
 #include "td_scene.h"
 #include "td_splat.h"
 #include "td_splat_json.h"
@@ -21,6 +22,8 @@ typedef struct lod {
     cJSON *meta;
     const char **names; /* of files; those of the finest level that are used have a count */
     int64_t *counts, files;
+    const char *level; /* that is read: "0" */
+    int64_t coarsest;  /* level that a leaf has */
     tides_error *error;
 } lod;
 
@@ -48,10 +51,20 @@ static tides_status read_names(lod *l) {
     return status;
 }
 
-/* Adds up the runs of level 0 in a node and below it; cJSON bounds how deep that can be. */
-static tides_status count_node(const lod *l, const cJSON *node) {
+static void find_coarsest(lod *l, const cJSON *levels) {
+    const cJSON *level;
+    cJSON_ArrayForEach(level, levels) {
+        const int64_t number = td_numbered(level->string, "", "");
+        if (number > l->coarsest) l->coarsest = number;
+    }
+}
+
+/* Adds up the runs of the level in a node and below it; cJSON bounds how deep that can be. */
+static tides_status count_node(lod *l, const cJSON *node) {
     const cJSON *children = cJSON_GetObjectItemCaseSensitive(node, "children"), *child;
-    const cJSON *run = cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(node, "lods"), "0");
+    const cJSON *levels = cJSON_GetObjectItemCaseSensitive(node, "lods");
+    const cJSON *run = cJSON_GetObjectItemCaseSensitive(levels, l->level);
+    if (cJSON_IsObject(levels)) find_coarsest(l, levels);
     const int64_t most = INT64_C(1) << 40; /* sums stay far below 2^63 */
     tides_status status = TIDES_OK;
     if (run) {
@@ -73,10 +86,10 @@ static void lod_close(lod *l) {
     free(l->counts);
 }
 
-static tides_status lod_open(lod *l, const char *path, tides_error *error) {
+static tides_status lod_open(lod *l, const char *path, const char *part, tides_error *error) {
     char *text = NULL;
     size_t size = 0;
-    *l = (lod){.path = path, .error = error};
+    *l = (lod){.path = path, .level = part ? part : "0", .error = error};
     tides_status status = td_read_file(path, SIZE_MAX - 1, &text, &size, error);
     if (!status) status = td_splat_json(path, NULL, text, size, &l->meta, error);
     free(text);
@@ -104,6 +117,13 @@ static tides_status read_part(const lod *l, const char *name, int64_t wanted, td
     return status;
 }
 
+static tides_status note_levels(const lod *l, td_gaussians *gaussians) {
+    char line[160];
+    snprintf(line, sizeof line, "its level of detail %.20s is read, of 0, the finest, to %lld: scene.part names another",
+             l->level, (long long)l->coarsest);
+    return td_note(&gaussians->notes, line, l->error);
+}
+
 static tides_status read_parts(const lod *l, td_gaussians *gaussians) {
     const char *environment = td_json_text(l->meta, "environment");
     size_t count = 0;
@@ -111,10 +131,14 @@ static tides_status read_parts(const lod *l, td_gaussians *gaussians) {
     tides_status status = parts ? TIDES_OK : TIDES_NO_MEMORY;
     for (int64_t i = 0; i < l->files && !status; i++)
         if (l->counts[i] > 0) status = read_part(l, l->names[i], l->counts[i], &parts[count++]);
+    if (!status && count == 0 && strcmp(l->level, "0") != 0)
+        status = td_fail(l->error, TIDES_BAD_ARGUMENT, "%s: scene.part = \"%.80s\" is none of its levels of detail, 0 to %lld",
+                         l->path, l->level, (long long)l->coarsest);
     if (!status && count == 0)
         status = td_fail(l->error, TIDES_BAD_FILE, "%s: no leaf of its tree has Gaussians at level 0, the finest", l->path);
     if (!status && environment) status = read_part(l, environment, -1, &parts[count++]);
     if (!status) status = td_gaussians_join(parts, count, gaussians, l->error);
+    if (!status && l->coarsest > 0 && (status = note_levels(l, gaussians)) != TIDES_OK) td_gaussians_free(gaussians);
     for (size_t i = 0; i < count; i++) td_gaussians_free(&parts[i]);
     free(parts);
     return status;
@@ -125,20 +149,20 @@ static char *named(const char *path, tides_error *error) {
     return td_sog_is_lod(path) ? td_strdup(path, error) : td_format(error, "%s/%s", path, file_name);
 }
 
-tides_status td_sog_read_lod(const char *path, td_gaussians *gaussians, tides_error *error) {
+tides_status td_sog_read_lod(const char *path, const char *part, td_gaussians *gaussians, tides_error *error) {
     lod l = {.path = path};
     char *file = named(path, error);
-    tides_status status = file ? lod_open(&l, file, error) : TIDES_NO_MEMORY;
+    tides_status status = file ? lod_open(&l, file, part, error) : TIDES_NO_MEMORY;
     if (!status) status = read_parts(&l, gaussians);
     lod_close(&l);
     free(file);
     return status;
 }
 
-tides_status td_sog_lod_files(const char *path, td_folder *files, tides_error *error) {
+tides_status td_sog_lod_files(const char *path, const char *part, td_folder *files, tides_error *error) {
     lod l = {.path = path};
     char *file = named(path, error);
-    tides_status status = file ? lod_open(&l, file, error) : TIDES_NO_MEMORY;
+    tides_status status = file ? lod_open(&l, file, part, error) : TIDES_NO_MEMORY;
     const char *environment = status ? NULL : td_json_text(l.meta, "environment");
     char *folder = status ? NULL : td_folder_of(file, error);
     if (!status && !folder) status = TIDES_NO_MEMORY;

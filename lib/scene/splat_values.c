@@ -1,5 +1,6 @@
 /* What the bytes of packed splat files (.splat, .ksplat, .spz, .sog) stand for. In double until the last step, so that a
  * value is rounded once. */
+#include "td_base.h"
 #include "td_splat.h"
 
 #include <float.h>
@@ -27,6 +28,14 @@ void td_splat_unit(const float q[4], double out[4]) {
     double square = 0;
     for (int k = 0; k < 4; k++) square += (double)q[k] * q[k];
     for (int k = 0; k < 4; k++) out[k] = q[k] / sqrt(square);
+}
+
+tides_status td_splat_refuse_discs(const char *path, tides_error *error) {
+    return td_fail(error, TIDES_UNSUPPORTED,
+                   "%s: holds discs, 2-D Gaussians as 2DGS and SuGaR's kind train them, which are cut by rays and not "
+                   "projected: "
+                   "this version can't draw them; train the scene with 3-D Gaussians (gsplat, Brush, INRIA's 3DGS)",
+                   path);
 }
 
 void td_splat_rebuild(const double others[3], unsigned largest, float q[4]) {

@@ -75,6 +75,7 @@ static uint32_t smallest_three(const double q[4]) {
 
 /* Every array, one after the other, behind the header. */
 static void pack_spz(unsigned char *to, const td_gaussians *g, double scale, int bits) {
+    const double flips[3] = {1, -1, -1}; /* to right, up, back */
     const size_t n = (size_t)g->count, coefficients = td_sh_coefficients(g->sh_degree);
     unsigned char *alpha = to + 9 * n, *colour = alpha + n, *size = colour + 3 * n, *rotation = size + 3 * n,
                   *sh = rotation + 4 * n;
@@ -94,7 +95,7 @@ static void pack_spz(unsigned char *to, const td_gaussians *g, double scale, int
         td_put_le32(rotation + 4 * i, smallest_three(q));
         for (size_t k = 1; k < coefficients; k++)
             for (size_t c = 0; c < 3; c++)
-                *sh++ = to_byte(128 + (td_spz_changes_sign(k) ? -128 : 128) * (double)own[3 * k + c]);
+                *sh++ = to_byte(128 + 128 * (double)td_spz_harmonic_sign(flips, k) * (double)own[3 * k + c]);
     }
 }
 
@@ -125,6 +126,7 @@ tides_status td_spz_write(const char *path, const td_gaussians *g, double scale,
     td_put_le32(plain + 8, (uint32_t)g->count);
     plain[12] = (unsigned char)g->sh_degree;
     plain[13] = (unsigned char)bits;
+    plain[14] = g->trained == TIDES_TRAINED_ANTIALIASED;
     pack_spz(plain + SPZ_HEADER, g, scale, bits);
     tides_status status = write_gzip(path, plain, SPZ_HEADER + each * (size_t)g->count, error);
     free(plain);

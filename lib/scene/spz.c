@@ -15,8 +15,9 @@
  * Smallest three: uint32, 2 bits from the top name the largest of x y z w; then, from w down to x without it, 10 bits from the
  * lowest on: 9 bits m and a sign, m / 511 / sqrt(2).
  *
- * The axes are right, up, back; a 3DGS .ply's are right, down, front: y and z change sign, and with them the SH coefficients
- * that are odd in y and z together. Flag 1, "trained with antialiasing", is image.antialias of a run: not part of a scene. */
+ * The axes are right, up, back, unless a record says otherwise (spz_axes.c); a 3DGS .ply's are right, down, front: y and z
+ * change sign, and with them the SH coefficients that are odd in y and z together. Records lie between header and table in
+ * version 4, behind the arrays before. Flag 1 says that opacities were trained with compensation; 2 that there are records. */
 #include "archive/td_numbers.h"
 #include "td_base.h"
 #include "td_endian.h"
@@ -26,7 +27,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAGIC = 0x5053474e, HEADER = 16, HEADER_4 = 32, ENTRY = 16, ARRAYS = 6, HAS_EXTENSIONS = 2, ADOBE = 0xadbe };
+enum { MAGIC = 0x5053474e, HEADER = 16, HEADER_4 = 32, ENTRY = 16, ARRAYS = 6, ADOBE = 0xadbe };
+enum { ANTIALIASED = 1, HAS_EXTENSIONS = 2, RECORDS_MAX = 1 << 20 /* bytes: georeferences have some hundred */ };
 
 typedef struct spz {
     const char *path;
@@ -34,6 +36,7 @@ typedef struct spz {
     int32_t degree;
     unsigned fractional_bits, flags, streams;
     size_t bytes[ARRAYS], total; /* per array, and together */
+    td_spz_records records;
     tides_error *error;
 } spz;
 
@@ -97,23 +100,18 @@ static void first_three(const unsigned char *b, float q[4]) {
     td_splat_rebuild(xyz, 0, q);
 }
 
-/* Band l, whose m runs from -l to l: with l + m even, z comes in even powers; with m < 0, y comes in odd ones. */
-int td_spz_changes_sign(size_t k) {
-    int l = (int)sqrt((double)k), m = (int)k - l * l - l;
-    return ((l + m) % 2 != 0) != (m < 0);
-}
-
-static void unpack_sh(const spz *s, const unsigned char *sh, const td_gaussians *g) {
+static void unpack_sh(const spz *s, const double flips[3], const unsigned char *sh, const td_gaussians *g) {
     size_t coefficients = td_sh_coefficients(s->degree);
     float sign[25];
-    for (size_t k = 0; k < coefficients; k++) sign[k] = td_spz_changes_sign(k) ? -1.0f : 1.0f;
+    for (size_t k = 0; k < coefficients; k++) sign[k] = td_spz_harmonic_sign(flips, k);
     for (size_t i = 0; i < s->count; i++)
         for (size_t k = 1; k < coefficients; k++)
             for (size_t c = 0; c < 3; c++, sh++)
                 g->sh[3 * (coefficients * i + k) + c] = sign[k] * ((float)(*sh - 128) / 128.0f);
 }
 
-static void unpack(const spz *s, const unsigned char *data, const td_gaussians *g) {
+/* Through the flips; a quaternion's vector turns the other way round where the axes are mirrored. */
+static void unpack(const spz *s, const double flips[3], const unsigned char *data, const td_gaussians *g) {
     const unsigned char *position = data, *alpha = position + s->bytes[0], *colour = alpha + s->bytes[1];
     const unsigned char *scale = colour + s->bytes[2], *rotation = scale + s->bytes[3];
     const double unit = ldexp(1, -(int)s->fractional_bits);
@@ -123,7 +121,7 @@ static void unpack(const spz *s, const unsigned char *data, const td_gaussians *
         for (size_t k = 0; k < 3; k++) {
             double value = s->version == 1 ? td_float_bits(td_le16(position + 6 * i + 2 * k), 2)
                                            : fixed_point(position + 9 * i + 3 * k, unit);
-            g->mean[3 * i + k] = (float)(k ? -value : value);
+            g->mean[3 * i + k] = (float)(flips[k] * value);
             g->log_scale[3 * i + k] = (float)scale[3 * i + k] / 16.0f - 10.0f;
             g->sh[3 * coefficients * i + k] = (float)((colour[3 * i + k] / 255.0 - 0.5) / 0.15);
         }
@@ -132,10 +130,9 @@ static void unpack(const spz *s, const unsigned char *data, const td_gaussians *
             first_three(rotation + 3 * i, q);
         else
             smallest_three(td_le32(rotation + 4 * i), q);
-        q[2] = -q[2];
-        q[3] = -q[3];
+        for (size_t k = 0; k < 3; k++) q[k + 1] *= (float)(flips[(k + 1) % 3] * flips[(k + 2) % 3]);
     }
-    unpack_sh(s, rotation + s->bytes[4], g);
+    unpack_sh(s, flips, rotation + s->bytes[4], g);
 }
 
 /* -- containers -- */
@@ -160,10 +157,23 @@ static tides_status check_rest(const spz *s, const unsigned char *data, int more
                    (unsigned long)s->count);
 }
 
+/* The records behind the arrays that begin at `arrays`; all is `size` bytes. */
+static tides_status read_behind(spz *s, const unsigned char *arrays, size_t size) {
+    if (!(s->flags & HAS_EXTENSIONS)) return TIDES_OK;
+    return td_spz_read_records(s->path, arrays + s->total, size - s->total, &s->records, s->error);
+}
+
 /* Versions 1 to 3 without gzip. The arrays are at `data` + HEADER. */
 static tides_status open_plain(spz *s, const unsigned char *data, size_t size) {
     if (size - HEADER < s->total) return fail_count(s, size);
-    return check_rest(s, data + HEADER, size - HEADER > s->total);
+    tides_status status = check_rest(s, data + HEADER, size - HEADER > s->total);
+    return status ? status : read_behind(s, data + HEADER, size - HEADER);
+}
+
+/* How much to unpack: all of it where records follow the arrays, which a gzip file's last four bytes say how large it is. */
+static size_t wanted_of(const spz *s, const unsigned char *data, size_t size) {
+    const size_t arrays = HEADER + s->total, all = size >= 4 ? td_le32(data + size - 4) : 0;
+    return s->flags & HAS_EXTENSIONS && all > arrays && all - arrays <= RECORDS_MAX ? all : arrays;
 }
 
 /* Versions 1 to 3. `*arrays` is allocated, with the header before them. */
@@ -175,10 +185,12 @@ static tides_status open_gzip(spz *s, const unsigned char *data, size_t size, un
     if (status) return status;
     if (s->version > 3) return td_fail(s->error, TIDES_BAD_FILE, "%s: a .spz of version 4 can't be within gzip", s->path);
     if (td_gzip_lies(s->total, size)) return fail_count(s, size);
-    unsigned char *memory = td_alloc(HEADER + s->total, 1, s->error);
+    const size_t wanted = wanted_of(s, data, size);
+    unsigned char *memory = td_alloc(wanted, 1, s->error);
     if (!memory) return TIDES_NO_MEMORY;
-    status = td_gunzip(s->path, data, size, memory, HEADER + s->total, &more, s->error);
+    status = td_gunzip(s->path, data, size, memory, wanted, &more, s->error);
     if (!status) status = check_rest(s, memory + HEADER, more);
+    if (!status) status = read_behind(s, memory + HEADER, wanted - HEADER);
     if (status)
         free(memory);
     else
@@ -215,6 +227,7 @@ static tides_status open_streams(spz *s, const unsigned char *data, size_t size,
     static const char *const names[ARRAYS] = {"positions", "alphas", "colours", "scales", "rotations", "SH coefficients"};
     size_t at = 0;
     tides_status status = check_table(s, data, size, &at);
+    if (!status) status = td_spz_read_records(s->path, data + HEADER_4, td_le32(data + 16) - HEADER_4, &s->records, s->error);
     if (status) return status;
     unsigned char *memory = td_alloc(HEADER + s->total, 1, s->error);
     if (!memory) return TIDES_NO_MEMORY;
@@ -232,6 +245,24 @@ static tides_status open_streams(spz *s, const unsigned char *data, size_t size,
     return status;
 }
 
+static tides_status make(spz *s, const unsigned char *arrays, td_gaussians *gaussians) {
+    const td_spz_axes axes = td_spz_axes_of(s->records.system);
+    td_gaussians made;
+    tides_status status = td_gaussians_create(&made, s->count, s->degree, s->error);
+    if (status) return status;
+    unpack(s, axes.flips, arrays, &made);
+    status = td_spz_turn(&axes, &made, s->error);
+    if (status) {
+        td_gaussians_free(&made);
+        return status;
+    }
+    if (s->flags & ANTIALIASED) made.trained = TIDES_TRAINED_ANTIALIASED;
+    made.notes = s->records.notes;
+    s->records.notes = NULL;
+    *gaussians = made;
+    return TIDES_OK;
+}
+
 tides_status td_spz_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {
     spz s = {.path = path, .error = error};
     const unsigned char *bytes = data;
@@ -245,12 +276,8 @@ tides_status td_spz_parse(const char *path, const void *data, size_t size, td_ga
         status = parse_header(&s, bytes);
         if (!status) status = s.version < 4 ? open_plain(&s, bytes, size) : open_streams(&s, bytes, size, &arrays);
     }
-    td_gaussians made;
-    if (!status) status = td_gaussians_create(&made, s.count, s.degree, error);
-    if (!status) {
-        unpack(&s, (arrays ? arrays : bytes) + HEADER, &made);
-        *gaussians = made;
-    }
+    if (!status) status = make(&s, (arrays ? arrays : bytes) + HEADER, gaussians);
     free(arrays);
+    free(s.records.notes);
     return status;
 }

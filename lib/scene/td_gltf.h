@@ -30,6 +30,7 @@ typedef struct td_gltf {
     const cJSON **views, **accessors, **nodes, **meshes; /* their arrays by index */
     int64_t view_count, accessor_count, node_count, mesh_count, buffer_count;
     td_gltf_buffer *buffers;
+    int64_t scene; /* which of its scenes is shown; -1: the default one */
     tides_error *error;
 } td_gltf;
 
@@ -64,6 +65,17 @@ static inline double td_gltf_value(const td_gltf_accessor *a, size_t i, size_t c
     return value * a->unit < -1 && a->unit < 1 ? -1 : value * a->unit; /* -128 and -127 both stand for -1 */
 }
 
+/* -- gltf_parts.c: what is in the file beside what is read -- */
+
+/* The number of the scene that is shown. */
+int64_t td_gltf_scene(const td_gltf *g);
+
+/* Sets it to the one that is called `part`, or has that number; TIDES_BAD_ARGUMENT where there is none. */
+tides_status td_gltf_choose(td_gltf *g, const char *part);
+
+/* Adds notes of other scenes, of meshes that have no splats (`wanted` 0), of animations. */
+tides_status td_gltf_note_rest(const td_gltf *g, const unsigned char *wanted, char **notes);
+
 /* -- gltf_nodes.c -- */
 
 typedef struct td_gltf_place {
@@ -71,8 +83,8 @@ typedef struct td_gltf_place {
     double map[12]; /* A | t, row by row: from the mesh to the scene */
 } td_gltf_place;
 
-/* Nodes of the default scene (of all, where there are no scenes) whose mesh is one of those with `wanted` set; freed by the
- * caller. Nodes that mirror, shear or flatten: TIDES_UNSUPPORTED. */
+/* Nodes of the scene that is shown (of all, where there are no scenes) whose mesh is one of those with `wanted` set; freed by
+ * the caller. Nodes that mirror, shear or flatten: TIDES_UNSUPPORTED. */
 tides_status td_gltf_places(const td_gltf *g, const unsigned char *wanted, td_gltf_place **places, size_t *count);
 
 #endif

@@ -23,6 +23,8 @@ enum {
 typedef struct td_model_dir {
     int method;
     int64_t iteration; /* -1 where nothing says */
+    int64_t wanted;    /* the iteration that was asked for; -1: the newest */
+    char *others;      /* NULL, or the numbers of all iterations where there are several: "7000, 30000" */
     char *folder;      /* of the model, or of the file that was named */
     char *points;      /* the .ply; NULL where the method has none */
     char *weights;     /* the method's other file as named above; NULL where there is none */
@@ -38,11 +40,12 @@ const char *td_method_name(int method);
  * .pt or .npz, or a .ply with the properties of a moving model. */
 int td_model_dir_is(const char *path);
 
-/* `path`: the model's folder, one of the folders point_cloud/iteration_N in it (that iteration is then taken; else the
- * newest), or one of the files above; a file's model folder is looked for above it. On success the caller frees `dir`.
+/* `path`: the model's folder, one of the folders point_cloud/iteration_N in it (that iteration is then taken; else the one
+ * that `part` (nullable) names, else the newest), or one of the files above; a file's model folder is looked for above it. On
+ * success the caller frees `dir`. TIDES_BAD_ARGUMENT where there is no such part;
  * TIDES_FILE_NOT_FOUND; TIDES_BAD_FILE where nothing is recognised, telling what was looked for; what the readers of
  * cfg_args and of gsplat's checkpoints say; TIDES_NO_MEMORY. */
-tides_status td_model_dir_find(const char *path, td_model_dir *dir, tides_error *error);
+tides_status td_model_dir_find(const char *path, const char *part, td_model_dir *dir, tides_error *error);
 void td_model_dir_free(td_model_dir *dir); /* leaves an empty one: may be called twice */
 
 /* Reads what `td_model_dir_find` found into a scene, as tides_scene_add_file does; TIDES_UNSUPPORTED names a method that this
@@ -52,5 +55,9 @@ tides_status td_scene_add_model(tides_scene *scene, const td_model_dir *dir, con
 
 /* gsplat's checkpoint, {"step", "splats": {means, scales, quats, opacities, sh0, shN}}, at rest (gsplat_checkpoint.c). */
 tides_status td_gsplat_read(const char *path, td_gaussians *gaussians, tides_error *error);
+
+/* What the trainer's cfg.yml says of it, in the checkpoint's folder or above: TIDES_TRAINED_*, untouched where it says nothing.
+ * TIDES_UNSUPPORTED for 2-D Gaussians. */
+tides_status td_gsplat_tags(const td_model_dir *dir, int32_t *trained, tides_error *error);
 
 #endif

@@ -46,9 +46,10 @@ typedef struct td_ply_element {
 
 typedef struct td_ply_header {
     int format;
-    size_t body;  /* byte where the rows begin */
-    size_t lines; /* of the header, its last one included */
-    double up[3]; /* what comments say of where up is; zeros: nothing */
+    size_t body;      /* byte where the rows begin */
+    size_t lines;     /* of the header, its last one included */
+    double up[3];     /* what comments say of where up is; zeros: nothing */
+    td_ply_word mode; /* of the last comment that says how its splats are drawn: "mip", "default", "2dgs"; empty: none does */
     td_ply_element *elements;
     td_ply_property *properties; /* of all elements, in order */
     size_t element_count, property_count, element_capacity, property_capacity;
@@ -62,6 +63,7 @@ tides_status td_ply_header_parse(const td_ply_file *file, td_ply_header *header,
 void td_ply_header_free(td_ply_header *header);
 
 int td_ply_word_is(td_ply_word word, const char *text);
+int td_ply_word_reads(td_ply_word word, const char *text); /* in capitals or not */
 
 /* The word as printable text of at most 40 characters, for messages; the buffer lives as long as the caller's block. */
 enum { TD_PLY_QUOTE_BYTES = 44 };

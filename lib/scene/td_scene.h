@@ -15,6 +15,8 @@ typedef struct td_gaussians {
     double origin[3];    /* [scene units] what means are relative to */
     double *mean_double; /* NULL, or means as a reader found them, more exact than `mean`: until td_scene_take */
     double up[3];        /* what their file says of where up is; zeros: nothing */
+    int32_t trained;     /* TIDES_TRAINED_*, as it says */
+    char *notes;         /* NULL, or lines that the scene's user should hear of their file */
 } td_gaussians;
 
 typedef struct td_object {
@@ -32,6 +34,10 @@ struct tides_scene {
     td_object *objects;
     size_t count, capacity;
     double up[3]; /* zeros: nobody says */
+    char *notes;  /* NULL, or lines with "\n" between them */
+    int64_t dropped;
+    int32_t drop;     /* 1 while a file is read whose bad Gaussians are left out */
+    const char *part; /* NULL, or while a file is read which part of it */
 };
 
 /* Means, in the world, and coefficients of colour reach no further. In single precision squares of distances are formed of
@@ -53,10 +59,19 @@ tides_status td_gaussians_copy(td_gaussians *gaussians, const tides_gaussians *s
 void td_gaussians_free(td_gaussians *gaussians); /* leaves an empty one: may be called twice */
 tides_gaussians td_gaussians_view(const td_gaussians *gaussians);
 
+/* How two sets together were trained: what one of them says, MIXED where they disagree. */
+int32_t td_trained_join(int32_t a, int32_t b);
+
+/* Appends a line to `*notes`, which is NULL or allocated. */
+tides_status td_note(char **notes, const char *line, tides_error *error);
+
 /* Fails with `blame` (TIDES_BAD_ARGUMENT, TIDES_BAD_FILE), naming Gaussian and property, unless the values can be rendered:
  * all finite, quaternions that can be normalised, exp(log_scale) within float's range, means and coefficients within
  * TD_VALUE_MOST; in place, that is times `scale`. */
 tides_status td_gaussians_check(const td_gaussians *gaussians, double scale, tides_status blame, tides_error *error);
+
+/* Leaves out what td_gaussians_check would refuse; how many that were. At least one is left: else as td_gaussians_check. */
+tides_status td_gaussians_drop(td_gaussians *gaussians, double scale, int64_t *dropped, tides_error *error);
 
 /* -- origin.c: means far from (0, 0, 0) -- */
 

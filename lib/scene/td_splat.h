@@ -15,6 +15,9 @@ int td_ply_is_packed(const td_ply_header *header);
 tides_status td_ply_packed_read(const td_ply_file *file, const td_ply_header *header, td_gaussians *gaussians,
                                 tides_error *error);
 
+/* TIDES_UNSUPPORTED: a file of 2-D Gaussians, and what to do. */
+tides_status td_splat_refuse_discs(const char *path, tides_error *error);
+
 tides_status td_splat_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
 
 /* 1 where the bytes begin as a .spz (gzip, or its magic number) does. */
@@ -32,15 +35,17 @@ tides_status td_sog_read_folder(const char *path, td_gaussians *gaussians, tides
 int td_sog_is_meta(const char *path); /* 1 where the file's name is meta.json */
 int td_sog_is_zip(const char *path);  /* 1 where the file is a ZIP with a meta.json */
 
-/* Streamed SOG: lod-meta.json or its folder, at the finest level (sog_lod.c). The files that this reads: the meta.json of each
- * part. */
-tides_status td_sog_read_lod(const char *path, td_gaussians *gaussians, tides_error *error);
-tides_status td_sog_lod_files(const char *path, td_folder *files, tides_error *error);
+/* Streamed SOG: lod-meta.json or its folder, at level `part` of detail, NULL: the finest (sog_lod.c). The files that this
+ * reads: the meta.json of each part. */
+tides_status td_sog_read_lod(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
+tides_status td_sog_lod_files(const char *path, const char *part, td_folder *files, tides_error *error);
 int td_sog_is_lod(const char *path); /* 1 where the file's name is lod-meta.json */
 
-/* glTF, .glb or .gltf (gltf_splats.c). The files that its buffers are in, beside it or below (gltf.c). */
+/* glTF, .glb or .gltf (gltf_splats.c): its default scene; td_gltf_read: or that which `part` (nullable) names, or numbers. The
+ * files that its buffers are in, beside it or below, whatever the part (gltf.c). */
 tides_status td_gltf_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
-tides_status td_gltf_files(const char *path, td_folder *files, tides_error *error);
+tides_status td_gltf_read(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
+tides_status td_gltf_files(const char *path, const char *part, td_folder *files, tides_error *error);
 
 /* -- inflate.c: gzip and zstd into a buffer of known size -------------------------------------------------------------- */
 
@@ -74,8 +79,27 @@ double td_splat_colour(double dc);
 double td_splat_opacity(float logit);
 void td_splat_unit(const float q[4], double out[4]);
 
-/* spz.c: 1 where coefficient k of INRIA's order changes its sign with y and z: where it is odd in the two together. */
-int td_spz_changes_sign(size_t k);
+/* -- spz_axes.c: what extends a .spz -- */
+
+typedef struct td_spz_records {
+    uint32_t system; /* 0 to 16: the axes; 0 is RUB, right up back */
+    char *notes;     /* what isn't read, as td_gaussians has it; the caller's */
+} td_spz_records;
+
+/* Records in `bytes`, and what may be left behind the last one. TIDES_BAD_FILE, TIDES_UNSUPPORTED, TIDES_NO_MEMORY. */
+tides_status td_spz_read_records(const char *path, const unsigned char *bytes, size_t size, td_spz_records *found,
+                                 tides_error *error);
+
+/* From a file's axes to those of a 3DGS .ply: signs of x, y and z, and then perhaps a quarter turn about x. */
+typedef struct td_spz_axes {
+    double flips[3];
+    int turned;
+} td_spz_axes;
+td_spz_axes td_spz_axes_of(uint32_t system);
+
+/* The sign that coefficient k of INRIA's order gets with such signs of the axes; and the turn, of Gaussians that have them. */
+float td_spz_harmonic_sign(const double flips[3], size_t k);
+tides_status td_spz_turn(const td_spz_axes *axes, td_gaussians *gaussians, tides_error *error);
 
 /* -- splat_write.c, gltf_write.c: whole files, means and scales times `scale` -- */
 

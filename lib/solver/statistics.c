@@ -45,6 +45,7 @@ static const tides_stat table[] = {
     COUNT("gaussians_moved", SUM, render.gaussians_moved),
     COUNT("gaussians_interpolated", SUM, render.gaussians_interpolated),
     COUNT("gaussians_total", DERIVED, render.gaussians_total),
+    COUNT("gaussians_dropped", DERIVED, render.gaussians_dropped),
     COUNT("gaussians_projected", SUM, render.gaussians_projected),
     COUNT("gaussians_shared", SUM, render.gaussians_shared),
     COUNT("gaussians_culled", SUM, render.gaussians_culled),

@@ -52,6 +52,15 @@ TIDES_DECODER_SIGMOID = 1
 TIDES_DECODER_CLAMP = 2
 TIDES_DECODER_PLAIN = 3
 TIDES_SH_DEGREE_MAX = 4
+TIDES_TRAINED_UNKNOWN = 0
+TIDES_TRAINED_PLAIN = 1
+TIDES_TRAINED_ANTIALIASED = 2
+TIDES_TRAINED_MIXED = 3
+TIDES_INVALID_ERROR = 0
+TIDES_INVALID_DROP = 1
+TIDES_LOSES_HARMONICS = 1
+TIDES_LOSES_TRAINED = 2
+TIDES_LOSES_UP = 4
 TIDES_REFRACTORY_HOLD = 0
 TIDES_REFRACTORY_DROP_KEEP = 1
 TIDES_REFRACTORY_DROP_CONSUME = 2
@@ -74,6 +83,9 @@ TIDES_FILTER_RGGB = 1
 TIDES_FILTER_GRBG = 2
 TIDES_FILTER_GBRG = 3
 TIDES_FILTER_BGGR = 4
+TIDES_ANTIALIAS_FALSE = 0
+TIDES_ANTIALIAS_TRUE = 1
+TIDES_ANTIALIAS_FILE = 2
 TIDES_Y = 0
 TIDES_L = 1
 TIDES_L_DOT = 2
@@ -1108,7 +1120,7 @@ class tides_callback_motion(Structure):
 class tides_gaussians(Structure):
     """int64_t count; /* N */
     int32_t sh_degree; /* 0..4 */
-    int32_t reserved;
+    int32_t trained; /* TIDES_TRAINED_* */
     const float *mean; /* [scene units] (N x 3) */
     const float *log_scale; /* ln [scene units] (N x 3) */
     const float *quaternion; /* wxyz, raw (N x 4) */
@@ -1120,7 +1132,7 @@ class tides_gaussians(Structure):
 
     count: int
     sh_degree: int
-    reserved: int
+    trained: int
     mean: Any
     log_scale: Any
     quaternion: Any
@@ -1132,7 +1144,7 @@ class tides_gaussians(Structure):
     _fields_ = [
         ("count", c_int64),
         ("sh_degree", c_int32),
-        ("reserved", c_int32),
+        ("trained", c_int32),
         ("mean", P(c_float)),
         ("log_scale", P(c_float)),
         ("quaternion", P(c_float)),
@@ -1140,6 +1152,30 @@ class tides_gaussians(Structure):
         ("sh", P(c_float)),
         ("origin", c_double * 3),
         ("mean_double", P(c_double)),
+    ]
+
+
+class tides_scene_options(Structure):
+    """uint32_t size;
+    /* Of a file that holds more than it shows at first, which part is read instead: a glTF's scene and an .h5's object by name
+    * or number, a streamed SOG's level of detail (0: the finest), a trained model's iteration. NULL: the glTF's default
+    * scene, all objects, the finest level, the newest iteration; tides_scene_notes says what else there is. Where a file
+    * has no parts, or not this one: TIDES_BAD_ARGUMENT. */
+    const char *part;
+    int32_t invalid; /* TIDES_INVALID_* */
+    int32_t reserved;
+    """
+
+    size: int
+    part: bytes | None
+    invalid: int
+    reserved: int
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("part", c_char_p),
+        ("invalid", c_int32),
+        ("reserved", c_int32),
     ]
 
 
@@ -1336,7 +1372,7 @@ class tides_smoothing(Structure):
 class tides_image_params(Structure):
     """uint32_t size; /* sizeof this struct */
     int32_t rules; /* TIDES_RULES_* */
-    int32_t antialias; /* 1: opacity times sqrt(det before / det after dilation) */
+    int32_t antialias; /* TIDES_ANTIALIAS_*; TRUE: opacity times sqrt(det before / det after dilation) */
     int32_t sh_degree; /* bands above this are ignored, 0..4 */
     double dilation; /* added to the diagonal of the 2D covariance [px^2] */
     double luminance[3]; /* Y = luminance . (r, g, b) */
@@ -1391,6 +1427,7 @@ class tides_render_stats(Structure):
     uint64_t blocks; /* (4x4 block, time) pairs of these */
     uint64_t tile_jobs_skipped; /* tiles without a candidate: background by formula */
     uint64_t gaussians_total; /* Gaussians in the scene */
+    uint64_t gaussians_dropped; /* those of its files that were left out (tides_scene_options) */
     uint64_t gaussians_projected; /* (Gaussian, tile job) projections, */
     uint64_t gaussians_shared; /* of these, worked out once for all tiles of the time, */
     uint64_t gaussians_culled; /* and touching none of the job's blocks at that time */
@@ -1414,6 +1451,7 @@ class tides_render_stats(Structure):
     blocks: int
     tile_jobs_skipped: int
     gaussians_total: int
+    gaussians_dropped: int
     gaussians_projected: int
     gaussians_shared: int
     gaussians_culled: int
@@ -1442,6 +1480,7 @@ class tides_render_stats(Structure):
         ("blocks", c_uint64),
         ("tile_jobs_skipped", c_uint64),
         ("gaussians_total", c_uint64),
+        ("gaussians_dropped", c_uint64),
         ("gaussians_projected", c_uint64),
         ("gaussians_shared", c_uint64),
         ("gaussians_culled", c_uint64),
@@ -2125,6 +2164,7 @@ class tides_run_values(Structure):
     const char *frames_file; /* NULL: the run has a scene */
     double frames_per_second; /* of a baseline's renders [Hz] */
     tides_path_options path; /* of camera.file */
+    tides_scene_options scene_options; /* of scene.file, and `invalid` of all files */
     double scene_duration_s; /* 0: the scene's own */
     double metres_per_unit; /* of the scene [m]; 0: unknown */
     const char *dataset_layout; /* layouts of tides_dataset_write; NULL: not said */
@@ -2157,6 +2197,7 @@ class tides_run_values(Structure):
     frames_file: bytes | None
     frames_per_second: float
     path: tides_path_options
+    scene_options: tides_scene_options
     scene_duration_s: float
     metres_per_unit: float
     dataset_layout: bytes | None
@@ -2191,6 +2232,7 @@ class tides_run_values(Structure):
         ("frames_file", c_char_p),
         ("frames_per_second", c_double),
         ("path", tides_path_options),
+        ("scene_options", tides_scene_options),
         ("scene_duration_s", c_double),
         ("metres_per_unit", c_double),
         ("dataset_layout", c_char_p),
@@ -3311,6 +3353,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     ], "path width height channels count compression attributes error"),
     # tides_status tides_file_check(const char *path, int32_t streams, tides_error *error)
     "tides_file_check": (c_int32, [c_char_p, c_int32, P(tides_error)], "path streams error"),
+    # tides_status tides_file_foreign(const char *path, tides_error *error)
+    "tides_file_foreign": (c_int32, [c_char_p, P(tides_error)], "path error"),
     # tides_status tides_file_part(const char *path, char *part, size_t size, tides_error *error)
     "tides_file_part": (c_int32, [c_char_p, c_char_p, c_size_t, P(tides_error)], "path part size error"),
     # tides_status tides_file_write(const char *path, const void *bytes, size_t size, tides_error *error)
@@ -3477,6 +3521,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_page_write_file": (c_int32, [
         c_char_p, c_char_p, P(tides_page_options), tides_progress, c_void_p, P(tides_page_report), P(tides_error)
     ], "events path options progress user report error"),
+    # int32_t tides_param_is_path(const char *key)
+    "tides_param_is_path": (c_int32, [c_char_p], "key"),
     # const tides_param *tides_params(size_t *count)
     "tides_params": (P(tides_param), [P(c_size_t)], "count"),
     # tides_status tides_path_load(const char *file, const tides_path_options *options, tides_path *path, tides_error
@@ -3693,14 +3739,22 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_scene_create": (c_int32, [P(P(tides_scene)), P(tides_error)], "scene error"),
     # void tides_scene_destroy(tides_scene *scene)
     "tides_scene_destroy": (None, [P(tides_scene)], "scene"),
+    # int64_t tides_scene_dropped(const tides_scene *scene)
+    "tides_scene_dropped": (c_int64, [P(tides_scene)], "scene"),
     # int32_t tides_scene_is_file(const char *file)
     "tides_scene_is_file": (c_int32, [c_char_p], "file"),
+    # int32_t tides_scene_losses(const tides_scene *scene, const char *file)
+    "tides_scene_losses": (c_int32, [P(tides_scene), c_char_p], "scene file"),
+    # const char *tides_scene_notes(const tides_scene *scene)
+    "tides_scene_notes": (c_char_p, [P(tides_scene)], "scene"),
     # tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_object *object, tides_error *error)
     "tides_scene_object": (c_int32, [
         P(tides_scene), c_int32, P(tides_object), P(tides_error)
     ], "scene index object error"),
     # int32_t tides_scene_objects(const tides_scene *scene)
     "tides_scene_objects": (c_int32, [P(tides_scene)], "scene"),
+    # void tides_scene_options_defaults(tides_scene_options *options)
+    "tides_scene_options_defaults": (None, [P(tides_scene_options)], "options"),
     # tides_status tides_scene_orbit(const tides_scene *scene, const double up[3], double field_of_view, tides_orbit
     # *orbit, tides_error *error)
     "tides_scene_orbit": (c_int32, [
@@ -3708,6 +3762,11 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     ], "scene up field_of_view orbit error"),
     # void tides_scene_range(const tides_scene *scene, double *start, double *stop)
     "tides_scene_range": (None, [P(tides_scene), P(c_double), P(c_double)], "scene start stop"),
+    # tides_status tides_scene_read(tides_scene *scene, const char *file, const tides_scene_options *options, const
+    # tides_trajectory *trajectory, double scale, tides_error *error)
+    "tides_scene_read": (c_int32, [
+        P(tides_scene), c_char_p, P(tides_scene_options), P(tides_trajectory), c_double, P(tides_error)
+    ], "scene file options trajectory scale error"),
     # tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_error *error)
     "tides_scene_save": (c_int32, [P(tides_scene), c_char_p, P(tides_error)], "scene file error"),
     # int32_t tides_scene_set_duration(tides_scene *scene, double duration_s)
@@ -3716,6 +3775,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_scene_set_up": (c_int32, [P(tides_scene), P(c_double), P(tides_error)], "scene up error"),
     # int32_t tides_scene_sh_degree(const tides_scene *scene)
     "tides_scene_sh_degree": (c_int32, [P(tides_scene)], "scene"),
+    # int32_t tides_scene_trained(const tides_scene *scene)
+    "tides_scene_trained": (c_int32, [P(tides_scene)], "scene"),
     # int32_t tides_scene_up(const tides_scene *scene, double up[3])
     "tides_scene_up": (c_int32, [P(tides_scene), P(c_double)], "scene up"),
     # void tides_sensor_defaults(tides_sensor *sensor)
@@ -3938,9 +3999,9 @@ STRUCTS = (
     tides_event_summary, tides_event_conversion, tides_event_conversion_report, tides_readout, tides_readout_stats,
     tides_pose_sample, tides_pose, tides_orbit, tides_dolly, tides_handheld, tides_lens, tides_intrinsics,
     tides_path_options, tides_path, tides_device_info, tides_polynomial_motion, tides_rotor_motion,
-    tides_keyframes_motion, tides_theta, tides_callback_motion, tides_gaussians, tides_object, tides_circuit,
-    tides_sensor, tides_smoothing, tides_image_params, tides_frame, tides_render_stats, tides_risk, tides_stepping,
-    tides_stats, tides_stat, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params,
+    tides_keyframes_motion, tides_theta, tides_callback_motion, tides_gaussians, tides_scene_options, tides_object,
+    tides_circuit, tides_sensor, tides_smoothing, tides_image_params, tides_frame, tides_render_stats, tides_risk,
+    tides_stepping, tides_stats, tides_stat, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params,
     tides_baseline_params, tides_frame_supply, tides_exposure, tides_exposed, tides_imu, tides_imu_sample, tides_param,
     tides_run_values, tides_rig_camera, tides_session_facts, tides_session_taken, tides_recording, tides_recorded,
     tides_dataset_layout, tides_dataset_report, tides_generator, tides_generate_options, tides_world, tides_channel,

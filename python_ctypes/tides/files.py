@@ -20,6 +20,12 @@ def check_writable(file: str | os.PathLike[str], streams: bool = True) -> None:
     call("tides_file_check", path(file), int(streams))
 
 
+def check_kind(file: str | os.PathLike[str]) -> None:
+    """Raises BadFile where `file` is of a kind that nothing here reads (a video, a mesh, an archive): what, and what gets
+    further with it."""
+    call("tides_file_foreign", path(file))
+
+
 def part_name(file: str | os.PathLike[str]) -> str:
     """The name under which `file` is written."""
     part = create_string_buffer(_LONGEST)

@@ -32,14 +32,15 @@ _TYPES = {number: word for word, number in constants("TIDES_PARAM_").items()}
 
 def parameters() -> list[Facts]:
     """The table of a run file's keys: key, type ("number" ...), unit, lower, upper, fallback (the default as JSON text; ""
-    where the key is required), choices (list), sentence, available (False: only the default is taken)."""
+    where the key is required), choices (list), sentence, available (False: only the default is taken), path (True: it names files, relative to the run file)."""
     count = c_size_t()
     rows = lib.tides_params(byref(count))
     made = []
     for row in rows[: count.value]:
         facts = plain(row)
         choices = facts["choices"].split("|") if facts["choices"] else []
-        made.append(Facts(facts, type=_TYPES[row.type], choices=choices, available=bool(row.available)))
+        names_files = bool(lib.tides_param_is_path(row.key))
+        made.append(Facts(facts, type=_TYPES[row.type], choices=choices, available=bool(row.available), path=names_files))
     return made
 
 

@@ -13,24 +13,36 @@ from . import _api
 from ._call import array, call, doubles, encoded, path, pointer, text
 from ._handle import Handle
 from ._library import lib
+from ._values import choice, constants
+from ._warn import warn
 from .motion import Motion, give_means, means
 from .trajectory import Trajectory, _given
+
+
+_TRAINED = constants("TIDES_TRAINED_")
+
+
+def _trained(number: int) -> str:
+    return next(word for word, one in _TRAINED.items() if one == number)
 
 
 @dataclass
 class Gaussians:
     """Raw parameters, as trained, float32: mean (n x 3) [scene units] (float64 where it is given in that, so far from 0 that
     float32 would lose digits that matter), log_scale (n x 3) ln [scene units], quaternion (n x 4) wxyz, opacity_logit (n), sh
-    (n x k x 3) with k = (degree + 1)^2, in INRIA's order and sign."""
+    (n x k x 3) with k = (degree + 1)^2, in INRIA's order and sign. How they were trained: "unknown", "plain", "antialiased",
+    "mixed"."""
 
     mean: np.ndarray
     log_scale: np.ndarray
     quaternion: np.ndarray
     opacity_logit: np.ndarray
     sh: np.ndarray
+    trained: str = "unknown"
 
     def __post_init__(self) -> None:
         n = len(np.asarray(self.mean))
+        choice("trained", self.trained, _TRAINED)
         self.mean = means(self.mean, (n, 3))
         self.log_scale = array(self.log_scale, np.float32, (n, 3), "log_scale")
         self.quaternion = array(self.quaternion, np.float32, (n, 4), "quaternion")
@@ -67,7 +79,7 @@ class Gaussians:
     def _struct(self) -> _api.tides_gaussians:
         """For C; it points into this object's arrays."""
         arrays = (self.log_scale, self.quaternion, self.opacity_logit, self.sh)
-        made = _api.tides_gaussians(len(self), self.sh_degree, 0, None, *(pointer(one, c_float) for one in arrays))
+        made = _api.tides_gaussians(len(self), self.sh_degree, _TRAINED[self.trained], None, *(pointer(one, c_float) for one in arrays))
         give_means(made, self.mean)
         return made
 
@@ -79,7 +91,7 @@ class Gaussians:
         origin = np.array(struct.origin)
         if origin.any():
             arrays["mean"] = origin + arrays["mean"]
-        return cls(**arrays)
+        return cls(**arrays, trained=_trained(struct.trained))
 
 
 @dataclass(frozen=True)
@@ -108,7 +120,12 @@ class Scene(Handle):
     _destroy = "tides_scene_destroy"
 
     def __init__(
-        self, file: str | os.PathLike[str] | None = None, trajectory: Trajectory | None = None, scale: float = 1.0
+        self,
+        file: str | os.PathLike[str] | None = None,
+        trajectory: Trajectory | None = None,
+        scale: float = 1.0,
+        part: str | int | None = None,
+        invalid: str = "error",
     ):
         made = POINTER(_api.tides_scene)()
         call("tides_scene_create", byref(made))
@@ -116,7 +133,7 @@ class Scene(Handle):
         self._callbacks: list[Any] = []  # what the motions in it call; a scene outlives its users
         self._steps: list[tuple[str, tuple[Any, ...]]] | None = []  # how it was made, for pickle; None: elsewhere
         if file is not None:
-            self.add_file(file, trajectory, scale)
+            self.add_file(file, trajectory, scale, part, invalid)
 
     @classmethod
     def _of(cls, pointer: Any) -> "Scene":
@@ -176,12 +193,27 @@ class Scene(Handle):
         self._note("add", index.value, trajectory)
         return index.value
 
-    def add_file(self, file: str | os.PathLike[str], trajectory: Trajectory | None = None, scale: float = 1.0) -> None:
-        """Adds what a file holds."""
+    def add_file(
+        self,
+        file: str | os.PathLike[str],
+        trajectory: Trajectory | None = None,
+        scale: float = 1.0,
+        part: str | int | None = None,
+        invalid: str = "error",
+    ) -> None:
+        """Adds what a file holds, or a `part` of it: a glTF's scene, an .h5's object, a trained model's iteration, a streamed
+        SOG's level. `invalid` Gaussians (NaN, infinite) are an "error", or "drop": left out, `dropped` of them."""
         self._unused("changed")
+        how = _api.tides_scene_options()
+        lib.tides_scene_options_defaults(how)
+        how.invalid = choice("invalid", invalid, constants("TIDES_INVALID_"))
+        how.part = None if part is None else str(part).encode()
         with self._lock:
-            call("tides_scene_add_file", self._pointer, path(file), trajectory._pointer if trajectory else None, scale)
-        self._note("add_file", os.path.abspath(file), trajectory, scale)
+            before = self.notes
+            call("tides_scene_read", self._pointer, path(file), how, trajectory._pointer if trajectory else None, scale)
+        for note in self.notes[len(before) :]:
+            warn(note)
+        self._note("add_file", os.path.abspath(file), trajectory, scale, part, invalid)
 
     def append(
         self, index: int, times: Any, positions: Any, quaternions: Any, velocities: Any = None, angular_velocities: Any = None
@@ -203,8 +235,12 @@ class Scene(Handle):
         return lib.tides_scene_set_duration(self._pointer, duration_s)
 
     def save(self, file: str | os.PathLike[str]) -> None:
-        """Writes .h5 (everything) or .ply (one object at rest)."""
+        """Writes .h5 (everything), or one object at rest as .ply, .spz, .splat or .glb; warns of what that has no place for."""
         call("tides_scene_save", self._pointer, path(file))
+        lost = lib.tides_scene_losses(self._pointer, path(file))
+        words = [word for word, bit in constants("TIDES_LOSES_").items() if lost & bit]
+        if words:
+            warn(f"{os.fspath(file)}: has no place for the scene's {', '.join(words)}")
 
     def __len__(self) -> int:
         return lib.tides_scene_objects(self._pointer)
@@ -236,6 +272,22 @@ class Scene(Handle):
     def sh_degree(self) -> int:
         """The largest of the objects'."""
         return lib.tides_scene_sh_degree(self._pointer)
+
+    @property
+    def trained(self) -> str:
+        """How all objects were trained that say so, and so must be drawn: "unknown", "plain", "antialiased" (mip-splatting's
+        compensated opacities), "mixed". ImageParams(antialias="file") goes by it."""
+        return _trained(lib.tides_scene_trained(self._pointer))
+
+    @property
+    def dropped(self) -> int:
+        """Gaussians of its files that were left out (add_file's `invalid`)."""
+        return lib.tides_scene_dropped(self._pointer)
+
+    @property
+    def notes(self) -> list[str]:
+        """What a user may not expect of the scene's files, such as what was left out."""
+        return text(lib.tides_scene_notes(self._pointer)).splitlines()
 
     @property
     def range(self) -> tuple[float, float]:

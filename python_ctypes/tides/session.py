@@ -24,6 +24,7 @@ from .readout import Readout
 from .render import ImageParams, Renderer
 from .scene import Scene
 from .simulate import Sensor, Simulation, Stepping, _Collector, packet, recording, warn_of_nothing
+from ._warn import warn
 from .trajectory import Camera, Imu, Intrinsics, PathOptions, Trajectory
 
 _VALUES: dict[Any, Any] = {
@@ -113,6 +114,8 @@ class Session(Handle):
             self.frames = Frames._lent(facts.frames, self)
         else:
             self.scene = Scene._lent(facts.scene, self)
+            for note in self.scene.notes:
+                warn(note)
             self.camera = Camera(Trajectory._lent(facts.camera, self), self.intrinsics)
 
     def vary(self, set: dict[str, Any]) -> "Session":

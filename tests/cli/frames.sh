@@ -69,8 +69,27 @@ tides simulate --set frames.file=- -qo named.h5 <video.y4m >out 2>err || fail "-
 cmp -s named.h5 pipe.h5 || fail "--set frames.file=- is another run than -"
 expect 0 tides simulate --set frames.file=none.y4m --set frames.file=video.y4m -qo named.h5 --stats named.json
 [ "$(grep '"events":' video.json)" = "$(grep '"events":' named.json)" ] || fail "--set frames.file=video.y4m is another run"
-refuse 2 "too few arguments" tides simulate --set frames.file=frames -o no.h5
+refuse 1 "frames: there is no such file or folder" tides simulate --set frames.file=frames -o no.h5
 refuse 2 "too few arguments" tides simulate -o no.h5
+# A file of another kind is named, with the line that gets further; an array or a folder of pictures is a run as a video is.
+printf '\0\0\0\040ftypisom' >a.mp4
+for named in 'info a.mp4' 'simulate a.mp4 -o no.h5' 'simulate --set frames.file=a.mp4 -o no.h5' 'view a.mp4 -o no.png' 'batch a.mp4 -o no'; do
+    # shellcheck disable=SC2086 # several words
+    refuse 1 "a.mp4: is an MP4 video, not .*ffmpeg -i a.mp4 -f yuv4mpegpipe - \| tides simulate - -o events.h5" tides $named
+done
+refuse 1 "a.mp4: is an MP4 video, not a scene of splats" tides simulate --set scene.file=a.mp4 -o no.h5
+{ npy_header "3, 4, 6"; head -c 24 /dev/zero; head -c 24 /dev/zero | tr '\0' '\200'; head -c 24 /dev/zero; } >array.npy
+refuse 1 "array.npy: its frames have no times: give frames.timestamps" tides simulate array.npy -o no.h5
+for named in array.npy '--set frames.file=array.npy'; do
+    # shellcheck disable=SC2086 # several words
+    expect 0 tides simulate $named -qo array.h5 --set frames.frames_per_second=100
+    exists array.h5
+done
+mkdir nothing
+echo "0 1 2" >steps.txt
+refuse 1 "nothing: is a folder, and neither a trained model" tides simulate nothing -o no.h5
+refuse 1 "nothing: is a folder in which nothing is known" tides info nothing
+refuse 1 "steps.txt: isn.t a run file, which is one JSON object.*begins with .0 1 2" tides simulate steps.txt -o no.h5
 echo '{"frames": {"file": "-"}, "method": "v2e", "time": {"stop": 0.1}}' >pipe_run.json
 tides simulate pipe_run.json -o pipe.h5 --stats pipe.json <video.y4m >out 2>err || fail "frames.file: - should do"
 grep -q '"simulated_s":[[:space:]]*0.1[,}]*$' pipe.json || fail "time.stop is kept"

@@ -45,6 +45,48 @@ out "^gaussians_moving +0"
 refuse 1 "balls.ply" tides scene balls --gaussians 50 -o balls.ply
 missing balls.ply
 
+# Tags of how a scene is drawn: shown, gone by, kept, and said where they are lost.
+make_scene
+sed 's/^format ascii 1.0/&\ncomment SplatRenderMode: mip\ncomment Vertical axis: 0 0 1/' scene.ply >tagged.ply
+expect 0 tides info tagged.ply
+out "^trained +antialiased"
+out "^up +0  0  1"
+for antialias in file true false; do
+    expect 0 tides simulate run.json -qo tag.h5 --stats $antialias.json --set scene.file=tagged.ply --set image.antialias=$antialias
+done
+expect 0 tides simulate run.json -qo tag.h5 --stats plain.json
+[ "$(value file.json events)" = "$(value true.json events)" ] || fail "the file's tag isn't gone by"
+[ "$(value file.json events)" != "$(value false.json events)" ] || fail "the key is stronger than the tag"
+[ "$(value plain.json events)" = "$(value false.json events)" ] || fail "a scene without a tag is drawn plainly"
+expect 0 tides convert tagged.ply tagged.spz
+err "a .spz has no place for where up is"
+expect 0 tides info tagged.spz
+out "^trained +antialiased"
+expect 0 tides convert tagged.ply tagged.glb
+err "a .glb has no place for how the scene was trained: image.antialias must say it"
+sed 's/scale_2/flat/; s/^format ascii 1.0/&\ncomment SplatRenderMode: 2dgs/' scene.ply >discs.ply
+refuse 1 "discs.ply: holds discs, 2-D Gaussians as 2DGS.*train the scene with 3-D Gaussians" tides info discs.ply
+
+# Broken Gaussians: refused with the way on, or left out, counted and said.
+awk 'past && ++n == 5 { $1 = "nan" } past && n == 9 { $7 = "inf" } /end_header/ { past = 1 } { print }' scene.ply >broken.ply
+refuse 1 "broken.ply: .*Gaussian 4: mean\[0\] is nan.*scene.invalid = drop" tides simulate run.json -o no.h5 --set scene.file=broken.ply
+expect 0 tides simulate run.json -o drop.h5 --stats drop.json --set scene.file=broken.ply --set scene.invalid=drop
+err "broken.ply: 2 of 108 Gaussians are left out \(scene.invalid = drop\), such as this: Gaussian 4: mean\[0\] is nan"
+[ "$(value drop.json gaussians_dropped)" = 2 ] || fail "two are dropped"
+[ "$(value drop.json gaussians_total)" = 106 ] || fail "106 are left"
+refuse 1 "broken.ply: .*scene.invalid = drop" tides convert broken.ply whole.ply
+expect 0 tides convert --drop-invalid broken.ply whole.ply
+err "2 of 108 Gaussians are left out"
+expect 0 tides info whole.ply
+out "^gaussians +106"
+
+# A part of a file that holds several.
+expect 0 tides scene balls -n 3 --gaussians 20 -q -o three.h5
+expect 0 tides convert --part 1 three.h5 one.h5
+expect 0 tides info one.h5 --json
+[ "$(grep -c '"sh_degree"' out)" = 2 ] || fail "one object is left" # the scene's, and its
+refuse 1 "scene.part = \"7\" is none of its" tides convert --part 7 three.h5 no.h5
+
 refuse 2 "tides scene" tides scene
 refuse 2 "-o SCENE" tides scene fan
 refuse 2 "unknown option --cuont.*--count" tides scene balls -o a.h5 --cuont 3

@@ -37,7 +37,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     tides_error error = {0, ""};
     fuzz_put_row(files, FILES, data, size);
     if (tides_scene_create(&scene, &error) != TIDES_OK) abort();
-    tides_status status = td_model_dir_find(fuzz_root(), &dir, &error);
+    tides_status status = td_model_dir_find(fuzz_root(), NULL, &dir, &error);
     if (status == TIDES_OK) status = td_scene_add_model(scene, &dir, NULL, 1, &error);
     check(status, &error, scene);
     td_model_dir_free(&dir);

@@ -10,10 +10,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     td_folder files = {NULL, 0, 0};
     fuzz_put("lod-meta.json", data, size);
     fuzz_path(path, "lod-meta.json");
-    tides_status listed = td_sog_lod_files(path, &files, &error);
+    tides_status listed = td_sog_lod_files(path, NULL, &files, &error);
     if (listed != TIDES_OK) fuzz_refusal(listed, &error);
     td_folder_free(&files);
-    tides_status status = td_sog_read_lod(path, &gaussians, &error);
+    tides_status status = td_sog_read_lod(path, NULL, &gaussians, &error);
     if (status == TIDES_FILE_NOT_FOUND && listed == TIDES_OK)
         fuzz_one_line(status, &error);
     else

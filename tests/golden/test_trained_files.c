@@ -46,7 +46,7 @@ static int visit_model(void *user, const char *path, const char *name) {
     model m = {.golden = NULL};
     tides_error error;
     char golden[1100];
-    scene_expect_ok(td_model_dir_find(path, &m.dir, &error), &error);
+    scene_expect_ok(td_model_dir_find(path, NULL, &m.dir, &error), &error);
     assert_string_equal(td_method_name(m.dir.method), td_method_name(v->method));
     snprintf(golden, sizeof golden, "%s/%s", path, v->golden);
     assert_non_null(m.golden = npz_open(golden));
@@ -257,7 +257,7 @@ static void test_dyn3dgs(void **state) {
     td_npz *params = NULL;
     tides_error error;
     if (shared_path(path, sizeof path, "golden/dyn3dgs") != 0) skip();
-    scene_expect_ok(td_model_dir_find(path, &dir, &error), &error);
+    scene_expect_ok(td_model_dir_find(path, NULL, &dir, &error), &error);
     assert_int_equal(dir.method, TD_METHOD_DYN3DGS);
     scene_expect_ok(td_npz_open(dir.weights, &params, &error), &error);
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) {

@@ -45,7 +45,7 @@ static int visit(void *user, const char *path, const char *name) {
     snprintf(golden, sizeof golden, "%s/golden_theta.npz", path);
     npz *file = npz_open(golden);
     assert_non_null(file);
-    if (td_model_dir_find(path, &dir, &error) != TIDES_OK) fail_msg("%s", error.text);
+    if (td_model_dir_find(path, NULL, &dir, &error) != TIDES_OK) fail_msg("%s", error.text);
     if (model->open(&dir, &gaussians, &motion, &error) != TIDES_OK) fail_msg("%s", error.text);
     tides_gaussians view = td_gaussians_view(&gaussians);
     packed_motion packed = packed_motion_make(motion, &view);

@@ -52,7 +52,7 @@ static void expect(void *folder, const char *named, int method, int64_t iteratio
     tides_error error;
     const char *path = scene_in_folder(folder, named);
     assert_true(td_model_dir_is(path));
-    scene_expect_ok(td_model_dir_find(path, &dir, &error), &error);
+    scene_expect_ok(td_model_dir_find(path, NULL, &dir, &error), &error);
     assert_string_equal(td_method_name(dir.method), td_method_name(method));
     assert_int_equal(dir.iteration, iteration);
     expect_path(dir.points, folder, points);
@@ -99,7 +99,7 @@ static void test_inria(void **state) {
     assert_int_equal(gaussians_in(*state, "m/point_cloud/iteration_7000", name), 3);
     assert_int_equal(gaussians_in(*state, "m/point_cloud/iteration_7000/point_cloud.ply", name), 3);
     td_model_dir dir;
-    assert_int_equal(td_model_dir_find(scene_in_folder(*state, "m"), &dir, NULL), TIDES_OK);
+    assert_int_equal(td_model_dir_find(scene_in_folder(*state, "m"), NULL, &dir, NULL), TIDES_OK);
     assert_string_equal(td_value_text(td_value_get(td_tree_root(dir.cfg), "source_path")), "D:\\x");
     td_model_dir_free(&dir);
     put_text(*state, "m/cfg_args", "Namespace(sh_degree=");
@@ -169,7 +169,7 @@ static void test_frames(void **state) {
         snprintf(name, sizeof name, "t/time_%05d.ply", i);
         put_ply(*state, name, 1);
     }
-    scene_expect_ok(td_model_dir_find(scene_in_folder(*state, "t"), &dir, &error), &error);
+    scene_expect_ok(td_model_dir_find(scene_in_folder(*state, "t"), NULL, &dir, &error), &error);
     assert_int_equal(dir.method, TD_METHOD_FRAMES);
     assert_int_equal(dir.frame_count, 12);
     expect_path(dir.frames[0], *state, "t/time_00000.ply");
@@ -262,6 +262,26 @@ static void test_gsplat(void **state) {
     expect_refused(*state, "v.pt", TIDES_BAD_FILE, "v.pt|times");
 }
 
+/* The trainer's settings say how: above the folder of checkpoints, or beside one. */
+static void test_gsplat_tags(void **state) {
+    static const struct {
+        const char *cfg;
+        int32_t trained;
+    } cases[] = {{"absgrad: false\nantialiased: true\napp_opt: false\n", TIDES_TRAINED_ANTIALIASED},
+                 {"antialiased: false\n", TIDES_TRAINED_PLAIN},
+                 {"not_antialiased: true\n", TIDES_TRAINED_UNKNOWN}};
+    put_checkpoint(*state, "g/ckpts/ckpt_6999_rank0.pt", PLAIN);
+    for (size_t i = 0; i < 2 * sizeof cases / sizeof cases[0]; i++) {
+        tides_scene *scene = scene_new();
+        put(*state, "g/cfg.yml", cases[i / 2].cfg, strlen(cases[i / 2].cfg));
+        scene_load(scene, scene_in_folder(*state, i % 2 ? "g" : "g/ckpts/ckpt_6999_rank0.pt"), NULL, 1);
+        assert_int_equal(tides_scene_trained(scene), cases[i / 2].trained);
+        tides_scene_destroy(scene);
+    }
+    put(*state, "g/cfg.yml", "model_type: 2dgs\n", 17);
+    expect_refused(*state, "g", TIDES_UNSUPPORTED, "ckpt_6999_rank0.pt: holds discs|2DGS");
+}
+
 /* Velocities become the first coefficients; a duration's bell has a 1/2 that a width's doesn't. */
 static void test_freetime(void **state) {
     put_checkpoint(*state, "v.pt", FREETIME);
@@ -281,7 +301,8 @@ static void test_freetime(void **state) {
 
 int main(void) {
 #define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, scene_folder_setup, scene_folder_teardown)
-    const struct CMUnitTest tests[] = {IN_FOLDER(test_inria),  IN_FOLDER(test_deformed), IN_FOLDER(test_other_layouts),
-                                       IN_FOLDER(test_frames), IN_FOLDER(test_gsplat),   IN_FOLDER(test_freetime)};
+    const struct CMUnitTest tests[] = {IN_FOLDER(test_inria),      IN_FOLDER(test_deformed), IN_FOLDER(test_other_layouts),
+                                       IN_FOLDER(test_frames),     IN_FOLDER(test_gsplat),   IN_FOLDER(test_freetime),
+                                       IN_FOLDER(test_gsplat_tags)};
     return cmocka_run_group_tests_name("model_dir", tests, NULL, NULL);
 }

@@ -409,7 +409,7 @@ static void nerfies_refused(void **state) {
 
 static void folders(void **state) {
     char inside[4200];
-    expect_refused(*state, TIDES_BAD_FILE, "no camera path is in this folder|images.bin|poses_bounds.npy");
+    expect_refused(*state, TIDES_FILE_NOT_FOUND, "no camera path is in this folder|images.bin|poses_bounds.npy");
     snprintf(inside, sizeof inside, "%s", scene_in_folder(*state, "transforms.json"));
     write_text(inside, "{\"k1\": 0, \"frames\": [{\"transform_matrix\": [[1,0,0,1],[0,-1,0,2],[0,0,-1,3]], \"p2\": 0.5}]}");
     tides_path path = load(*state, NULL);

@@ -233,7 +233,7 @@ static void wrong_values_name_key_value_and_range(void **state) {
                  {"sensor.max_events_per_step=2.5", "2.5", "a whole number"},
                  {"camera.width=0", "0", "[1, 16384] px"},
                  {"camera.width=16385", "16385", "[1, 16384] px"},
-                 {"image.antialias=1", "1", "true or false"},
+                 {"image.antialias=1", "1", "file, true, false"},
                  {"image.rules=smoth", "\"smoth\"", "smooth, inria, gsplat"},
                  {"image.sh_degree=5", "5", "[0, 4]"},
                  {"image.luminance=[1,2]", "[1,2]", "a list of 3 numbers"},

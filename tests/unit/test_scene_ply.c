@@ -237,7 +237,7 @@ static const struct {
     {"float x", "float x\nproperty float x", TIDES_BAD_FILE, "two properties x"},
     {"float opacity", "float opacities", TIDES_BAD_FILE, "line 3|no property opacity"},
     {"float f_dc_1", "float g", TIDES_BAD_FILE, "no property f_dc_1"},
-    {"float scale_2", "float g", TIDES_BAD_FILE, "no property scale_2"},
+    {"float scale_2", "float g", TIDES_UNSUPPORTED, "2-D Gaussians|2DGS"},
     {"float rot_3", "float g", TIDES_BAD_FILE, "no property rot_3"},
     {"float opacity", "float opacity\nproperty float f_rest_0", TIDES_BAD_FILE, "1 f_rest|0, 9, 24, 45 or 72"},
     {"end_header\n", "", TIDES_BAD_FILE, "line 18|end_header|1 2 3"},

@@ -197,6 +197,24 @@ static void packed(void **state) {
     version_1 = 0;
 }
 
+/* "model" says how the splats were trained; discs are refused. */
+static void models(void **state) {
+    (void)state;
+    static const struct {
+        const char *model;
+        int32_t trained;
+    } cases[] = {{"{\"model\":\"antialiased\",\"version\"", TIDES_TRAINED_ANTIALIASED},
+                 {"{\"model\":\"default\",\"version\"", TIDES_TRAINED_PLAIN},
+                 {"{\"version\"", TIDES_TRAINED_UNKNOWN}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        scene_bytes b = make(&(recipe){.find = "{\"version\"", .replacement = cases[i].model, .without = -1}, NULL);
+        td_gaussians g = splat_parse(td_sog_parse, &b);
+        assert_int_equal(g.trained, cases[i].trained);
+        td_gaussians_free(&g);
+        free(b.data);
+    }
+}
+
 /* In a run file's place it is a scene, though its name ends as a run file's does. */
 static void is_a_run(const char *path) {
     tides_error error = {0, ""};
@@ -242,6 +260,10 @@ static void refused(void **state) {
     } cases[] = {
         {{"{\"version\"", "{version", -1, 0, 0, 0, 0, 0}, TIDES_BAD_FILE, "meta.json: isn't valid JSON"},
         {{"\"version\":2", "\"version\":3", -1, 0, 0, 0, 0, 0}, TIDES_UNSUPPORTED, "no SOG of version 1 or 2"},
+        {{"{\"version\"", "{\"model\":\"2dgs\",\"version\"", -1, 0, 0, 0, 0, 0},
+         TIDES_UNSUPPORTED,
+         "2-D Gaussians|2DGS|train the scene"},
+        {{"{\"version\"", "{\"model\":\"soft\",\"version\"", -1, 0, 0, 0, 0, 0}, TIDES_UNSUPPORTED, "its model is \"soft\""},
         {{"\"version\":2,", "", -1, 0, 0, 0, 0, 0}, TIDES_BAD_FILE, "neither a \"version\" nor means.shape"},
         {{"\"count\":5", "\"count\":0", -1, 0, 0, 0, 0, 0}, TIDES_BAD_FILE, "count: must be a whole number"},
         {{"\"count\":5", "\"count\":2.5", -1, 0, 0, 0, 0, 0}, TIDES_BAD_FILE, "count: must be a whole number"},
@@ -326,6 +348,20 @@ static void streamed(void **state) {
         assert_memory_equal(g.mean + 6 * COUNT, g.mean, 3 * COUNT * sizeof(float));
         tides_scene_destroy(scene);
     }
+    tides_scene *coarse = scene_new();
+    tides_scene_options options;
+    tides_error error = {0, ""};
+    tides_scene_options_defaults(&options);
+    scene_load(coarse, paths[0], NULL, 1);
+    assert_non_null(
+        strstr(tides_scene_notes(coarse), "level of detail 0 is read, of 0, the finest, to 1: scene.part names another"));
+    options.part = "1"; /* its one part, and the environment */
+    scene_expect_ok(tides_scene_read(coarse, paths[0], &options, NULL, 1, &error), &error);
+    assert_int_equal(tides_scene_count(coarse), 3 * COUNT + 2 * COUNT);
+    options.part = "2";
+    scene_expect_error(tides_scene_read(coarse, paths[0], &options, NULL, 1, &error), TIDES_BAD_ARGUMENT, &error,
+                       "none of its levels of detail, 0 to 1");
+    tides_scene_destroy(coarse);
     write_lod(*state, "{\"lodLevels\":2,\"environment\":null," NAMES "," TREE "}"); /* before it had versions */
     tides_scene *scene = scene_new();
     scene_load(scene, paths[1], NULL, 1);
@@ -373,6 +409,7 @@ static void streamed_refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(packed),
+        cmocka_unit_test(models),
         cmocka_unit_test_setup_teardown(streamed, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test_setup_teardown(streamed_refused, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test_setup_teardown(kinds, scene_folder_setup, scene_folder_teardown),

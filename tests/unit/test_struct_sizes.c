@@ -148,6 +148,14 @@ static tides_status take_page(const fixture *f, const void *options, tides_error
     (void)f;
     return tides_page_write("no/such/folder/a.html", NULL, NULL, 0, options, NULL, error);
 }
+static tides_status take_scene(const fixture *f, const void *options, tides_error *error) {
+    tides_scene *scene = NULL;
+    (void)f;
+    tides_status status = tides_scene_create(&scene, error);
+    if (status == TIDES_OK) status = tides_scene_read(scene, "no/such/file.ply", options, NULL, 1, error);
+    tides_scene_destroy(scene);
+    return status;
+}
 static int stop_at_once(void *user, double fraction, const char *stage) {
     (void)user;
     (void)stage;
@@ -220,6 +228,7 @@ typedef union given {
     tides_imu imu;
     tides_live_options live;
     tides_page_options page;
+    tides_scene_options scene;
 } given;
 
 #define FILL(member, function) \
@@ -240,6 +249,7 @@ FILL(exposure, tides_exposure_defaults)
 FILL(imu, tides_imu_defaults)
 FILL(live, tides_live_options_defaults)
 FILL(page, tides_page_options_defaults)
+FILL(scene, tides_scene_options_defaults)
 
 static const struct row {
     const char *name;
@@ -266,6 +276,7 @@ static const struct row {
     {"tides_exposure", sizeof(tides_exposure), fill_exposure, take_exposure_of_values, TIDES_OK},
     {"tides_imu", sizeof(tides_imu), fill_imu, take_imu, TIDES_BAD_CONFIG}, /* metres_per_unit is the caller's to know */
     {"tides_live_options", sizeof(tides_live_options), fill_live, take_live, TIDES_UNSUPPORTED}, /* of frames */
+    {"tides_scene_options", sizeof(tides_scene_options), fill_scene, take_scene, TIDES_FILE_NOT_FOUND},
     {"tides_page_options", sizeof(tides_page_options), fill_page, take_page, TIDES_WRITE_FAILED},
 };
 enum { ROWS = sizeof rows / sizeof *rows };

@@ -1,6 +1,7 @@
 """Trajectories, cameras, scenes, motions."""
 
 import gc
+import pickle
 
 import numpy as np
 import pytest
@@ -107,6 +108,55 @@ def test_scene_keeps_what_it_is_given(cloud, tmp_path):
     assert [one.name for one in again] == ["first", "second"] and same(again[1].gaussians, cloud)
     assert tides.Scene.is_file(tmp_path / "scene.h5") and not tides.Scene.is_file(__file__)
     assert repr(scene) == "Scene(closed)"
+
+
+def test_tags_of_a_scene(cloud, tmp_path):
+    assert cloud.trained == "unknown"
+    tagged = tides.Gaussians(cloud.mean, cloud.log_scale, cloud.quaternion, cloud.opacity_logit, cloud.sh, "antialiased")
+    scene = tides.Scene()
+    scene.add(tagged)
+    scene.up = (0, 0, 1)
+    assert scene.trained == scene[0].gaussians.trained == pickle.loads(pickle.dumps(scene)).trained == "antialiased"
+    for name in ("a.ply", "a.h5"):
+        scene.save(tmp_path / name)
+        assert tides.Scene(tmp_path / name).trained == "antialiased"
+    with pytest.warns(UserWarning, match="a.glb: has no place for the scene's trained, up"):
+        scene.save(tmp_path / "a.glb")
+    assert tides.Scene(tmp_path / "a.glb").trained == "unknown"
+    scene.add(tides.Gaussians(cloud.mean, cloud.log_scale, cloud.quaternion, cloud.opacity_logit, cloud.sh, "plain"))
+    assert scene.trained == "mixed"
+    with pytest.raises(ValueError, match="trained: 'antialias' is none of .*did you mean 'antialiased'"):
+        tides.Gaussians(cloud.mean, cloud.log_scale, cloud.quaternion, cloud.opacity_logit, cloud.sh, "antialias")
+    assert tides.ImageParams().antialias == "file" and tides.ImageParams(antialias=True).antialias == "true"
+
+
+def test_broken_gaussians_and_parts(cloud, tmp_path):
+    scene = tides.Scene()
+    scene.add(cloud, name="first")
+    scene.add(cloud, name="second")
+    scene.save(tmp_path / "two.h5")
+    assert [len(tides.Scene(tmp_path / "two.h5", part=part)) for part in (None, "second", 0)] == [2, 1, 1]
+    with pytest.raises(tides.errors.BadArgument, match="scene.part"):
+        tides.Scene(tmp_path / "two.h5", part="third")
+    one = tides.Scene()
+    one.add(cloud)
+    one.save(tmp_path / "a.ply")
+    data = bytearray((tmp_path / "a.ply").read_bytes())
+    start = data.index(b"end_header\n") + len(b"end_header\n")
+    data[start : start + 4] = np.float32("nan").tobytes()
+    (tmp_path / "a.ply").write_bytes(data)
+    with pytest.raises(tides.errors.BadFile, match="scene.invalid = drop"):
+        tides.Scene(tmp_path / "a.ply")
+    with pytest.warns(UserWarning, match="1 of .* left out"):
+        whole = tides.Scene(tmp_path / "a.ply", invalid="drop")
+    assert whole.dropped == 1 and whole.count == len(cloud) - 1 and len(whole.notes) == 1
+
+
+def test_foreign_files_are_named(tmp_path):
+    (tmp_path / "a.mp4").write_bytes(b"\0\0\0\x20ftypisom" + bytes(100))
+    with pytest.raises(tides.errors.BadFile, match="an MP4 video.*ffmpeg"):
+        tides.files.check_kind(tmp_path / "a.mp4")
+    assert {row.key for row in tides.parameters() if row.path} >= {"scene.file", "sensor.preset", "scene.objects"}
 
 
 def test_means_far_from_the_origin(cloud, tmp_path):

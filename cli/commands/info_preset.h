@@ -1,0 +1,11 @@
+/* tides info of sensor presets. */
+#ifndef CLI_INFO_PRESET_H
+#define CLI_INFO_PRESET_H
+
+#include "cli.h"
+
+/* 1 where the file is a preset: { "about": .., "sensor": {..}, "frontend": {..}, "readout": {..} } and nothing else. Then its
+ * facts, or in `status` and `error` what is wrong with it. */
+int32_t info_preset(const char *file, cJSON *facts, tides_status *status, tides_error *error);
+
+#endif

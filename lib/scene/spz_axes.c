@@ -1,0 +1,74 @@
+/* The records that extend a .spz (versions 2 to 4), and the axes that one of them says its values are in.
+ *
+ * A record is uint32 type, uint32 bytes, and so many bytes. Adobe's 0xADBE0003 is a uint32, the coordinate system of positions,
+ * rotations and SH by what x, y and z point to: 1 LDB, 2 RDB, 3 LUB, 4 RUB, 5 LDF, 6 RDF, 7 LUF, 8 RUF (left or right, down or
+ * up, back or front), and 9 LFD, 10 RFD, 11 LFU, 12 RFU, 13 LBD, 14 RBD, 15 LBU, 16 RBU: those a quarter turn about x on, so
+ * that y is front or back and z down or up. 0, and files without it: RUB. Left and right mirror numbers, not what is seen. */
+#include "td_base.h"
+#include "td_endian.h"
+#include "td_scene.h"
+#include "td_splat.h"
+
+enum { RECORD = 8, RUB = 4, SYSTEMS = 16, UNTURNED = 8 };
+
+/* Adobe's earlier numbers: how SH were quantised, where a camera may orbit. And Niantic's place on the earth. */
+static const uint32_t system_record = 0xadbe0003, silent_records[] = {0, 0xadbe0001, 0xadbe0002}, place_record = 0x4e530001;
+
+static tides_status read_system(const char *path, const unsigned char *payload, uint32_t bytes, td_spz_records *found,
+                                tides_error *error) {
+    const uint32_t system = bytes == 4 ? td_le32(payload) : SYSTEMS + 1;
+    if (system > SYSTEMS)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: its coordinate system, %lu in %lu bytes, is none of 0 to %d", path,
+                       (unsigned long)system, (unsigned long)bytes, SYSTEMS);
+    found->system = system;
+    return TIDES_OK;
+}
+
+static tides_status note_record(uint32_t type, td_spz_records *found, tides_error *error) {
+    char line[96] = "its georeference isn't read: positions are in its local frame";
+    for (size_t i = 0; i < sizeof silent_records / sizeof silent_records[0]; i++)
+        if (type == silent_records[i]) return TIDES_OK;
+    if (type != place_record) snprintf(line, sizeof line, "its extension 0x%08lx isn't read", (unsigned long)type);
+    return td_note(&found->notes, line, error);
+}
+
+tides_status td_spz_read_records(const char *path, const unsigned char *bytes, size_t size, td_spz_records *found,
+                                 tides_error *error) {
+    tides_status status = TIDES_OK;
+    while (size >= RECORD && !status) {
+        const uint32_t type = td_le32(bytes), length = td_le32(bytes + 4);
+        if (length > size - RECORD)
+            return td_fail(error, TIDES_BAD_FILE, "%s: its extension 0x%08lx has %lu bytes, but %zu are left: truncated?", path,
+                           (unsigned long)type, (unsigned long)length, size - RECORD);
+        status =
+            type == system_record ? read_system(path, bytes + RECORD, length, found, error) : note_record(type, found, error);
+        bytes += RECORD + length;
+        size -= RECORD + length;
+    }
+    return status;
+}
+
+td_spz_axes td_spz_axes_of(uint32_t system) {
+    const uint32_t bits = (system ? system : RUB) - 1;
+    const double right = bits & 1 ? 1 : -1, down = bits & 2 ? -1 : 1, front = bits & 4 ? 1 : -1;
+    /* A quarter turn after flips is flips of the axes it takes to each other, and then the turn. */
+    if (system > UNTURNED) return (td_spz_axes){{right, front, down}, 1};
+    return (td_spz_axes){{right, down, front}, 0};
+}
+
+/* Band l, whose m runs from -l to l: with l + m odd z comes in odd powers, with m < 0 y does, and x where the rest of m is. */
+float td_spz_harmonic_sign(const double flips[3], size_t k) {
+    int l = 0;
+    while ((size_t)((l + 1) * (l + 1)) <= k) l++;
+    const int m = (int)k - l * l - l, size = m < 0 ? -m : m;
+    double sign = 1;
+    if ((size - (m < 0)) % 2 != 0) sign *= flips[0];
+    if (m < 0) sign *= flips[1];
+    if ((l + m) % 2 != 0) sign *= flips[2];
+    return (float)sign;
+}
+
+tides_status td_spz_turn(const td_spz_axes *axes, td_gaussians *gaussians, tides_error *error) {
+    static const double quarter[12] = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0}; /* y is what z was, z what -y was */
+    return axes->turned ? td_gaussians_place(gaussians, quarter, error) : TIDES_OK;
+}
