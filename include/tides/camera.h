@@ -35,13 +35,14 @@ typedef struct tides_intrinsics {
 
 /* How to read a path file; fill with tides_path_options_defaults. */
 typedef struct tides_path_options {
-    uint32_t size; /* sizeof this struct, set by the defaults function */
-    int32_t reserved;
-    double duration;       /* [s] files without times (cameras.json, COLMAP, LLFF ...): poses are spread evenly over
-                               [0, duration], in the order of the file or of names; files with trainer's times in [0, 1]
+    uint32_t size;     /* sizeof this struct, set by the defaults function */
+    int32_t time_unit; /* TIDES_TIME_* of a file's times; AUTO: as its header says, else the format's where that is plausible */
+    double duration;   /* [s] files without times (cameras.json, COLMAP, LLFF ...): poses are spread evenly over
+                               [0, duration], in the order of pictures' names, with digits as numbers, where the file has
+                               them, else of the file; files with trainer's times in [0, 1]
                                (D-NeRF, nerfies): times are multiplied by it */
-    double start;          /* [s] subtracted from every time of the file, after scaling */
-    int32_t rebase;        /* 1: `start` is ignored and the first sample is put at 0 */
+    double start;      /* [s] subtracted from every time of the file, after scaling */
+    int32_t rebase;    /* 1: `start` is ignored and the first sample is put at 0 */
     int32_t raw_positions; /* nerfies: 1 leaves positions as the camera files have them (as 4DGaussians trains) instead of
                                applying scene.json (as Nerfies, HyperNeRF and Deformable-3D-Gaussians do) */
     const char *views;     /* which poses to keep, as Python slices with commas between: "7", "0:100:10", "3,5,-1"; NULL: all.
@@ -50,6 +51,8 @@ typedef struct tides_path_options {
 } tides_path_options;
 
 TIDES_API void tides_path_options_defaults(tides_path_options *options); /* duration 1, start 0, rebase 0 */
+
+enum { TIDES_PATH_NOTES = 1024 };
 
 /* What a path file says. */
 typedef struct tides_path {
@@ -60,7 +63,9 @@ typedef struct tides_path {
                           "nerfies" */
     int32_t distorted; /* 1: the file gives distortion that is no tides_lens, or differs from frame to frame: intrinsics are of
                           the pinhole that agrees with the lens at its axis. Runs then want camera.lens */
-    int32_t reserved;
+    int32_t untimed;   /* 1: the file has several poses and no times; they are spread over options.duration */
+    char notes[TIDES_PATH_NOTES]; /* what a reader of the path may not expect of it, a line each: poses that leap, an order or
+                                     a unit that was found; "" where there is nothing */
 } tides_path;
 
 /* Reads a camera path; the format is found from the content, not from the name (but for COLMAP's binary files):

@@ -1,44 +1,17 @@
-/* EuRoC's state_groundtruth csv: nanoseconds, position and rotation (wxyz) of the body, then what isn't read here (velocity,
- * biases): 8 or more columns, commas between, '#' starts a comment.
- *
- * The camera on the body is given by T_BS of its sensor.yaml, which maps the camera's axes to the body's. It is looked for in
- * ../cam0, where EuRoC has it, then beside the csv; without one the path is the body's. From the same file: the
- * intrinsics, where it has them. */
+/* The camera on the body whose poses EuRoC's state_groundtruth csv has: T_BS of its sensor.yaml maps the camera's axes to the
+ * body's. It is looked for in ../cam0, where EuRoC has it, then beside the csv; without one the path is the body's. From the
+ * same file: the intrinsics, where it has them. */
 #include "camera/td_path_reader.h"
 
 #include "camera/td_rotation.h"
 #include "td_base.h"
 #include "td_folder.h"
+#include "td_text.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-enum { COLUMNS = 8 };
-
-static tides_status read_line(const td_path_reader *reader, size_t line, const char *c, td_path_sample *sample) {
-    double v[COLUMNS] = {0};
-    for (int k = 0; k < COLUMNS; k++) {
-        const char *end = c;
-        if (k == 0)
-            td_text_time(c, 1, sample, &end);
-        else
-            end = td_text_number(c, v + k);
-        const char *next = td_text_skip(end);
-        int last = k == COLUMNS - 1;
-        if (end == c || (*next != ',' && !(last && td_text_ends(next))))
-            return td_fail(reader->error, TIDES_BAD_FILE,
-                           "%s:%zu: column %d must be a finite number: a EuRoC csv has t_ns, x, y, z, qw, qx, qy, qz and more",
-                           reader->file, line, k + 1);
-        c = td_text_skip(next + (*next == ','));
-    }
-    memcpy(sample->pose.position, v + 1, sizeof sample->pose.position);
-    memcpy(sample->pose.quaternion, v + 4, sizeof sample->pose.quaternion);
-    char where[32];
-    snprintf(where, sizeof where, "line %zu", line);
-    return td_path_check_quaternion(reader, where, v + 4, "qw qx qy qz");
-}
 
 /* -- sensor.yaml: three keys of it, in YAML's flow style, which all of EuRoC's files have --------------------------------- */
 
@@ -115,6 +88,7 @@ static tides_status load_sensor(td_path_reader *reader, sensor *s) {
         if (!file) return TIDES_NO_MEMORY;
         if (access(file, F_OK) == 0) {
             status = td_read_file(file, TD_LARGEST_PATH, &text, &bytes, reader->error);
+            if (!status) td_break_lines(text);
             if (!status) status = parse_sensor(reader, file, text, s);
         }
         free(text);
@@ -138,22 +112,9 @@ static void mount(const sensor *s, tides_pose_sample *pose) {
     td_quaternion_from_rotation(camera, pose->quaternion);
 }
 
-tides_status td_path_read_euroc(td_path_reader *reader) {
+tides_status td_path_mount_euroc(td_path_reader *reader) {
     sensor s = {.found = 0};
-    size_t line = 1;
-    td_text_lines lines = {0};
-    strcpy(reader->path.format, "euroc");
     tides_status status = load_sensor(reader, &s);
-    for (const char *c = reader->text; *c && !status; line++) {
-        const char *data = td_text_skip(c);
-        if (!td_text_ends(data)) {
-            td_path_sample *sample = td_path_append(reader, line);
-            status = sample ? read_line(reader, line, data, sample) : TIDES_NO_MEMORY;
-            if (!status) status = td_text_take(&lines, reader, line, data);
-            if (!status) mount(&s, &sample->pose);
-        }
-        c += strcspn(c, "\n");
-        c += *c == '\n';
-    }
+    for (size_t i = 0; i < reader->count && status == TIDES_OK; i++) mount(&s, &reader->samples[i].pose);
     return status;
 }

@@ -85,6 +85,8 @@ const td_param td_params[] = {
     {NUMBER("camera.p2", intrinsics.lens.p2, "", -1e3, 1e3, "the same")},
     {NUMBER("camera.duration_s", path.duration, "s", 1e-9, LAST_SECOND,
             "length of paths whose file has no times, or times in [0, 1]")},
+    {CHOICE("camera.time_unit", path.time_unit, "auto|s|ms|us|ns|index",
+            "of the path file's times; auto: as its header says, or what is plausible; index: no times")},
     {NUMBER("camera.start_s", path.start, "s", -LAST_SECOND, LAST_SECOND, "subtracted from every time of the path file")},
     {BOOLEAN("camera.raw_positions", path.raw_positions,
              "nerfies: leave out scene.json's scale and center (as 4DGaussians does)")},
