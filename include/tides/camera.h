@@ -54,6 +54,16 @@ TIDES_API void tides_path_options_defaults(tides_path_options *options); /* dura
 
 enum { TIDES_PATH_NOTES = 1024 };
 
+/* Bits of tides_path.varied. */
+enum {
+    TIDES_VARIED_WIDTH = 1,
+    TIDES_VARIED_HEIGHT = 2,
+    TIDES_VARIED_FX = 4,
+    TIDES_VARIED_FY = 8,
+    TIDES_VARIED_CX = 16,
+    TIDES_VARIED_CY = 32
+};
+
 /* What a path file says. */
 typedef struct tides_path {
     tides_trajectory *trajectory; /* owned by the caller after success */
@@ -64,6 +74,8 @@ typedef struct tides_path {
     int32_t distorted; /* 1: the file gives distortion that is no tides_lens, or differs from frame to frame: intrinsics are of
                           the pinhole that agrees with the lens at its axis. Runs then want camera.lens */
     int32_t untimed;   /* 1: the file has several poses and no times; they are spread over options.duration */
+    int32_t varied;    /* TIDES_VARIED_* of intrinsics that are 0 because they differ from frame to frame */
+    int32_t reserved;
     char notes[TIDES_PATH_NOTES]; /* what a reader of the path may not expect of it, a line each: poses that leap, an order or
                                      a unit that was found; "" where there is nothing */
 } tides_path;

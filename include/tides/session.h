@@ -52,6 +52,10 @@ typedef struct tides_session_facts {
 } tides_session_facts;
 TIDES_API void tides_session_get(const tides_session *session, tides_session_facts *facts);
 
+/* What a reader of the run may not expect of what was opened, a line each: a path whose poses leap or have no times. "" where
+ * there is nothing. The session's, and lives as long; tides_run_notes has what there is to say of the run file. */
+TIDES_API const char *tides_session_notes(const tides_session *session);
+
 /* Runs it whole, whatever its method: `sink` gets the events in order, from the simulator, its readout, or a baseline. `stats`
  * (nullable) is filled also where the run was stopped. TIDES_UNSUPPORTED where the run asks for a readout or labels and the
  * method sees frames. */

@@ -1,4 +1,5 @@
-/* Opens what a run names: the scene with its moving objects, and the camera's path with its intrinsics; or the frames. */
+/* Opens what a run names: the scene with its moving objects, and the camera's path with its intrinsics; or the frames. What a
+ * reader of the run may not expect of them is noted on the way. */
 #include "td_run.h"
 
 #include <math.h>
@@ -17,6 +18,22 @@ static tides_status check_cover(const tides_run *run, const tides_trajectory *tr
                    "time.stop%s",
                    run->origin, key, file, first, last, start, stop,
                    strcmp(key, "camera.file") == 0 ? ", or camera.start_s, camera.rebase or camera.duration_s" : "");
+}
+
+/* What there is to say of a path; `key` names it. */
+static tides_status note_path(const tides_run *run, const tides_path *path, const char *file, const char *key, char **notes,
+                              tides_error *error) {
+    const int camera = strcmp(key, "camera.file") == 0;
+    tides_status status = TIDES_OK;
+    for (const char *line = path->notes; *line && status == TIDES_OK;) {
+        const size_t length = strcspn(line, "\n");
+        status = td_note(notes, error, "%s: %s: %.*s", key, file, (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+    if (status != TIDES_OK || !path->untimed || (camera && tides_run_gives(run, "camera.duration_s"))) return status;
+    return td_note(notes, error, "%s: %s: has no times: its %zu poses are spread evenly over %g s%s", key, file,
+                   tides_trajectory_count(path->trajectory), camera ? td_run_number(run, "camera.duration_s") : 1.0,
+                   camera ? "; camera.duration_s says how long they last" : "");
 }
 
 /* What a file brought into the scene, from object `first` on, must cover the run too: an .h5 may hold moving objects. */
@@ -40,7 +57,8 @@ static tides_status add_file(const tides_run *run, tides_scene *scene, const cha
 }
 
 /* Adds scene.objects[index]. */
-static tides_status add_object(const tides_run *run, const cJSON *object, int index, tides_scene *scene, tides_error *error) {
+static tides_status add_object(const tides_run *run, const cJSON *object, int index, tides_scene *scene, char **notes,
+                               tides_error *error) {
     const cJSON *motion = cJSON_GetObjectItemCaseSensitive(object, "trajectory");
     const cJSON *size = cJSON_GetObjectItemCaseSensitive(object, "scale");
     char key[TD_KEY_MAX], path_key[TD_KEY_MAX];
@@ -58,6 +76,7 @@ static tides_status add_object(const tides_run *run, const cJSON *object, int in
         tides_path_options_defaults(&options);
         status = tides_path_load(path_file, &options, &path, error);
         if (status == TIDES_OK) status = check_cover(run, path.trajectory, path_file, path_key, error);
+        if (status == TIDES_OK) status = note_path(run, &path, path_file, path_key, notes, error);
         if (status != TIDES_OK) goto done;
     }
     status = add_file(run, scene, file, path.trajectory, size ? size->valuedouble : 1.0, key, error);
@@ -76,7 +95,7 @@ static tides_status set_duration(const tides_run *run, tides_scene *scene, tides
                    "%s: scene.duration_s is given, but no object of the scene moves by itself; leave it out", run->origin);
 }
 
-static tides_status open_scene(const tides_run *run, tides_scene **scene, tides_error *error) {
+static tides_status open_scene(const tides_run *run, tides_scene **scene, char **notes, tides_error *error) {
     tides_scene *made = NULL;
     tides_status status = tides_scene_create(&made, error);
     if (status != TIDES_OK) return status;
@@ -85,7 +104,7 @@ static tides_status open_scene(const tides_run *run, tides_scene **scene, tides_
     const cJSON *object;
     int index = 0;
     cJSON_ArrayForEach(object, td_run_value(run, "scene.objects")) {
-        if (status == TIDES_OK) status = add_object(run, object, index++, made, error);
+        if (status == TIDES_OK) status = add_object(run, object, index++, made, notes, error);
     }
     if (status == TIDES_OK) status = set_duration(run, made, error);
     if (status == TIDES_OK)
@@ -169,6 +188,13 @@ static tides_status merge_intrinsics(const tides_run *run, const tides_path *fil
                        "camera.scale alone",
                        run->origin, missing, td_run_file(run, "camera.file"), path->width, path->height, own.width, own.height,
                        missing);
+    const int32_t bit = own.width == 0 ? TIDES_VARIED_WIDTH : own.height == 0 ? TIDES_VARIED_HEIGHT : TIDES_VARIED_FX;
+    if (missing && (file->varied & bit))
+        return td_fail(error, TIDES_BAD_CONFIG,
+                       "%s: camera.%s is missing: %s gives it differently from pose to pose; set camera.%s [px], or choose "
+                       "poses "
+                       "of one camera by camera.views",
+                       run->origin, missing, td_run_file(run, "camera.file"), missing);
     if (missing)
         return td_fail(error, TIDES_BAD_CONFIG, "%s: camera.%s is missing: %s doesn't give it either; set camera.%s [px]",
                        run->origin, missing, td_run_file(run, "camera.file"), missing);
@@ -209,7 +235,7 @@ static tides_status find_orbit(const tides_run *run, const tides_scene *scene, t
 }
 
 tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, tides_trajectory **camera,
-                                tides_intrinsics *intrinsics, tides_error *error) {
+                                tides_intrinsics *intrinsics, char **notes, tides_error *error) {
     tides_run_values values;
     tides_run_get(run, &values);
     tides_path path = {.trajectory = NULL};
@@ -218,6 +244,7 @@ tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, 
         status = tides_path_load(values.camera_file, &values.path, &path, error);
         if (status == TIDES_OK) status = check_cover(run, path.trajectory, values.camera_file, "camera.file", error);
         if (status == TIDES_OK) status = merge_intrinsics(run, &path, intrinsics, error);
+        if (status == TIDES_OK) status = note_path(run, &path, values.camera_file, "camera.file", notes, error);
     } else {
         status = find_orbit(run, scene, &path.trajectory, intrinsics, error);
     }
@@ -229,20 +256,18 @@ tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, 
     return status;
 }
 
-tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera, tides_intrinsics *intrinsics,
-                            tides_error *error) {
-    if (!run || !scene || !camera || !intrinsics)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_open: run, scene, camera or intrinsics is NULL");
+tides_status td_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera, tides_intrinsics *intrinsics,
+                         char **notes, tides_error *error) {
     if (td_run_file(run, "frames.file"))
         return td_fail(error, TIDES_BAD_CONFIG, "%s: the run has frames.file and no scene to render", run->origin);
     tides_trajectory *path = NULL;
     tides_intrinsics size = {0};
     tides_scene *made = NULL;
     const int32_t given = td_run_file(run, "camera.file") != NULL;
-    tides_status status = given ? td_run_open_camera(run, NULL, &path, &size, error)
+    tides_status status = given ? td_run_open_camera(run, NULL, &path, &size, notes, error)
                                 : TIDES_OK; /* first: it is small, and most slips are in it */
-    if (status == TIDES_OK) status = open_scene(run, &made, error);
-    if (status == TIDES_OK && !given) status = td_run_open_camera(run, made, &path, &size, error);
+    if (status == TIDES_OK) status = open_scene(run, &made, notes, error);
+    if (status == TIDES_OK && !given) status = td_run_open_camera(run, made, &path, &size, notes, error);
     if (status != TIDES_OK) {
         tides_scene_destroy(made);
         tides_trajectory_destroy(path);
@@ -252,6 +277,16 @@ tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_tra
     *camera = path;
     *intrinsics = size;
     return TIDES_OK;
+}
+
+tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera, tides_intrinsics *intrinsics,
+                            tides_error *error) {
+    if (!run || !scene || !camera || !intrinsics)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_open: run, scene, camera or intrinsics is NULL");
+    char *notes = NULL;
+    tides_status status = td_run_open(run, scene, camera, intrinsics, &notes, error);
+    free(notes);
+    return status;
 }
 
 tides_status tides_run_open_frames(const tides_run *run, tides_frames **frames, tides_error *error) {

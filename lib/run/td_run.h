@@ -45,7 +45,8 @@ tides_status td_run_override(tides_run *run, const char *assignment, tides_error
 /* run_json.c: copies `value` to its row's place. */
 tides_status td_run_store(tides_run *run, const tides_param *row, const cJSON *value, tides_error *error);
 
-/* run.c: adds a line to the notes. */
+/* run.c: adds a line to notes, which are the caller's to free (NULL: none yet), or to the run's. */
+tides_status td_note(char **notes, tides_error *error, const char *format, ...) TD_PRINTF(3, 4);
 tides_status td_run_note(tides_run *run, const char *line, tides_error *error);
 
 /* rig.c: whether rig.cameras may be `value`; what the camera that rig.camera names has of its own, into the run; and its path,
@@ -73,9 +74,12 @@ void td_run_free_values(cJSON **values);
 /* run_values.c: what the values are where a run says nothing; files, texts and intrinsics are NULL and 0. */
 void td_run_values_defaults(tides_run_values *values);
 
-/* run_open.c: the camera's path and intrinsics alone; `scene` is what an orbit is about, NULL where camera.file is given. */
+/* run_open.c: what tides_run_open does, and adds to `notes` what a reader of the run may not expect of what was opened; the
+ * camera's path and intrinsics alone, where `scene` is what an orbit is about, NULL where camera.file is given. */
+tides_status td_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera, tides_intrinsics *intrinsics,
+                         char **notes, tides_error *error);
 tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, tides_trajectory **camera,
-                                tides_intrinsics *intrinsics, tides_error *error);
+                                tides_intrinsics *intrinsics, char **notes, tides_error *error);
 
 /* run.c: the value of a row that is known to be in the table; `path` against the run's directory, allocated. */
 const cJSON *td_run_value(const tides_run *run, const char *key);

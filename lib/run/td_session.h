@@ -11,6 +11,7 @@ struct tides_session {
     tides_scene *scene;
     tides_trajectory *camera;
     tides_frames *frames;
+    char *notes;                      /* what tides_session_notes gives; NULL: nothing */
     int32_t owns_inputs, owns_device; /* 0: those of the session that it varies, the caller's */
     int32_t owns_camera;              /* 1 without owns_inputs: another camera of the rig */
 };
