@@ -48,6 +48,8 @@ typedef struct tides_path_options {
     const char *views;     /* which poses to keep, as Python slices with commas between: "7", "0:100:10", "3,5,-1"; NULL: all.
                               Counted from 0 in the path's order: of times, of images' names, else of the file. What a file
                               without times has left is spread over `duration` */
+    int32_t body; /* EuRoC: 1 leaves the body's poses as they are instead of putting its camera there (T_BS of sensor.yaml) */
+    int32_t reserved;
 } tides_path_options;
 
 TIDES_API void tides_path_options_defaults(tides_path_options *options); /* duration 1, start 0, rebase 0 */
@@ -75,7 +77,8 @@ typedef struct tides_path {
                           the pinhole that agrees with the lens at its axis. Runs then want camera.lens */
     int32_t untimed;   /* 1: the file has several poses and no times; they are spread over options.duration */
     int32_t varied;    /* TIDES_VARIED_* of intrinsics that are 0 because they differ from frame to frame */
-    int32_t reserved;
+    int32_t has_imu;   /* 1: the file's folder says where an IMU is (EuRoC's) */
+    double T_C_I[16];  /* where it does: p_camera = T_C_I p_imu, by rows */
     char notes[TIDES_PATH_NOTES]; /* what a reader of the path may not expect of it, a line each: poses that leap, an order or
                                      a unit that was found; "" where there is nothing */
 } tides_path;

@@ -83,6 +83,8 @@ typedef struct tides_session_taken {
     double renders;     /* frames: renders that they took, in full frames */
     uint64_t unsettled; /* frames: pixels that stayed above the tolerance */
     uint64_t pairs;     /* frames: (splat, pixel) pairs that were composited; 0: nothing of the scene was in view */
+    int32_t at_imu;     /* of measurements: 1: where a calibration has the IMU, 0: in the camera's place, with its axes */
+    int32_t reserved;
 } tides_session_taken;
 
 /* Frames of the run's scene as exposure.* says, into the folder `path`, which is made unless it is there: frame_000000.png ..,
@@ -93,9 +95,9 @@ typedef struct tides_session_taken {
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_frames(tides_session *session, const char *path, tides_progress progress,
                                                              void *user, tides_session_taken *done, tides_error *error);
 
-/* What an IMU on the run's camera measures from time.start to time.stop as imu.* says: .csv, EuRoC's columns [ns, rad/s,
- * m/s^2], or .txt, ECD's [s, m/s^2, rad/s], with the biases that are in it in NAME_bias.csv or .txt beside; or .npz, with all
- * of tides_imu_sample. `done` is nullable. As tides_trajectory_imu; TIDES_UNSUPPORTED: another ending, a run on frames. */
+/* What an IMU measures from time.start to time.stop as imu.* says: where a calibration has it (T_cam_imu of rig.file, or
+ * EuRoC's folder of camera.file), else in the camera's place, with its axes. .csv has EuRoC's columns [ns, rad/s, m/s^2], .txt ECD's [s, m/s^2, rad/s], with the biases that are in it in NAME_bias.csv or .txt beside; .npz has all of
+ * tides_imu_sample. `done` is nullable. As tides_trajectory_imu; TIDES_UNSUPPORTED: another ending, a run on frames. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_imu(tides_session *session, const char *path, tides_session_taken *done,
                                                           tides_error *error);
 

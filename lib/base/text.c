@@ -57,7 +57,7 @@ tides_status td_text_close(td_text *text, tides_status status, tides_error *erro
 }
 
 void td_break_lines(char *text) {
-    if (strncmp(text, "\xEF\xBB\xBF", 3) == 0) memset(text, ' ', 3);
+    if (strncmp(text, "\xEF\xBB\xBF", 3) == 0) memmove(text, text + 3, strlen(text + 3) + 1);
     for (char *at = text; (at = strchr(at, '\r')); at++) *at = at[1] == '\n' ? ' ' : '\n';
 }
 

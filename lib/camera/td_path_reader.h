@@ -161,6 +161,15 @@ void td_text_time(const char *c, int places, td_path_sample *sample, const char 
 /* The quaternion's length must be about 1; `where` and `columns` name line and columns in the message. */
 tides_status td_path_check_quaternion(const td_path_reader *reader, const char *where, const double q[4], const char *columns);
 
+/* -- YAML: numbers of a list (yaml_numbers.c) ---------------------------------------------------------------------------------- */
+
+const char *td_yaml_skip(const char *at); /* behind blanks and line breaks */
+
+/* `count` numbers of the list at `at`, in [] or behind "- " each; rows of four, as lists in [] or behind "- " each. Return what
+ * follows, or NULL. */
+const char *td_yaml_row(const char *at, double *values, int count);
+const char *td_yaml_matrix(const char *at, double m[16]);
+
 /* -- bytes: little-endian numbers one after the other; 0 where too few are left (path_bytes.c) ---------------------------- */
 
 typedef struct td_bytes {

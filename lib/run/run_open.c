@@ -234,20 +234,30 @@ static tides_status find_orbit(const tides_run *run, const tides_scene *scene, t
     return status == TIDES_OK ? status : td_fail_within(error, status, "%s: camera.orbit_s, camera.up", run->origin);
 }
 
+/* Where the calibration has the IMU: on the rig's body, or as the path's folder says. */
+static void place_imu(const tides_run *run, const tides_path *path, td_opening *opening) {
+    static const double same[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    opening->has_imu = run->imu_body || path->has_imu;
+    memcpy(opening->T_C_I, path->has_imu ? path->T_C_I : same, sizeof same);
+    td_rig_move_imu(run, opening->T_C_I);
+}
+
 tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, tides_trajectory **camera,
-                                tides_intrinsics *intrinsics, char **notes, tides_error *error) {
+                                tides_intrinsics *intrinsics, td_opening *opening, tides_error *error) {
     tides_run_values values;
     tides_run_get(run, &values);
     tides_path path = {.trajectory = NULL};
     tides_status status;
     if (values.camera_file) {
+        values.path.body = run->imu_body; /* rig.file puts the cameras there */
         status = tides_path_load(values.camera_file, &values.path, &path, error);
         if (status == TIDES_OK) status = check_cover(run, path.trajectory, values.camera_file, "camera.file", error);
         if (status == TIDES_OK) status = merge_intrinsics(run, &path, intrinsics, error);
-        if (status == TIDES_OK) status = note_path(run, &path, values.camera_file, "camera.file", notes, error);
+        if (status == TIDES_OK) status = note_path(run, &path, values.camera_file, "camera.file", &opening->notes, error);
     } else {
         status = find_orbit(run, scene, &path.trajectory, intrinsics, error);
     }
+    if (status == TIDES_OK) place_imu(run, &path, opening);
     if (status == TIDES_OK) status = td_rig_mount(run, &path.trajectory, error);
     if (status == TIDES_OK)
         *camera = path.trajectory;
@@ -257,17 +267,17 @@ tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, 
 }
 
 tides_status td_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera, tides_intrinsics *intrinsics,
-                         char **notes, tides_error *error) {
+                         td_opening *opening, tides_error *error) {
     if (td_run_file(run, "frames.file"))
         return td_fail(error, TIDES_BAD_CONFIG, "%s: the run has frames.file and no scene to render", run->origin);
     tides_trajectory *path = NULL;
     tides_intrinsics size = {0};
     tides_scene *made = NULL;
     const int32_t given = td_run_file(run, "camera.file") != NULL;
-    tides_status status = given ? td_run_open_camera(run, NULL, &path, &size, notes, error)
+    tides_status status = given ? td_run_open_camera(run, NULL, &path, &size, opening, error)
                                 : TIDES_OK; /* first: it is small, and most slips are in it */
-    if (status == TIDES_OK) status = open_scene(run, &made, notes, error);
-    if (status == TIDES_OK && !given) status = td_run_open_camera(run, made, &path, &size, notes, error);
+    if (status == TIDES_OK) status = open_scene(run, &made, &opening->notes, error);
+    if (status == TIDES_OK && !given) status = td_run_open_camera(run, made, &path, &size, opening, error);
     if (status != TIDES_OK) {
         tides_scene_destroy(made);
         tides_trajectory_destroy(path);
@@ -283,9 +293,9 @@ tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_tra
                             tides_error *error) {
     if (!run || !scene || !camera || !intrinsics)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_open: run, scene, camera or intrinsics is NULL");
-    char *notes = NULL;
-    tides_status status = td_run_open(run, scene, camera, intrinsics, &notes, error);
-    free(notes);
+    td_opening opening = {.notes = NULL};
+    tides_status status = td_run_open(run, scene, camera, intrinsics, &opening, error);
+    free(opening.notes);
     return status;
 }
 

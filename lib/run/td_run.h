@@ -22,6 +22,7 @@ struct tides_run {
     cJSON **beneath;      /* one per row: what the run file says where TD_GIVEN_RIG or _PRESET hides it, or NULL */
     char **files;         /* one per row: the resolved path where the row is a file's, and isn't null */
     char *json;           /* every key, defaults filled in */
+    int32_t imu_body;     /* 1: rig.file says that the body which camera.file moves is its IMU */
     char *notes;          /* what the run's reader may not expect, a line each; NULL: nothing */
 };
 
@@ -56,6 +57,8 @@ tides_status td_rig_apply(tides_run *run, tides_error *error);
 tides_status td_rig_read_file(tides_run *run, tides_error *error); /* rig_file.c: before it, the cameras of rig.file */
 uint64_t td_rig_seed(const tides_run *run, uint64_t seed);         /* of that camera: its own noise */
 tides_status td_rig_mount(const tides_run *run, tides_trajectory **path, tides_error *error);
+/* T_B_I (p_body = T_B_I p_imu) becomes that camera's T_C_I. */
+void td_rig_move_imu(const tides_run *run, double T[16]);
 
 /* 1 where the name is a video's: .y4m, or "-" for one from a pipe. */
 int32_t td_run_is_video(const char *file);
@@ -74,12 +77,19 @@ void td_run_free_values(cJSON **values);
 /* run_values.c: what the values are where a run says nothing; files, texts and intrinsics are NULL and 0. */
 void td_run_values_defaults(tides_run_values *values);
 
-/* run_open.c: what tides_run_open does, and adds to `notes` what a reader of the run may not expect of what was opened; the
- * camera's path and intrinsics alone, where `scene` is what an orbit is about, NULL where camera.file is given. */
+/* What opening a run finds beside what it opens. */
+typedef struct td_opening {
+    char *notes;      /* what a reader of the run may not expect, for the caller to free; NULL: nothing */
+    int32_t has_imu;  /* 1: a calibration says where the IMU is */
+    double T_C_I[16]; /* there: p_camera = T_C_I p_imu, by rows [scene units] */
+} td_opening;
+
+/* run_open.c: what tides_run_open does; and the camera's path and intrinsics alone, where `scene` is what an orbit is about, NULL
+ * where camera.file is given. */
 tides_status td_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera, tides_intrinsics *intrinsics,
-                         char **notes, tides_error *error);
+                         td_opening *opening, tides_error *error);
 tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, tides_trajectory **camera,
-                                tides_intrinsics *intrinsics, char **notes, tides_error *error);
+                                tides_intrinsics *intrinsics, td_opening *opening, tides_error *error);
 
 /* run.c: the value of a row that is known to be in the table; `path` against the run's directory, allocated. */
 const cJSON *td_run_value(const tides_run *run, const char *key);

@@ -827,6 +827,8 @@ class tides_path_options(Structure):
     const char *views; /* which poses to keep, as Python slices with commas between: "7", "0:100:10", "3,5,-1"; NULL: all.
     Counted from 0 in the path's order: of times, of images' names, else of the file. What a file
     without times has left is spread over `duration` */
+    int32_t body; /* EuRoC: 1 leaves the body's poses as they are instead of putting its camera there (T_BS of sensor.yaml) */
+    int32_t reserved;
     """
 
     size: int
@@ -836,6 +838,8 @@ class tides_path_options(Structure):
     rebase: int
     raw_positions: int
     views: bytes | None
+    body: int
+    reserved: int
 
     _fields_ = [
         ("size", c_uint32),
@@ -845,6 +849,8 @@ class tides_path_options(Structure):
         ("rebase", c_int32),
         ("raw_positions", c_int32),
         ("views", c_char_p),
+        ("body", c_int32),
+        ("reserved", c_int32),
     ]
 
 
@@ -858,7 +864,8 @@ class tides_path(Structure):
     the pinhole that agrees with the lens at its axis. Runs then want camera.lens */
     int32_t untimed; /* 1: the file has several poses and no times; they are spread over options.duration */
     int32_t varied; /* TIDES_VARIED_* of intrinsics that are 0 because they differ from frame to frame */
-    int32_t reserved;
+    int32_t has_imu; /* 1: the file's folder says where an IMU is (EuRoC's) */
+    double T_C_I[16]; /* where it does: p_camera = T_C_I p_imu, by rows */
     char notes[TIDES_PATH_NOTES]; /* what a reader of the path may not expect of it, a line each: poses that leap, an order or
     a unit that was found; "" where there is nothing */
     """
@@ -870,7 +877,8 @@ class tides_path(Structure):
     distorted: int
     untimed: int
     varied: int
-    reserved: int
+    has_imu: int
+    T_C_I: Any
     notes: Any
 
     _fields_ = [
@@ -881,7 +889,8 @@ class tides_path(Structure):
         ("distorted", c_int32),
         ("untimed", c_int32),
         ("varied", c_int32),
-        ("reserved", c_int32),
+        ("has_imu", c_int32),
+        ("T_C_I", c_double * 16),
         ("notes", c_char * 1024),
     ]
 
@@ -2293,6 +2302,8 @@ class tides_session_taken(Structure):
     double renders; /* frames: renders that they took, in full frames */
     uint64_t unsettled; /* frames: pixels that stayed above the tolerance */
     uint64_t pairs; /* frames: (splat, pixel) pairs that were composited; 0: nothing of the scene was in view */
+    int32_t at_imu; /* of measurements: 1: where a calibration has the IMU, 0: in the camera's place, with its axes */
+    int32_t reserved;
     """
 
     count: int
@@ -2301,6 +2312,8 @@ class tides_session_taken(Structure):
     renders: float
     unsettled: int
     pairs: int
+    at_imu: int
+    reserved: int
 
     _fields_ = [
         ("count", c_uint64),
@@ -2309,6 +2322,8 @@ class tides_session_taken(Structure):
         ("renders", c_double),
         ("unsettled", c_uint64),
         ("pairs", c_uint64),
+        ("at_imu", c_int32),
+        ("reserved", c_int32),
     ]
 
 
