@@ -50,10 +50,13 @@ typedef struct tides_path_options {
                               without times has left is spread over `duration` */
     int32_t body; /* EuRoC: 1 leaves the body's poses as they are instead of putting its camera there (T_BS of sensor.yaml) */
     int32_t reserved;
+    const char *frame; /* transforms.json and COLMAP: nerfstudio's dataparser_transforms.json, which puts cameras where
+                          ns-export puts splats; NULL: the one beside the file; "none": as the file has them */
 } tides_path_options;
 
 TIDES_API void tides_path_options_defaults(tides_path_options *options); /* duration 1, start 0, rebase 0 */
 
+/* Bytes of tides_path.notes. */
 enum { TIDES_PATH_NOTES = 1024 };
 
 /* Bits of tides_path.varied. */
@@ -77,8 +80,10 @@ typedef struct tides_path {
                           the pinhole that agrees with the lens at its axis. Runs then want camera.lens */
     int32_t untimed;   /* 1: the file has several poses and no times; they are spread over options.duration */
     int32_t varied;    /* TIDES_VARIED_* of intrinsics that are 0 because they differ from frame to frame */
-    int32_t has_imu;   /* 1: the file's folder says where an IMU is (EuRoC's) */
-    double T_C_I[16];  /* where it does: p_camera = T_C_I p_imu, by rows */
+    int32_t framed;    /* 1: dataparser_transforms.json was applied */
+    int32_t reserved;
+    int32_t has_imu;              /* 1: the file's folder says where an IMU is (EuRoC's) */
+    double T_C_I[16];             /* where it does: p_camera = T_C_I p_imu, by rows */
     char notes[TIDES_PATH_NOTES]; /* what a reader of the path may not expect of it, a line each: poses that leap, an order or
                                      a unit that was found; "" where there is nothing */
 } tides_path;

@@ -96,8 +96,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_frames(tides_session *sess
                                                              void *user, tides_session_taken *done, tides_error *error);
 
 /* What an IMU measures from time.start to time.stop as imu.* says: where a calibration has it (T_cam_imu of rig.file, or
- * EuRoC's folder of camera.file), else in the camera's place, with its axes. .csv has EuRoC's columns [ns, rad/s, m/s^2], .txt ECD's [s, m/s^2, rad/s], with the biases that are in it in NAME_bias.csv or .txt beside; .npz has all of
- * tides_imu_sample. `done` is nullable. As tides_trajectory_imu; TIDES_UNSUPPORTED: another ending, a run on frames. */
+ * EuRoC's folder of camera.file), else in the camera's place, with its axes. .csv has EuRoC's columns [ns, rad/s, m/s^2], .txt
+ * ECD's [s, m/s^2, rad/s], with the biases that are in it in NAME_bias.csv or .txt beside; .npz has all of tides_imu_sample.
+ * `done` is nullable. As tides_trajectory_imu; TIDES_UNSUPPORTED: another ending, a run on frames. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_imu(tides_session *session, const char *path, tides_session_taken *done,
                                                           tides_error *error);
 

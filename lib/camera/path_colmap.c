@@ -119,7 +119,7 @@ tides_status td_path_read_images(td_path_reader *reader, int binary, const td_co
     reader->list = binary ? "images" : NULL;
     tides_status status = binary ? read_binary(&m) : read_text(&m);
     if (!status) td_path_order(reader, 0);
-    return status;
+    return status ? status : td_path_apply_frame(reader, NULL);
 }
 
 tides_status td_path_read_colmap(td_path_reader *reader, int binary) {

@@ -81,8 +81,8 @@ static tides_status fail_names(td_path_reader *reader, const td_columns *c, cons
                    reader->file, line);
 }
 
-/* The line at `c` names the columns of rows that have `table->columns`: takes it. A comment may be any prose: it counts where it
- * has as many words, and says what a pose has. */
+/* The line at `c` names the columns of rows that have `table->columns`: takes it. A comment may be any prose: it counts where
+ * it has as many words, and says what a pose has. */
 static tides_status take_names(td_path_reader *reader, const char *c, size_t line, int comment, td_path_table *table) {
     td_columns columns;
     td_path_table made = *table;

@@ -153,5 +153,6 @@ tides_status td_path_read_transforms(td_path_reader *reader, const cJSON *root) 
         if (status == TIDES_OK) status = td_path_set_view(reader, sample, &view);
         if (status != TIDES_OK) return status;
     }
-    return settle_times(reader, timed);
+    const tides_status status = settle_times(reader, timed);
+    return status == TIDES_OK ? td_path_apply_frame(reader, root) : status;
 }

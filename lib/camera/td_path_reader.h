@@ -78,6 +78,10 @@ void td_path_order(td_path_reader *reader, int say);
 /* The text at `key` of `object` is the picture's name. */
 void td_path_set_name(td_path_sample *sample, const cJSON *object, const char *key);
 
+/* The samples into the trainer's frame, where options.frame or the file's folder has nerfstudio's dataparser_transforms.json;
+ * `root` (nullable): the transforms.json, which says what was applied to it already (path_frame.c). */
+tides_status td_path_apply_frame(td_path_reader *reader, const cJSON *root);
+
 /* Notes where poses leap, once they have their times; TIDES_NO_MEMORY. */
 tides_status td_path_note_leaps(td_path_reader *reader);
 
@@ -161,7 +165,7 @@ void td_text_time(const char *c, int places, td_path_sample *sample, const char 
 /* The quaternion's length must be about 1; `where` and `columns` name line and columns in the message. */
 tides_status td_path_check_quaternion(const td_path_reader *reader, const char *where, const double q[4], const char *columns);
 
-/* -- YAML: numbers of a list (yaml_numbers.c) ---------------------------------------------------------------------------------- */
+/* -- YAML: numbers of a list (yaml_numbers.c) ------------------------------------------------------------------------ */
 
 const char *td_yaml_skip(const char *at); /* behind blanks and line breaks */
 

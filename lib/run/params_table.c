@@ -93,6 +93,9 @@ const td_param td_params[] = {
     {STRING("camera.views", path.views,
             "of the path file's poses only these, as Python slices: 7, 0:100:10 or 3,5,-1; null: all"),
      .fallback = "null"},
+    {STRING("camera.frame", path.frame,
+            "nerfstudio's dataparser_transforms.json; null: beside camera or scene, if there; none: not"),
+     .fallback = "null"},
     {BOOLEAN("camera.rebase", path.rebase, "put the path's first sample at time 0 (camera.start_s is then ignored)")},
 
     {TEXT("rig.file", "Kalibr's camchain.yaml: the rig's cameras, cam0 ...; rig.cameras adds to what it says of them"),

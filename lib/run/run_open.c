@@ -1,5 +1,6 @@
 /* Opens what a run names: the scene with its moving objects, and the camera's path with its intrinsics; or the frames. What a
  * reader of the run may not expect of them is noted on the way. */
+#include "td_folder.h"
 #include "td_run.h"
 
 #include <math.h>
@@ -234,6 +235,28 @@ static tides_status find_orbit(const tides_run *run, const tides_scene *scene, t
     return status == TIDES_OK ? status : td_fail_within(error, status, "%s: camera.orbit_s, camera.up", run->origin);
 }
 
+tides_status td_run_find_frame(const tides_run *run, char **file, tides_error *error) {
+    static const char name[] = "dataparser_transforms.json";
+    const cJSON *given = td_run_value(run, "camera.frame");
+    const char *const near[] = {td_run_file(run, "camera.file"), td_run_file(run, "scene.file")};
+    *file = NULL;
+    if (cJSON_IsString(given) && strcmp(given->valuestring, "none") == 0) return TIDES_OK;
+    if (cJSON_IsString(given)) {
+        *file = td_run_resolve(run, given->valuestring, error);
+        return *file ? TIDES_OK : TIDES_NO_MEMORY;
+    }
+    for (int i = 0; i < 2 && !*file; i++) {
+        if (!near[i]) continue;
+        char *beside = td_is_folder(near[i]) ? td_format(error, "%s/%s", near[i], name) : td_beside(near[i], name, error);
+        if (!beside) return TIDES_NO_MEMORY;
+        if (td_is_file(beside))
+            *file = beside;
+        else
+            free(beside);
+    }
+    return TIDES_OK;
+}
+
 /* Where the calibration has the IMU: on the rig's body, or as the path's folder says. */
 static void place_imu(const tides_run *run, const tides_path *path, td_opening *opening) {
     static const double same[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -249,8 +272,13 @@ tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, 
     tides_path path = {.trajectory = NULL};
     tides_status status;
     if (values.camera_file) {
+        char *frame = NULL;
+        status = td_run_find_frame(run, &frame, error);
         values.path.body = run->imu_body; /* rig.file puts the cameras there */
-        status = tides_path_load(values.camera_file, &values.path, &path, error);
+        values.path.frame = frame ? frame : "none";
+        if (status == TIDES_OK) status = tides_path_load(values.camera_file, &values.path, &path, error);
+        free(frame);
+        opening->unframed = strcmp(path.format, "transforms") == 0 && !path.framed && !tides_run_gives(run, "camera.frame");
         if (status == TIDES_OK) status = check_cover(run, path.trajectory, values.camera_file, "camera.file", error);
         if (status == TIDES_OK) status = merge_intrinsics(run, &path, intrinsics, error);
         if (status == TIDES_OK) status = note_path(run, &path, values.camera_file, "camera.file", &opening->notes, error);
@@ -266,6 +294,19 @@ tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, 
     return status;
 }
 
+/* Splats of ns-export are in the trainer's frame, and these cameras aren't. */
+static tides_status note_frames(const tides_run *run, const tides_scene *scene, const tides_trajectory *path,
+                                const tides_intrinsics *k, td_opening *opening, tides_error *error) {
+    int32_t sees = 1;
+    tides_status status = td_run_sees(scene, path, k, &sees, error);
+    if (status != TIDES_OK || sees) return status;
+    return td_note(&opening->notes, error,
+                   "camera.file: %s: its cameras see next to nothing of the scene, or stand far outside: where nerfstudio made "
+                   "it, put "
+                   "its dataparser_transforms.json beside one of them, or name it in camera.frame",
+                   td_run_file(run, "camera.file"));
+}
+
 tides_status td_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera, tides_intrinsics *intrinsics,
                          td_opening *opening, tides_error *error) {
     if (td_run_file(run, "frames.file"))
@@ -278,6 +319,7 @@ tides_status td_run_open(const tides_run *run, tides_scene **scene, tides_trajec
                                 : TIDES_OK; /* first: it is small, and most slips are in it */
     if (status == TIDES_OK) status = open_scene(run, &made, &opening->notes, error);
     if (status == TIDES_OK && !given) status = td_run_open_camera(run, made, &path, &size, opening, error);
+    if (status == TIDES_OK && opening->unframed) status = note_frames(run, made, path, &size, opening, error);
     if (status != TIDES_OK) {
         tides_scene_destroy(made);
         tides_trajectory_destroy(path);

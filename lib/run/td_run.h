@@ -80,16 +80,25 @@ void td_run_values_defaults(tides_run_values *values);
 /* What opening a run finds beside what it opens. */
 typedef struct td_opening {
     char *notes;      /* what a reader of the run may not expect, for the caller to free; NULL: nothing */
+    int32_t unframed; /* 1: cameras are nerfstudio's, and no dataparser_transforms.json was there */
     int32_t has_imu;  /* 1: a calibration says where the IMU is */
     double T_C_I[16]; /* there: p_camera = T_C_I p_imu, by rows [scene units] */
 } td_opening;
 
-/* run_open.c: what tides_run_open does; and the camera's path and intrinsics alone, where `scene` is what an orbit is about, NULL
- * where camera.file is given. */
+/* run_open.c: what tides_run_open does; and the camera's path and intrinsics alone, where `scene` is what an orbit is about,
+ * NULL where camera.file is given. */
 tides_status td_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera, tides_intrinsics *intrinsics,
                          td_opening *opening, tides_error *error);
 tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, tides_trajectory **camera,
                                 tides_intrinsics *intrinsics, td_opening *opening, tides_error *error);
+
+/* run_open.c: the dataparser_transforms.json that camera.frame names, or that lies beside camera.file or scene.file: allocated;
+ * NULL where there is none to be used. */
+tides_status td_run_find_frame(const tides_run *run, char **file, tides_error *error);
+
+/* seen.c: 0 where no pose of the path sees more than next to nothing of what is at rest in the scene, or all are far out. */
+tides_status td_run_sees(const tides_scene *scene, const tides_trajectory *path, const tides_intrinsics *k, int32_t *sees,
+                         tides_error *error);
 
 /* run.c: the value of a row that is known to be in the table; `path` against the run's directory, allocated. */
 const cJSON *td_run_value(const tides_run *run, const char *key);
