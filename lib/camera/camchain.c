@@ -1,6 +1,6 @@
 /* Kalibr's camera chains. Of YAML what PyYAML and OpenCV write of such a file: mappings two deep, whose values are words,
- * numbers, lists in [] (which may go on in the next line) or of "- ", and rows of either. Anything else is refused, unknown keys
- * too: one that says something of the cameras must not be lost.
+ * numbers, lists in [] (which may go on in the next line) or of "- ", and rows of either. Anything else is refused, unknown
+ * keys too: one that says something of the cameras must not be lost.
  *
  *     cam1:
  *       camera_model: pinhole

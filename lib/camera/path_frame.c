@@ -1,5 +1,5 @@
-/* nerfstudio's dataparser_transforms.json: from the frame of the data, in which transforms.json and COLMAP's files have cameras,
- * to the trainer's, in which ns-export writes splats: x' = scale (R x + t). Its transform counts from before what
+/* nerfstudio's dataparser_transforms.json: from the frame of the data, in which transforms.json and COLMAP's files have
+ * cameras, to the trainer's, in which ns-export writes splats: x' = scale (R x + t). Its transform counts from before what
  * ns-process-data applied, which transforms.json has in its poses already and says as applied_transform and applied_scale: that
  * is taken out. */
 #include "camera/td_path_reader.h"

@@ -829,6 +829,8 @@ class tides_path_options(Structure):
     without times has left is spread over `duration` */
     int32_t body; /* EuRoC: 1 leaves the body's poses as they are instead of putting its camera there (T_BS of sensor.yaml) */
     int32_t reserved;
+    const char *frame; /* transforms.json and COLMAP: nerfstudio's dataparser_transforms.json, which puts cameras where
+    ns-export puts splats; NULL: the one beside the file; "none": as the file has them */
     """
 
     size: int
@@ -840,6 +842,7 @@ class tides_path_options(Structure):
     views: bytes | None
     body: int
     reserved: int
+    frame: bytes | None
 
     _fields_ = [
         ("size", c_uint32),
@@ -851,6 +854,7 @@ class tides_path_options(Structure):
         ("views", c_char_p),
         ("body", c_int32),
         ("reserved", c_int32),
+        ("frame", c_char_p),
     ]
 
 
@@ -864,6 +868,8 @@ class tides_path(Structure):
     the pinhole that agrees with the lens at its axis. Runs then want camera.lens */
     int32_t untimed; /* 1: the file has several poses and no times; they are spread over options.duration */
     int32_t varied; /* TIDES_VARIED_* of intrinsics that are 0 because they differ from frame to frame */
+    int32_t framed; /* 1: dataparser_transforms.json was applied */
+    int32_t reserved;
     int32_t has_imu; /* 1: the file's folder says where an IMU is (EuRoC's) */
     double T_C_I[16]; /* where it does: p_camera = T_C_I p_imu, by rows */
     char notes[TIDES_PATH_NOTES]; /* what a reader of the path may not expect of it, a line each: poses that leap, an order or
@@ -877,6 +883,8 @@ class tides_path(Structure):
     distorted: int
     untimed: int
     varied: int
+    framed: int
+    reserved: int
     has_imu: int
     T_C_I: Any
     notes: Any
@@ -889,6 +897,8 @@ class tides_path(Structure):
         ("distorted", c_int32),
         ("untimed", c_int32),
         ("varied", c_int32),
+        ("framed", c_int32),
+        ("reserved", c_int32),
         ("has_imu", c_int32),
         ("T_C_I", c_double * 16),
         ("notes", c_char * 1024),
