@@ -1,4 +1,4 @@
-/* tides imu: what an IMU on the camera would measure. */
+/* tides imu: what an IMU would measure, and where it was. */
 #include "take.h"
 
 static tides_status imu(tides_session *session, const char *path, tides_progress progress, void *user,
@@ -8,7 +8,11 @@ static tides_status imu(tides_session *session, const char *path, tides_progress
     return tides_session_imu(session, path, taken, error);
 }
 
+static void report(cJSON *facts, const tides_session_taken *taken) {
+    cJSON_AddStringToObject(facts, "place", taken->at_imu ? "the calibration's IMU" : "the camera");
+}
+
 int cmd_imu(const cli_command *command, int argc, char **argv) {
-    const cli_take what = {"OUT.csv", "measurements, and their biases in OUT_bias.csv", "samples", imu, NULL, 0};
+    const cli_take what = {"OUT.csv", "measurements, and their biases in OUT_bias.csv", "samples", imu, report, 0};
     return cli_take_run(command, argc, argv, &what);
 }

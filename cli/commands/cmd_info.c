@@ -186,6 +186,18 @@ static tides_status extent_facts(const tides_trajectory *path, cJSON *facts, tid
     return TIDES_OK;
 }
 
+/* Lines of text as a list. */
+static void add_notes(const char *notes, cJSON *facts) {
+    cJSON *list = *notes ? cJSON_AddArrayToObject(facts, "notes") : NULL;
+    while (*notes) {
+        char line[512];
+        const size_t length = strcspn(notes, "\n");
+        snprintf(line, sizeof line, "%.*s", (int)length, notes);
+        cJSON_AddItemToArray(list, cJSON_CreateString(line));
+        notes += length + (notes[length] == '\n');
+    }
+}
+
 static tides_status path_facts(const char *file, cJSON *facts, tides_error *error) {
     tides_path_options options;
     tides_path_options_defaults(&options);
@@ -205,6 +217,8 @@ static tides_status path_facts(const char *file, cJSON *facts, tides_error *erro
     }
     intrinsics_facts(&path.intrinsics, facts);
     if (path.distorted) cJSON_AddStringToObject(facts, "lens", "unknown");
+    if (path.untimed) cJSON_AddStringToObject(facts, "times", "none: spread evenly over camera.duration_s");
+    add_notes(path.notes, facts);
     status = extent_facts(path.trajectory, facts, error);
     tides_trajectory_destroy(path.trajectory);
     return status;

@@ -20,6 +20,7 @@ tides_status cli_session_open(const char *file, const cli_list *sets, const cli_
     if (status != TIDES_OK) return status;
     tides_session_get(*session, &s);
     cli_tell_lines(common, tides_run_notes(s.run));
+    cli_tell_lines(common, tides_session_notes(*session));
     if (s.frames) {
         cli_note(common, "%zu frames, %dx%d px", tides_frames_count(s.frames), s.intrinsics.width, s.intrinsics.height);
     } else {

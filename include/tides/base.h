@@ -57,6 +57,9 @@ enum {
 #undef TIDES_STATUS_ENUM
 };
 
+/* What the numbers of a file's times are. AUTO: as the reader says. INDEX, of camera paths: numbers of poses, not times. */
+enum { TIDES_TIME_AUTO = 0, TIDES_TIME_S, TIDES_TIME_MS, TIDES_TIME_US, TIDES_TIME_NS, TIDES_TIME_INDEX };
+
 /* What went wrong. Plain value, owned by the caller; `text` is always terminated. */
 typedef struct tides_error {
     tides_status status; /* TIDES_OK, or what went wrong */

@@ -35,21 +35,39 @@ typedef struct tides_intrinsics {
 
 /* How to read a path file; fill with tides_path_options_defaults. */
 typedef struct tides_path_options {
-    uint32_t size; /* sizeof this struct, set by the defaults function */
-    int32_t reserved;
-    double duration;       /* [s] files without times (cameras.json, COLMAP, LLFF ...): poses are spread evenly over
-                               [0, duration], in the order of the file or of names; files with trainer's times in [0, 1]
+    uint32_t size;     /* sizeof this struct, set by the defaults function */
+    int32_t time_unit; /* TIDES_TIME_* of a file's times; AUTO: as its header says, else the format's where that is plausible */
+    double duration;   /* [s] files without times (cameras.json, COLMAP, LLFF ...): poses are spread evenly over
+                               [0, duration], in the order of pictures' names, with digits as numbers, where the file has
+                               them, else of the file; files with trainer's times in [0, 1]
                                (D-NeRF, nerfies): times are multiplied by it */
-    double start;          /* [s] subtracted from every time of the file, after scaling */
-    int32_t rebase;        /* 1: `start` is ignored and the first sample is put at 0 */
+    double start;      /* [s] subtracted from every time of the file, after scaling */
+    int32_t rebase;    /* 1: `start` is ignored and the first sample is put at 0 */
     int32_t raw_positions; /* nerfies: 1 leaves positions as the camera files have them (as 4DGaussians trains) instead of
                                applying scene.json (as Nerfies, HyperNeRF and Deformable-3D-Gaussians do) */
     const char *views;     /* which poses to keep, as Python slices with commas between: "7", "0:100:10", "3,5,-1"; NULL: all.
                               Counted from 0 in the path's order: of times, of images' names, else of the file. What a file
                               without times has left is spread over `duration` */
+    int32_t body; /* EuRoC: 1 leaves the body's poses as they are instead of putting its camera there (T_BS of sensor.yaml) */
+    int32_t reserved;
+    const char *frame; /* transforms.json and COLMAP: nerfstudio's dataparser_transforms.json, which puts cameras where
+                          ns-export puts splats; NULL: the one beside the file; "none": as the file has them */
 } tides_path_options;
 
 TIDES_API void tides_path_options_defaults(tides_path_options *options); /* duration 1, start 0, rebase 0 */
+
+/* Bytes of tides_path.notes. */
+enum { TIDES_PATH_NOTES = 1024 };
+
+/* Bits of tides_path.varied. */
+enum {
+    TIDES_VARIED_WIDTH = 1,
+    TIDES_VARIED_HEIGHT = 2,
+    TIDES_VARIED_FX = 4,
+    TIDES_VARIED_FY = 8,
+    TIDES_VARIED_CX = 16,
+    TIDES_VARIED_CY = 32
+};
 
 /* What a path file says. */
 typedef struct tides_path {
@@ -60,7 +78,14 @@ typedef struct tides_path {
                           "nerfies" */
     int32_t distorted; /* 1: the file gives distortion that is no tides_lens, or differs from frame to frame: intrinsics are of
                           the pinhole that agrees with the lens at its axis. Runs then want camera.lens */
+    int32_t untimed;   /* 1: the file has several poses and no times; they are spread over options.duration */
+    int32_t varied;    /* TIDES_VARIED_* of intrinsics that are 0 because they differ from frame to frame */
+    int32_t framed;    /* 1: dataparser_transforms.json was applied */
     int32_t reserved;
+    int32_t has_imu;              /* 1: the file's folder says where an IMU is (EuRoC's) */
+    double T_C_I[16];             /* where it does: p_camera = T_C_I p_imu, by rows */
+    char notes[TIDES_PATH_NOTES]; /* what a reader of the path may not expect of it, a line each: poses that leap, an order or
+                                     a unit that was found; "" where there is nothing */
 } tides_path;
 
 /* Reads a camera path; the format is found from the content, not from the name (but for COLMAP's binary files):

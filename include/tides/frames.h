@@ -12,14 +12,12 @@ extern "C" {
  * r, g and b are weighed. Integers count from 0 to 1 at their type's largest value; floats are taken as they are. */
 enum { TIDES_TRANSFER_LINEAR = 0, TIDES_TRANSFER_SRGB = 1 };
 
-/* Of the numbers in a file of timestamps. AUTO: microseconds in image_timestamps.txt (DSEC), seconds in any other. */
-enum { TIDES_TIME_AUTO = 0, TIDES_TIME_S, TIDES_TIME_MS, TIDES_TIME_US, TIDES_TIME_NS };
-
 /* Fill with tides_frames_options_defaults: no file, no rate, auto, linear, the weights of BT.709, luminance. */
 typedef struct tides_frames_options {
     uint32_t size;
     int32_t transfer;         /* TIDES_TRANSFER_* */
-    int32_t unit;             /* TIDES_TIME_* of timestamp files and of arrays with times */
+    int32_t unit;             /* TIDES_TIME_* of timestamp files and of arrays with times; AUTO: microseconds in
+                                 image_timestamps.txt (DSEC), seconds in any other */
     int32_t rebase;           /* 1: the first frame's time becomes 0 */
     const char *timestamps;   /* text file with one time per line, or NULL */
     double frames_per_second; /* [Hz]: frame k is at k / rate; 0: not given */

@@ -52,6 +52,10 @@ typedef struct tides_session_facts {
 } tides_session_facts;
 TIDES_API void tides_session_get(const tides_session *session, tides_session_facts *facts);
 
+/* What a reader of the run may not expect of what was opened, a line each: a path whose poses leap or have no times. "" where
+ * there is nothing. The session's, and lives as long; tides_run_notes has what there is to say of the run file. */
+TIDES_API const char *tides_session_notes(const tides_session *session);
+
 /* Runs it whole, whatever its method: `sink` gets the events in order, from the simulator, its readout, or a baseline. `stats`
  * (nullable) is filled also where the run was stopped. TIDES_UNSUPPORTED where the run asks for a readout or labels and the
  * method sees frames. */
@@ -80,6 +84,8 @@ typedef struct tides_session_taken {
     double renders;     /* frames: renders that they took, in full frames */
     uint64_t unsettled; /* frames: pixels that stayed above the tolerance */
     uint64_t pairs;     /* frames: (splat, pixel) pairs that were composited; 0: nothing of the scene was in view */
+    int32_t at_imu;     /* of measurements: 1: where a calibration has the IMU, 0: in the camera's place, with its axes */
+    int32_t reserved;
 } tides_session_taken;
 
 /* Frames of the run's scene as exposure.* says, into the folder `path`, which is made unless it is there: frame_000000.png ..,
@@ -90,9 +96,10 @@ typedef struct tides_session_taken {
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_frames(tides_session *session, const char *path, tides_progress progress,
                                                              void *user, tides_session_taken *done, tides_error *error);
 
-/* What an IMU on the run's camera measures from time.start to time.stop as imu.* says: .csv, EuRoC's columns [ns, rad/s,
- * m/s^2], or .txt, ECD's [s, m/s^2, rad/s], with the biases that are in it in NAME_bias.csv or .txt beside; or .npz, with all
- * of tides_imu_sample. `done` is nullable. As tides_trajectory_imu; TIDES_UNSUPPORTED: another ending, a run on frames. */
+/* What an IMU measures from time.start to time.stop as imu.* says: where a calibration has it (T_cam_imu of rig.file, or
+ * EuRoC's folder of camera.file), else in the camera's place, with its axes. .csv has EuRoC's columns [ns, rad/s, m/s^2], .txt
+ * ECD's [s, m/s^2, rad/s], with the biases that are in it in NAME_bias.csv or .txt beside; .npz has all of tides_imu_sample.
+ * `done` is nullable. As tides_trajectory_imu; TIDES_UNSUPPORTED: another ending, a run on frames. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_imu(tides_session *session, const char *path, tides_session_taken *done,
                                                           tides_error *error);
 

@@ -24,6 +24,10 @@ tides_status td_text_put(td_text *text, tides_error *error, const char *format, 
 tides_status td_text_close(td_text *text, tides_status status, tides_error *error);
 static inline void td_text_drop(td_text *text) { (void)td_text_close(text, TIDES_CANCELLED, NULL); }
 
+/* Line breaks of a text that was read whole become LF alone: CR LF, and CR as old spreadsheets write it. A byte order mark
+ * goes. Lines keep their numbers. */
+void td_break_lines(char *text);
+
 /* The calling thread's locale is C's from begin to end: strtod and cJSON read "1.5" as 1 where the program around us has chosen
  * one with a decimal comma. Where _begin fails, for want of memory for `what`, there is nothing to end. */
 typedef struct td_plain_numbers {

@@ -56,6 +56,11 @@ tides_status td_text_close(td_text *text, tides_status status, tides_error *erro
     return status;
 }
 
+void td_break_lines(char *text) {
+    if (strncmp(text, "\xEF\xBB\xBF", 3) == 0) memmove(text, text + 3, strlen(text + 3) + 1);
+    for (char *at = text; (at = strchr(at, '\r')); at++) *at = at[1] == '\n' ? ' ' : '\n';
+}
+
 tides_status td_plain_begin(td_plain_numbers *numbers, const char *what, tides_error *error) {
     numbers->plain = plain_locale();
     if (!numbers->plain) return td_fail(error, TIDES_NO_MEMORY, "%s: the C locale can't be had", what);

@@ -78,10 +78,12 @@ static tides_status run_sequence(frame_run *r, tides_error *error) {
     const uint64_t least = planes > 1 ? 1 : 2;
     if (status == TIDES_OK && r->frames < least)
         return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "%llu of the frames, which span [%.9g, %.9g] s, lie within time.start = %.9g and time.stop = %.9g s; at "
-                       "least %s must",
+                       "%llu of the frames, which span [%.15g, %.15g] s, lie within time.start = %.15g and time.stop = %.15g "
+                       "s; "
+                       "at least %s must%s",
                        (unsigned long long)r->frames, tides_frames_time(frames, 0),
-                       tides_frames_time(frames, count - 1) + lasts, supply->start, supply->stop, planes > 1 ? "one" : "two");
+                       tides_frames_time(frames, count - 1) + lasts, supply->start, supply->stop, planes > 1 ? "one" : "two",
+                       tides_frames_time(frames, 0) > supply->stop ? "; frames.rebase puts the first at time 0" : "");
     r->stats.simulated_s += last;
     return status;
 }

@@ -1,6 +1,6 @@
 /* Kalibr's camera chains. Of YAML what PyYAML and OpenCV write of such a file: mappings two deep, whose values are words,
- * numbers, lists in [] (which may go on in the next line) and rows of "- []". Anything else is refused, unknown keys too: one
- * that says something of the cameras must not be lost.
+ * numbers, lists in [] (which may go on in the next line) or of "- ", and rows of either. Anything else is refused, unknown
+ * keys too: one that says something of the cameras must not be lost.
  *
  *     cam1:
  *       camera_model: pinhole
@@ -32,7 +32,8 @@ typedef struct reading {
     tides_error *error;
     td_camchain *chain;
     const char *pinhole, *bent; /* values of camera_model and distortion_model; NULL: not there */
-    double intrinsics[4], coefficient[4], resolution[2], before[16], imu[16], shift;
+    const char *list[2];        /* those of intrinsics and distortion_coeffs: how many there are depends on the models */
+    double resolution[2], before[16], imu[16], shift;
     int given; /* bits of KEYS */
 } reading;
 
@@ -56,38 +57,14 @@ static tides_status bad(const reading *r, tides_status status, const char *what)
 
 /* -- values ---------------------------------------------------------------------------------------------------------------- */
 
-static const char *skip(const char *at) { return at + strspn(at, " \t\r\n"); }
-
-/* "[a, b]", `count` numbers; returns what follows, or NULL. */
-static const char *read_row(const char *at, double *values, int count) {
-    if (*at++ != '[') return NULL;
-    for (int k = 0; k < count; k++) {
-        const char *number = skip(at), *end = td_text_number(number, values + k);
-        if (end == number) return NULL;
-        at = skip(end);
-        if (*at++ != (k + 1 < count ? ',' : ']')) return NULL;
-    }
-    return skip(at);
-}
-
 static int read_list(const char *value, double *values, int count) {
-    const char *end = read_row(skip(value), values, count);
+    const char *end = td_yaml_row(value, values, count);
     return end && !*end;
 }
 
-/* Rows of four, each behind a "-", or in [] of their own. */
 static int read_matrix(const char *value, double m[16]) {
-    const char *at = skip(value);
-    const int flow = *at == '[';
-    at = flow ? skip(at + 1) : at;
-    for (int i = 0; i < 4; i++) {
-        if (!flow && *at++ != '-') return 0;
-        at = read_row(skip(at), m + 4 * i, 4);
-        if (!at) return 0;
-        if (flow && *at++ != (i < 3 ? ',' : ']')) return 0;
-        at = skip(at);
-    }
-    return !*at;
+    const char *end = td_yaml_matrix(value, m);
+    return end && !*end;
 }
 
 /* A word, which ends with its line; quotes around it are taken off. */
@@ -136,12 +113,12 @@ static void straighten(double t[16]) {
 
 static const struct key {
     const char *name;
-    int id, count; /* numbers in []; 16: a matrix; 0: a word, or nothing of ours */
+    int id, count; /* numbers in []; 16: a matrix; 0: a word, a list for later, or nothing of ours */
     size_t offset; /* in `reading` */
 } keys[] = {{"camera_model", KEY_MODEL, 0, 0},
-            {"intrinsics", KEY_INTRINSICS, 4, offsetof(reading, intrinsics)},
+            {"intrinsics", KEY_INTRINSICS, 0, 0},
             {"distortion_model", KEY_BENT, 0, 0},
-            {"distortion_coeffs", KEY_COEFFICIENTS, 4, offsetof(reading, coefficient)},
+            {"distortion_coeffs", KEY_COEFFICIENTS, 0, 0},
             {"resolution", KEY_RESOLUTION, 2, offsetof(reading, resolution)},
             {"T_cn_cnm1", KEY_BEFORE, 16, offsetof(reading, before)},
             {"T_cam_imu", KEY_CAM_IMU, 16, offsetof(reading, imu)},
@@ -163,8 +140,8 @@ static tides_status take_numbers(reading *r, const struct key *key, const char *
         return td_fail(r->error, TIDES_BAD_FILE, "%s: cam%d: %s must be four rows of four numbers, a rotation and a place",
                        r->file, r->chain->count, key->name);
     }
-    const char *at = skip(value), *end;
-    const int one = key->count == 1 && (end = td_text_number(at, values)) != at && !*skip(end);
+    const char *at = td_yaml_skip(value), *end;
+    const int one = key->count == 1 && (end = td_text_number(at, values)) != at && !*td_yaml_skip(end);
     if (one || read_list(value, values, key->count)) return TIDES_OK;
     return td_fail(r->error, TIDES_BAD_FILE, "%s: cam%d: %s must be %d finite number%s", r->file, r->chain->count, key->name,
                    key->count, key->count > 1 ? "s in []" : "");
@@ -185,40 +162,52 @@ static tides_status take_key(reading *r, const char *name, char *value) {
     r->given |= 1 << key->id;
     if (key->id == KEY_MODEL) r->pinhole = read_word(value);
     if (key->id == KEY_BENT) r->bent = read_word(value);
+    if (key->id == KEY_INTRINSICS) r->list[0] = value;
+    if (key->id == KEY_COEFFICIENTS) r->list[1] = value;
     return key->count ? take_numbers(r, key, value) : TIDES_OK;
 }
 
 /* -- cameras --------------------------------------------------------------------------------------------------------------- */
 
-static tides_status find_lens(const reading *r, tides_lens *lens) {
-    const double k[5] = {r->coefficient[0], r->coefficient[1], r->coefficient[2], r->coefficient[3], 0};
+/* Models come first: others have other numbers of coefficients. */
+static tides_status check_models(const reading *r) {
+    static const char *const bent[] = {"none", "radtan", "equidistant"};
     char word[TD_QUOTE];
+    if (r->pinhole && strcmp(r->pinhole, "pinhole") != 0)
+        return td_fail(r->error, TIDES_UNSUPPORTED,
+                       "%s: cam%d: camera_model %s isn't supported: calibrate as pinhole, with radtan or equidistant", r->file,
+                       r->chain->count, td_path_quote(r->pinhole, strlen(r->pinhole), word));
+    for (int k = 0; k < 3; k++)
+        if (!r->bent || strcmp(r->bent, bent[k]) == 0) return TIDES_OK;
+    return td_fail(r->error, TIDES_UNSUPPORTED, "%s: cam%d: distortion_model %s isn't supported: radtan, equidistant or none",
+                   r->file, r->chain->count, td_path_quote(r->bent, strlen(r->bent), word));
+}
+
+/* Of no lens the coefficients, if there are any, say nothing. */
+static tides_status find_lens(const reading *r, tides_lens *lens) {
+    double k[5] = {0};
     *lens = (tides_lens){.model = TIDES_LENS_NONE};
     if (!r->bent || strcmp(r->bent, "none") == 0) return TIDES_OK;
     if (!has(r, KEY_COEFFICIENTS)) return bad(r, TIDES_BAD_FILE, "distortion_model needs distortion_coeffs");
-    if (strcmp(r->bent, "radtan") == 0)
-        *lens = td_radtan(k);
-    else if (strcmp(r->bent, "equidistant") == 0)
-        *lens = td_equidistant(k);
-    else
-        return td_fail(r->error, TIDES_UNSUPPORTED,
-                       "%s: cam%d: distortion_model %s isn't supported: radtan, equidistant or none", r->file, r->chain->count,
-                       td_path_quote(r->bent, strlen(r->bent), word));
+    if (!read_list(r->list[1], k, 4)) return bad(r, TIDES_BAD_FILE, "distortion_coeffs must be 4 finite numbers in a list");
+    *lens = strcmp(r->bent, "radtan") == 0 ? td_radtan(k) : td_equidistant(k);
     return TIDES_OK;
 }
 
 static tides_status find_intrinsics(const reading *r, tides_intrinsics *out) {
     enum { LARGEST = 16384 };
-    int good = r->intrinsics[0] > 0 && r->intrinsics[1] > 0;
+    double f[4];
+    if (!read_list(r->list[0], f, 4)) return bad(r, TIDES_BAD_FILE, "intrinsics must be 4 finite numbers in a list");
+    int good = f[0] > 0 && f[1] > 0;
     for (int k = 0; k < 2; k++)
         good = good && r->resolution[k] >= 1 && r->resolution[k] <= LARGEST && r->resolution[k] == floor(r->resolution[k]);
     if (!good) return bad(r, TIDES_BAD_FILE, "resolution and focal lengths must be above 0, and the former whole numbers");
     *out = (tides_intrinsics){.width = (int32_t)r->resolution[0],
                               .height = (int32_t)r->resolution[1],
-                              .fx = r->intrinsics[0],
-                              .fy = r->intrinsics[1],
-                              .cx = r->intrinsics[2] + 0.5,
-                              .cy = r->intrinsics[3] + 0.5};
+                              .fx = f[0],
+                              .fy = f[1],
+                              .cx = f[2] + 0.5,
+                              .cy = f[3] + 0.5};
     return find_lens(r, &out->lens);
 }
 
@@ -228,9 +217,12 @@ static tides_status find_place(const reading *r, double T_B_C[16]) {
     double back[16];
     const int n = r->chain->count;
     if (has(r, KEY_CAM_IMU) && has(r, KEY_IMU_CAM)) return bad(r, TIDES_BAD_FILE, "T_cam_imu and T_imu_cam: keep one");
-    if (has(r, KEY_IMU_CAM)) {
+    if (n == 0) r->chain->has_imu = has(r, KEY_IMU_CAM) || has(r, KEY_CAM_IMU);
+    if (!r->chain->has_imu && !has(r, KEY_BEFORE) && n > 0) { /* where its IMU is doesn't say where cam0 is */
+        return bad(r, TIDES_BAD_FILE, "T_cn_cnm1 is missing: how it stands to the camera before it");
+    } else if (r->chain->has_imu && has(r, KEY_IMU_CAM)) {
         memcpy(T_B_C, r->imu, sizeof same);
-    } else if (has(r, KEY_CAM_IMU)) {
+    } else if (r->chain->has_imu && has(r, KEY_CAM_IMU)) {
         invert(r->imu, T_B_C);
     } else if (n == 0) {
         memcpy(T_B_C, same, sizeof same);
@@ -247,17 +239,15 @@ static tides_status find_place(const reading *r, double T_B_C[16]) {
 static tides_status finish_camera(reading *r) {
     static const int needed[] = {KEY_INTRINSICS, KEY_RESOLUTION};
     td_camchain_camera *camera = &r->chain->camera[r->chain->count];
-    char word[TD_QUOTE];
+    tides_status status = check_models(r);
+    if (status != TIDES_OK) return status;
     for (int i = 0; i < 2; i++)
         if (!has(r, needed[i])) return bad(r, TIDES_BAD_FILE, i ? "resolution is missing" : "intrinsics are missing");
-    if (r->pinhole && strcmp(r->pinhole, "pinhole") != 0)
-        return td_fail(r->error, TIDES_UNSUPPORTED, "%s: cam%d: camera_model %s isn't supported: pinhole", r->file,
-                       r->chain->count, td_path_quote(r->pinhole, strlen(r->pinhole), word));
     if (r->shift < 0 || r->shift > 0)
         return td_fail(r->error, TIDES_UNSUPPORTED,
                        "%s: cam%d: timeshift_cam_imu is %.9g s: what is simulated has one clock; set it to 0", r->file,
                        r->chain->count, r->shift);
-    tides_status status = find_intrinsics(r, &camera->intrinsics);
+    status = find_intrinsics(r, &camera->intrinsics);
     if (status == TIDES_OK) status = find_place(r, camera->T_B_C);
     r->chain->count += status == TIDES_OK;
     return status;
@@ -337,6 +327,8 @@ static tides_status read_chain(reading *r, char *text) {
 tides_status td_camchain_parse(const char *file, char *text, td_camchain *chain, tides_error *error) {
     reading r = {.file = file, .error = error, .chain = chain, .given = -1};
     chain->count = 0;
+    chain->has_imu = 0;
+    td_break_lines(text);
     td_plain_numbers numbers;
     tides_status status = td_plain_begin(&numbers, file, error);
     if (status != TIDES_OK) return status;

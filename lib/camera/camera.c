@@ -41,6 +41,7 @@ td_path_sample td_path_origin(const td_path_reader *reader, const td_path_sample
 void td_path_spread(td_path_reader *reader) { reader->spread = 1; }
 
 static void spread(td_path_reader *reader) {
+    reader->path.untimed = reader->count > 1;
     double steps = reader->count > 1 ? (double)(reader->count - 1) : 1.0;
     for (size_t i = 0; i < reader->count; i++) reader->samples[i].time = reader->options->duration * ((double)i / steps);
 }
@@ -65,22 +66,22 @@ const char *td_path_quote(const char *word, size_t bytes, char out[TD_QUOTE]) {
     return out;
 }
 
-/* "FILE:12" or "FILE: frames[12]". */
-static void name_place(const td_path_reader *reader, size_t place, char *text, size_t bytes) {
-    if (reader->list)
-        snprintf(text, bytes, "%s: %s[%zu]", reader->file, reader->list, place);
-    else
-        snprintf(text, bytes, "%s:%zu", reader->file, place);
-}
+/* Beyond this no clock counts in seconds: 5138 AD. */
+#define TD_LAST_SECOND 1e11
 
 /* Times must strictly increase; says at which line or entry they don't. */
 static tides_status check_order(const td_path_reader *reader) {
+    for (size_t i = 0; i < reader->count; i++)
+        if (!(fabs(reader->samples[i].time) < TD_LAST_SECOND))
+            return td_fail(reader->error, TIDES_BAD_FILE,
+                           "%s: its times go to %.15g, which are no seconds: set camera.time_unit to ms, us or ns",
+                           reader->file, reader->samples[i].time);
     for (size_t i = 1; i < reader->count; i++) {
         const td_path_sample *before = reader->samples + i - 1, *here = before + 1;
         double step = td_path_since(here, before);
         if (step > 0.0) continue;
         char place[512];
-        name_place(reader, here->place, place, sizeof place);
+        td_path_name_place(reader, reader->file, here->place, place, sizeof place);
         const char *word = reader->list ? "entry" : "line";
         if (step == 0.0)
             return td_fail(reader->error, TIDES_BAD_FILE, "%s: its time, %.15g s, is also that of %s %zu; drop one of the two",
@@ -141,6 +142,9 @@ static tides_status read_json(td_path_reader *reader) {
 static tides_status check_options(const tides_path_options *options, tides_error *error) {
     if (!isfinite(options->duration) || !(options->duration > 0.0))
         return td_fail(error, TIDES_BAD_ARGUMENT, "path options: duration is %g s; it must be above 0", options->duration);
+    if (options->time_unit < TIDES_TIME_AUTO || options->time_unit > TIDES_TIME_INDEX)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "path options: time_unit %d isn't one of TIDES_TIME_*",
+                       (int)options->time_unit);
     if (!isfinite(options->start)) return td_fail(error, TIDES_BAD_ARGUMENT, "path options: start must be finite");
     return TIDES_OK;
 }
@@ -169,16 +173,43 @@ static text_shape shape_of(const char *text) {
     return shape;
 }
 
-/* Text formats tell themselves apart by the columns of their first line with data; EuRoC's of 8 by the names above them. */
+/* Text formats tell themselves apart by the names of their columns, else by the columns of their first line with data. */
 static tides_status read_text(td_path_reader *reader) {
-    text_shape shape = shape_of(reader->text);
-    const char *names = strstr(reader->text, "q_RS_w");
-    if (shape.commas && (shape.columns >= 17 || (names && (size_t)(names - reader->text) < strcspn(reader->text, "\n"))))
-        return td_path_read_euroc(reader);
-    if (!shape.commas && shape.columns == 12 && shape.first_word == 12) return td_path_read_kitti(reader);
-    if (!shape.commas && shape.columns >= 10 && shape.first_word >= 9) return td_path_read_colmap(reader, 0);
-    if (!shape.commas && shape.columns >= 7 && shape.first_word == 1) return td_path_refuse_cameras(reader, 0);
-    return td_path_read_text(reader);
+    td_path_table table;
+    const text_shape shape = shape_of(reader->text);
+    const tides_status status = td_path_find_table(reader, &table);
+    if (status != TIDES_OK) return status;
+    if (table.named || shape.commas) return td_path_read_table(reader, &table);
+    if (shape.columns == 12 && shape.first_word == 12) return td_path_read_kitti(reader);
+    if (shape.columns >= 10 && shape.first_word >= 9) return td_path_read_colmap(reader, 0);
+    if (shape.columns >= 7 && shape.first_word == 1) return td_path_refuse_cameras(reader, 0);
+    return td_path_read_table(reader, &table);
+}
+
+/* A copy with line breaks of one byte, where a text has CRs alone; NULL with TIDES_OK where it has none. */
+static tides_status break_lines(const td_path_reader *reader, char **copy) {
+    const char *at = memchr(reader->text, '\r', reader->bytes), *end = reader->text + reader->bytes;
+    *copy = NULL;
+    while (at && at + 1 < end && at[1] == '\n') at = memchr(at + 1, '\r', (size_t)(end - at - 1));
+    if (!at) return TIDES_OK;
+    *copy = td_alloc(reader->bytes + 1, 1, reader->error);
+    if (!*copy) return TIDES_NO_MEMORY;
+    memcpy(*copy, reader->text, reader->bytes);
+    (*copy)[reader->bytes] = '\0';
+    td_break_lines(*copy);
+    return TIDES_OK;
+}
+
+static tides_status read_text_file(td_path_reader *reader) {
+    const char *text = reader->text;
+    char *copy;
+    tides_status status = break_lines(reader, &copy);
+    if (copy) reader->text = copy;
+    if (status == TIDES_OK) status = read_text(reader);
+    for (size_t i = 0; copy && i < reader->count; i++) reader->samples[i].word = NULL;
+    reader->text = text;
+    free(copy);
+    return status;
 }
 
 /* Detection and reading, in the C locale. */
@@ -193,13 +224,15 @@ static tides_status read_path(td_path_reader *reader, const char *folder) {
     }
     if (reader->bytes >= 6 && memcmp(reader->text, "\x93NUMPY", 6) == 0) return td_path_read_llff(reader);
     const char *nul = memchr(reader->text, 0, reader->bytes);
+    if (nul && reader->bytes >= 2 && (memcmp(reader->text, "\xFF\xFE", 2) == 0 || memcmp(reader->text, "\xFE\xFF", 2) == 0))
+        return td_fail(reader->error, TIDES_BAD_FILE, "%s: is UTF-16 text: save it as UTF-8", reader->file);
     if (nul)
         return td_fail(reader->error, TIDES_BAD_FILE,
                        "%s: has a zero byte at %zu: a path file is text or JSON, or poses_bounds.npy, or COLMAP's images.bin",
                        reader->file, (size_t)(nul - reader->text));
     size_t blank = strspn(reader->text, " \t\r\n");
     char first = reader->text[blank];
-    return first == '{' || first == '[' ? read_json(reader) : read_text(reader);
+    return first == '{' || first == '[' ? read_json(reader) : read_text_file(reader);
 }
 
 /* Reads text or, where it isn't NULL, a folder of nerfies cameras. */
@@ -211,6 +244,7 @@ static tides_status parse(td_path_reader *reader, const char *folder, tides_path
     if (status == TIDES_OK) status = td_path_choose(reader);
     if (status == TIDES_OK && reader->spread) spread(reader);
     if (status == TIDES_OK && !reader->path.trajectory) status = make_trajectory(reader);
+    if (status == TIDES_OK) status = td_path_note_leaps(reader);
     if (status != TIDES_OK) tides_trajectory_destroy(reader->path.trajectory);
     td_plain_end(&numbers);
     free(reader->samples);

@@ -10,6 +10,7 @@
 #include "camera/td_path_reader.h"
 #include "td_base.h"
 #include "td_folder.h"
+#include "td_text.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -182,6 +183,7 @@ tides_status td_colmap_load_cameras(const char *file, int binary, td_colmap_came
         size_t bytes = 0;
         int there = access(beside, F_OK) == 0;
         tides_status status = there ? td_read_file(beside, TD_LARGEST_PATH, &data, &bytes, error) : TIDES_OK;
+        if (there && !status && !as_binary) td_break_lines(data);
         if (there && !status) status = td_colmap_parse_cameras(beside, data, bytes, as_binary, cameras, error);
         free(data);
         free(beside);

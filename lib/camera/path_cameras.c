@@ -1,6 +1,7 @@
 /* INRIA's cameras.json: a list of {id, img_name, width, height, position, rotation, fx, fy}. `position` is the camera's centre,
  * `rotation` its camera-to-world matrix by rows, in OpenCV axes. There are no times (poses are spread over `duration`, in
- * the order of the list) and no principal point: that renderer takes the image's middle. Keys we don't know are ignored. */
+ * the order of img_name: of a model trained with --eval the list has the test views first) and no principal point: that
+ * renderer takes the image's middle. Keys we don't know are ignored. */
 #include "camera/td_path_reader.h"
 
 #include "td_base.h"
@@ -36,6 +37,7 @@ tides_status td_path_read_cameras(td_path_reader *reader, const cJSON *root) {
         snprintf(where, sizeof where, "[%zu]", index);
         td_path_sample *sample = td_path_append(reader, index++);
         if (!sample) return TIDES_NO_MEMORY;
+        td_path_set_name(sample, item, "img_name");
         tides_status status = td_json_vector(reader, item, where, "position", sample->pose.position, 3);
         if (status == TIDES_OK) status = td_json_matrix(reader, item, where, "rotation", rotation, 3, 3);
         if (status == TIDES_OK) status = td_json_rotation(reader, where, "rotation", rotation, sample->pose.quaternion);
@@ -43,6 +45,6 @@ tides_status td_path_read_cameras(td_path_reader *reader, const cJSON *root) {
         if (status == TIDES_OK) status = td_path_set_view(reader, sample, &view);
         if (status != TIDES_OK) return status;
     }
-    td_path_spread(reader);
+    td_path_order(reader, 1);
     return TIDES_OK;
 }

@@ -4,8 +4,8 @@
  * '#' at a line's start is a comment. Binary, little-endian: uint64 count, then {uint32 id, double q[4], double t[3], uint32
  * camera, name ending in 0, uint64 points, 24 bytes for each}. q and t map the world to the camera in OpenCV axes.
  *
- * There are no times: images are put in the order of their names, which in a video's is the order of time, and spread over
- * `duration`. */
+ * There are no times: images are put in the order of their names, digits as numbers, which in a video's is the order of time,
+ * and spread over `duration`. */
 #include "camera/td_path_reader.h"
 
 #include "camera/td_colmap.h"
@@ -18,18 +18,9 @@
 
 enum { NUMBERS = 9, POINT_BYTES = 24 };
 
-/* An image, with its name where it stands in the file: not terminated. */
-typedef struct image {
-    const char *name;
-    size_t length;
-    td_path_sample sample;
-} image;
-
 typedef struct images {
     td_path_reader *reader;
     const td_colmap_cameras *cameras;
-    image *list;
-    size_t count, capacity;
 } images;
 
 /* `v`: id, q, t, camera. Body to world is the inverse of what the file has. */
@@ -48,23 +39,21 @@ static tides_status set_pose(const images *m, const char *where, const double v[
 
 /* `where` names line or image in messages. */
 static tides_status add(images *m, const char *where, size_t place, const double v[NUMBERS], const char *name, size_t length) {
-    void *list = m->list;
-    if (td_reserve(&list, &m->capacity, m->count + 1, sizeof *m->list, m->reader->error)) return TIDES_NO_MEMORY;
-    m->list = list;
-    image *made = m->list + m->count;
-    *made = (image){.name = name, .length = length, .sample = {.place = place}};
+    td_path_sample *made = td_path_append(m->reader, place);
+    if (!made) return TIDES_NO_MEMORY;
+    made->word = name;
+    made->length = length;
     for (int k = 0; k < NUMBERS; k++)
         if (!isfinite(v[k]))
             return td_fail(m->reader->error, TIDES_BAD_FILE, "%s: %s: its pose must be finite numbers", m->reader->file, where);
-    tides_status status = set_pose(m, where, v, &made->sample.pose);
+    tides_status status = set_pose(m, where, v, &made->pose);
     if (status) return status;
     const td_colmap_camera *camera = v[8] >= 0 && v[8] <= UINT32_MAX ? td_colmap_find(m->cameras, (uint32_t)v[8]) : NULL;
     if (!camera)
         return td_fail(m->reader->error, TIDES_BAD_FILE, "%s: %s: camera %g isn't among the %zu of the cameras file",
                        m->reader->file, where, v[8], m->cameras->count);
     const td_path_view view = {.intrinsics = camera->intrinsics, .distorted = camera->distorted};
-    m->count++;
-    return td_path_set_view(m->reader, &made->sample, &view);
+    return td_path_set_view(m->reader, made, &view);
 }
 
 static tides_status read_line(images *m, size_t line, const char *c) {
@@ -124,27 +113,13 @@ static tides_status read_binary(images *m) {
     return TIDES_OK;
 }
 
-static int by_name(const void *left, const void *right) {
-    const image *a = left, *b = right;
-    int order = memcmp(a->name, b->name, a->length < b->length ? a->length : b->length);
-    if (order != 0 || a->length != b->length) return order ? order : a->length < b->length ? -1 : 1;
-    return a->sample.place < b->sample.place ? -1 : a->sample.place > b->sample.place;
-}
-
 tides_status td_path_read_images(td_path_reader *reader, int binary, const td_colmap_cameras *cameras) {
     images m = {.reader = reader, .cameras = cameras};
     strcpy(reader->path.format, "colmap");
     reader->list = binary ? "images" : NULL;
     tides_status status = binary ? read_binary(&m) : read_text(&m);
-    if (!status && m.count > 0) qsort(m.list, m.count, sizeof *m.list, by_name);
-    for (size_t i = 0; i < m.count && !status; i++) {
-        td_path_sample *sample = td_path_append(reader, m.list[i].sample.place);
-        status = sample ? TIDES_OK : TIDES_NO_MEMORY;
-        if (sample) *sample = m.list[i].sample;
-    }
-    if (!status) td_path_spread(reader);
-    free(m.list);
-    return status;
+    if (!status) td_path_order(reader, 0);
+    return status ? status : td_path_apply_frame(reader, NULL);
 }
 
 tides_status td_path_read_colmap(td_path_reader *reader, int binary) {

@@ -1,70 +1,51 @@
-/* EuRoC's state_groundtruth csv: nanoseconds, position and rotation (wxyz) of the body, then what isn't read here (velocity,
- * biases): 8 or more columns, commas between, '#' starts a comment.
- *
- * The camera on the body is given by T_BS of its sensor.yaml, which maps the camera's axes to the body's. It is looked for in
- * ../cam0, where EuRoC has it, then beside the csv; without one the path is the body's. From the same file: the
- * intrinsics, where it has them. */
+/* The camera on the body whose poses EuRoC's state_groundtruth csv has: T_BS of its sensor.yaml maps the camera's axes to the
+ * body's. It is looked for in ../cam0, where EuRoC has it, then beside the csv; without one the path is the body's. From the
+ * same file: the intrinsics, where it has them. */
 #include "camera/td_path_reader.h"
 
 #include "camera/td_rotation.h"
 #include "td_base.h"
 #include "td_folder.h"
+#include "td_text.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-enum { COLUMNS = 8 };
+/* -- sensor.yaml: keys of it ----------------------------------------------------------------------------------------------- */
 
-static tides_status read_line(const td_path_reader *reader, size_t line, const char *c, td_path_sample *sample) {
-    double v[COLUMNS] = {0};
-    for (int k = 0; k < COLUMNS; k++) {
-        const char *end = c;
-        if (k == 0)
-            td_text_time(c, 1, sample, &end);
-        else
-            end = td_text_number(c, v + k);
-        const char *next = td_text_skip(end);
-        int last = k == COLUMNS - 1;
-        if (end == c || (*next != ',' && !(last && td_text_ends(next))))
-            return td_fail(reader->error, TIDES_BAD_FILE,
-                           "%s:%zu: column %d must be a finite number: a EuRoC csv has t_ns, x, y, z, qw, qx, qy, qz and more",
-                           reader->file, line, k + 1);
-        c = td_text_skip(next + (*next == ','));
-    }
-    memcpy(sample->pose.position, v + 1, sizeof sample->pose.position);
-    memcpy(sample->pose.quaternion, v + 4, sizeof sample->pose.quaternion);
-    char where[32];
-    snprintf(where, sizeof where, "line %zu", line);
-    return td_path_check_quaternion(reader, where, v + 4, "qw qx qy qz");
+/* Behind `key:` at a line's start; NULL: it isn't there. */
+static const char *yaml_find(const char *text, const char *key) {
+    const size_t length = strlen(key);
+    while (text && (strncmp(text, key, length) != 0 || text[length] != ':'))
+        text = (text = strchr(text, '\n')) ? text + 1 : NULL;
+    return text ? text + length + 1 : NULL;
 }
 
-/* -- sensor.yaml: three keys of it, in YAML's flow style, which all of EuRoC's files have --------------------------------- */
-
-/* `count` numbers of the list behind `key:`, or of the `data:` within it; 0 where it isn't there. */
 static int yaml_list(const char *text, const char *key, double *values, int count) {
-    const char *at = text;
-    size_t length = strlen(key);
-    while (at && (strncmp(at, key, length) != 0 || at[length] != ':')) at = (at = strchr(at, '\n')) ? at + 1 : NULL;
-    if (!at || !(at = strchr(at, '['))) return 0;
-    for (int k = 0; k < count; k++) {
-        const char *number = at + 1 + strspn(at + 1, " \t\r\n"), *end = td_text_number(number, values + k);
-        if (end == number) return 0;
-        at = end + strspn(end, " \t\r\n");
-        if (*at != (k + 1 < count ? ',' : ']')) return 0;
-    }
-    return 1;
+    const char *at = yaml_find(text, key);
+    return at && td_yaml_row(at, values, count) != NULL;
+}
+
+/* A matrix by rows: the list behind the `data:` within it, or rows of four. */
+static int yaml_matrix(const char *text, const char *key, double m[16]) {
+    const char *at = yaml_find(text, key), *data;
+    if (!at) return 0;
+    const char *end = at; /* of what is further to the right */
+    do end += strcspn(end, "\n") + (strchr(end, '\n') != NULL);
+    while (*end && strchr(" \t\n-#", *end));
+    data = strstr(at, "data:");
+    if (data && data < end) return td_yaml_row(data + 5, m, 16) != NULL;
+    return td_yaml_row(at, m, 16) || td_yaml_matrix(at, m);
 }
 
 /* 1 where the word behind `key:` is `word`. */
 static int yaml_says(const char *text, const char *key, const char *word) {
-    size_t length = strlen(key);
-    while (text && (strncmp(text, key, length) != 0 || text[length] != ':'))
-        text = (text = strchr(text, '\n')) ? text + 1 : NULL;
-    if (!text) return 0;
-    text += length + 1 + strspn(text + length + 1, " \t\"'");
-    return strncmp(text, word, strlen(word)) == 0;
+    const char *at = yaml_find(text, key);
+    if (!at) return 0;
+    at += strspn(at, " \t\"'");
+    return strncmp(at, word, strlen(word)) == 0;
 }
 
 /* What the camera's file says; `found` is 1 where there is one. */
@@ -73,16 +54,25 @@ typedef struct sensor {
     double rotation[9], position[3]; /* sensor to body */
 } sensor;
 
-static tides_status parse_sensor(td_path_reader *reader, const char *file, const char *text, sensor *s) {
-    double m[16], pixels[2], f[4], bent[5] = {0}, q[4];
-    tides_intrinsics *out = &reader->path.intrinsics;
-    if (!yaml_list(text, "T_BS", m, 16))
+static tides_status parse_place(const td_path_reader *reader, const char *file, const char *text, sensor *s) {
+    td_path_reader blamed = *reader;
+    double m[16], q[4];
+    if (!yaml_matrix(text, "T_BS", m))
         return td_fail(reader->error, TIDES_BAD_FILE, "%s: needs T_BS with 16 finite numbers in [], by rows", file);
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) s->rotation[3 * i + j] = m[4 * i + j];
         s->position[i] = m[4 * i + 3];
     }
     s->found = 1;
+    blamed.file = file;
+    return td_json_rotation(&blamed, "T_BS", "rotation", s->rotation, q);
+}
+
+static tides_status parse_sensor(td_path_reader *reader, const char *file, const char *text, sensor *s) {
+    double pixels[2], f[4], bent[5] = {0};
+    tides_intrinsics *out = &reader->path.intrinsics;
+    tides_status status = parse_place(reader, file, text, s);
+    if (status != TIDES_OK) return status;
     if (yaml_list(text, "resolution", pixels, 2) && yaml_list(text, "intrinsics", f, 4)) {
         int good = f[0] > 0 && f[1] > 0;
         for (int k = 0; k < 2; k++) good &= pixels[k] >= 1 && pixels[k] <= INT32_MAX && pixels[k] == floor(pixels[k]);
@@ -100,27 +90,39 @@ static tides_status parse_sensor(td_path_reader *reader, const char *file, const
             out->lens = (tides_lens){.model = TIDES_LENS_NONE};
         }
     }
-    td_path_reader blamed = *reader;
-    blamed.file = file;
-    return td_json_rotation(&blamed, "T_BS", "rotation", s->rotation, q);
+    return TIDES_OK;
 }
 
-static tides_status load_sensor(td_path_reader *reader, sensor *s) {
-    static const char *const places[] = {"../cam0/sensor.yaml", "sensor.yaml"};
-    tides_status status = TIDES_OK;
-    for (size_t k = 0; k < 2 && !status && !s->found; k++) {
-        char *file = td_beside(reader->file, places[k], reader->error);
-        char *text = NULL;
-        size_t bytes = 0;
-        if (!file) return TIDES_NO_MEMORY;
-        if (access(file, F_OK) == 0) {
-            status = td_read_file(file, TD_LARGEST_PATH, &text, &bytes, reader->error);
-            if (!status) status = parse_sensor(reader, file, text, s);
-        }
-        free(text);
-        free(file);
+/* What `place` beside the path's file says of where a sensor is, of a camera also of its lens. */
+static tides_status load_sensor(td_path_reader *reader, const char *place, int is_camera, sensor *s) {
+    char *file = td_beside(reader->file, place, reader->error), *text = NULL;
+    size_t bytes = 0;
+    tides_status status = file ? TIDES_OK : TIDES_NO_MEMORY;
+    if (file && access(file, F_OK) == 0) {
+        status = td_read_file(file, TD_LARGEST_PATH, &text, &bytes, reader->error);
+        if (!status) td_break_lines(text);
+        if (!status) status = is_camera ? parse_sensor(reader, file, text, s) : parse_place(reader, file, text, s);
     }
+    free(text);
+    free(file);
     return status;
+}
+
+/* T_C_I = T_BC^-1 T_BI: the IMU as the camera has it. EuRoC's body is its IMU unless that says otherwise. */
+static void place_imu(const sensor *camera, const sensor *imu, tides_path *path) {
+    double *t = path->T_C_I;
+    for (int i = 0; i < 3; i++) {
+        double at = 0;
+        for (int k = 0; k < 3; k++) at += camera->rotation[3 * k + i] * (imu->position[k] - camera->position[k]);
+        for (int j = 0; j < 3; j++) {
+            t[4 * i + j] = 0;
+            for (int k = 0; k < 3; k++) t[4 * i + j] += camera->rotation[3 * k + i] * imu->rotation[3 * k + j];
+        }
+        t[4 * i + 3] = at;
+        t[12 + i] = 0;
+    }
+    t[15] = 1;
+    path->has_imu = 1;
 }
 
 /* Camera to world: body to world times sensor to body. */
@@ -138,22 +140,14 @@ static void mount(const sensor *s, tides_pose_sample *pose) {
     td_quaternion_from_rotation(camera, pose->quaternion);
 }
 
-tides_status td_path_read_euroc(td_path_reader *reader) {
-    sensor s = {.found = 0};
-    size_t line = 1;
-    td_text_lines lines = {0};
-    strcpy(reader->path.format, "euroc");
-    tides_status status = load_sensor(reader, &s);
-    for (const char *c = reader->text; *c && !status; line++) {
-        const char *data = td_text_skip(c);
-        if (!td_text_ends(data)) {
-            td_path_sample *sample = td_path_append(reader, line);
-            status = sample ? read_line(reader, line, data, sample) : TIDES_NO_MEMORY;
-            if (!status) status = td_text_take(&lines, reader, line, data);
-            if (!status) mount(&s, &sample->pose);
-        }
-        c += strcspn(c, "\n");
-        c += *c == '\n';
-    }
-    return status;
+tides_status td_path_mount_euroc(td_path_reader *reader) {
+    sensor camera = {.found = 0}, imu = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    if (reader->options->body) return TIDES_OK;
+    tides_status status = load_sensor(reader, "../cam0/sensor.yaml", 1, &camera);
+    if (!status && !camera.found) status = load_sensor(reader, "sensor.yaml", 1, &camera);
+    if (!status && camera.found) status = load_sensor(reader, "../imu0/sensor.yaml", 0, &imu);
+    if (status != TIDES_OK || !camera.found) return status;
+    for (size_t i = 0; i < reader->count; i++) mount(&camera, &reader->samples[i].pose);
+    place_imu(&camera, &imu, &reader->path);
+    return TIDES_OK;
 }

@@ -157,7 +157,11 @@ static int is_json(const char *name) {
     return length > 5 && strcmp(name + length - 5, ".json") == 0 && name[0] != '.';
 }
 
-static int by_text(const void *left, const void *right) { return strcmp(*(char *const *)left, *(char *const *)right); }
+static int by_text(const void *left, const void *right) {
+    const char *a = *(char *const *)left, *b = *(char *const *)right;
+    const int order = td_path_compare_names(a, strlen(a), b, strlen(b));
+    return order ? order : strcmp(a, b);
+}
 
 typedef struct names {
     char **list;

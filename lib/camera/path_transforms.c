@@ -6,9 +6,9 @@
  * size gives path.field_of_view_x alone. A lens is k1 k2 p1 p2 k3 (OPENCV, or no camera_model), k1 to k4 (OPENCV_FISHEYE,
  * and instant-ngp's is_fisheye), or nerfstudio's distortion_params, k1 k2 k3 k4 p1 p2; path.distorted tells where it's none.
  *
- * Frames with `time` are sorted by it. Trainers scale time to [0, 1]: such times are multiplied by the option `duration`;
- * times beyond 1 are seconds already. Frames without times are spread over `duration` in the order of the list. Keys we
- * don't know are ignored. */
+ * Frames with `time` (or `timestamp`) are sorted by it. Trainers scale time to [0, 1]: such times are multiplied by the option
+ * `duration`; times beyond 1 are seconds already, or what path_times.c finds. Frames without times are spread over `duration`
+ * in the order of file_path: trainers write the list in any. Keys we don't know are ignored. */
 #include "camera/td_path_reader.h"
 
 #include "td_base.h"
@@ -104,16 +104,33 @@ static tides_status read_pose(td_path_reader *reader, const cJSON *frame, const 
 /* Times of all frames, sorted and scaled; or spread evenly where the file has none. */
 static tides_status settle_times(td_path_reader *reader, size_t timed) {
     if (timed == 0) {
-        td_path_spread(reader);
+        td_path_order(reader, 1);
         return TIDES_OK;
     }
     if (timed != reader->count)
         return td_fail(reader->error, TIDES_BAD_FILE, "%s: only %zu of %zu frames have a \"time\": give it to all or to none",
                        reader->file, timed, reader->count);
     td_path_sort(reader);
-    int normalised = reader->samples[0].time >= 0.0 && reader->samples[reader->count - 1].time <= 1.0;
-    for (size_t i = 0; normalised && i < reader->count; i++) reader->samples[i].time *= reader->options->duration;
-    return TIDES_OK;
+    for (size_t i = 0; i < reader->count; i++) reader->samples[i].word = NULL; /* its times have no word of their own */
+    int normalised = reader->samples[0].time >= 0.0 && reader->samples[reader->count - 1].time <= 1.0, digits;
+    if (normalised && reader->options->time_unit == TIDES_TIME_AUTO) {
+        for (size_t i = 0; i < reader->count; i++) reader->samples[i].time *= reader->options->duration;
+        return TIDES_OK;
+    }
+    tides_status status = td_path_find_unit(reader, -1, 9, &digits);
+    if (status == TIDES_OK && digits < 0) td_path_spread(reader);
+    for (size_t i = 0; status == TIDES_OK && digits >= 0 && i < reader->count; i++)
+        reader->samples[i].time /= pow(10, 9 - digits);
+    return status;
+}
+
+/* "time", or what others call it. */
+static tides_status read_time(td_path_reader *reader, const cJSON *frame, const char *where, td_path_sample *sample,
+                              size_t *timed) {
+    const char *key = td_json_has(frame, "time") ? "time" : "timestamp";
+    if (!td_json_has(frame, key)) return TIDES_OK;
+    ++*timed;
+    return td_json_number(reader, frame, where, key, &sample->time);
 }
 
 tides_status td_path_read_transforms(td_path_reader *reader, const cJSON *root) {
@@ -125,20 +142,17 @@ tides_status td_path_read_transforms(td_path_reader *reader, const cJSON *root) 
     cJSON_ArrayForEach(frame, frames) {
         char where[48];
         td_path_view view = {.distorted = 0};
-        double time = 0.0;
         snprintf(where, sizeof where, "frames[%zu]", index);
         td_path_sample *sample = td_path_append(reader, index++);
         if (!sample) return TIDES_NO_MEMORY;
+        td_path_set_name(sample, frame, "file_path");
         tides_status status = read_pose(reader, frame, where, &sample->pose);
         if (status == TIDES_OK) status = read_intrinsics(reader, frame, root, where, &view.intrinsics, &view.field_of_view_x);
-        if (status == TIDES_OK && td_json_has(frame, "time")) {
-            status = td_json_number(reader, frame, where, "time", &time);
-            timed++;
-        }
-        sample->time = time;
+        if (status == TIDES_OK) status = read_time(reader, frame, where, sample, &timed);
         view.distorted = !read_lens(frame, root, &view.intrinsics.lens);
         if (status == TIDES_OK) status = td_path_set_view(reader, sample, &view);
         if (status != TIDES_OK) return status;
     }
-    return settle_times(reader, timed);
+    const tides_status status = settle_times(reader, timed);
+    return status == TIDES_OK ? td_path_apply_frame(reader, root) : status;
 }

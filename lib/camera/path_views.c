@@ -35,15 +35,27 @@ tides_status td_path_set_view(td_path_reader *reader, td_path_sample *sample, co
     return TIDES_OK;
 }
 
+static void share_side(tides_path *path, int32_t bit, int32_t *common, int32_t other) {
+    if (*common == other) return;
+    *common = 0;
+    path->varied |= bit;
+}
+
+static void share_number(tides_path *path, int32_t bit, double *common, double other) {
+    if (!differs(*common, other)) return;
+    *common = 0.0;
+    path->varied |= bit;
+}
+
 static void share(tides_path *path, const td_path_view *view) {
     tides_intrinsics *common = &path->intrinsics;
     const tides_intrinsics *other = &view->intrinsics;
-    if (common->width != other->width) common->width = 0;
-    if (common->height != other->height) common->height = 0;
-    if (differs(common->fx, other->fx)) common->fx = 0.0;
-    if (differs(common->fy, other->fy)) common->fy = 0.0;
-    if (differs(common->cx, other->cx)) common->cx = 0.0;
-    if (differs(common->cy, other->cy)) common->cy = 0.0;
+    share_side(path, TIDES_VARIED_WIDTH, &common->width, other->width);
+    share_side(path, TIDES_VARIED_HEIGHT, &common->height, other->height);
+    share_number(path, TIDES_VARIED_FX, &common->fx, other->fx);
+    share_number(path, TIDES_VARIED_FY, &common->fy, other->fy);
+    share_number(path, TIDES_VARIED_CX, &common->cx, other->cx);
+    share_number(path, TIDES_VARIED_CY, &common->cy, other->cy);
     if (differs(path->field_of_view_x, view->field_of_view_x)) path->field_of_view_x = 0.0;
     path->distorted |= view->distorted;
     if (same_lens(&common->lens, &other->lens)) return;
@@ -135,5 +147,8 @@ tides_status td_path_choose(td_path_reader *reader) {
         reader->path.field_of_view_x = view->field_of_view_x;
         reader->path.distorted = view->distorted;
     }
+    if (reader->path.varied & (TIDES_VARIED_CX | TIDES_VARIED_CY))
+        td_path_note(reader,
+                     "its principal points differ from pose to pose: the image's centre is taken where nothing else is said");
     return status;
 }

@@ -16,6 +16,7 @@ typedef struct td_camchain_camera {
 typedef struct td_camchain {
     td_camchain_camera camera[TD_CAMCHAIN_MOST];
     int count;
+    int has_imu; /* 1: the body is the IMU */
 } td_camchain;
 
 /* Reads `text`, which it changes; `file` is for messages. TIDES_BAD_FILE, or TIDES_UNSUPPORTED for a model that we don't have,

@@ -4,6 +4,8 @@
 
 #include "tides/camera.h"
 
+#include "td_base.h"
+
 #include <cjson/cJSON.h>
 
 /* One pose of a file. Its time is `time` + `low` until `start` has been subtracted: stamps of 1e9 s with nanoseconds need 60
@@ -13,6 +15,8 @@ typedef struct td_path_sample {
     double time, low;       /* [s] */
     size_t place;           /* line number, or index in the file's list */
     size_t view;            /* which of the reader's views it is of, counted from 1; 0: the file doesn't say */
+    const char *word;       /* its picture's name, or its time as the file writes it: while the file is read; NULL: none */
+    size_t length;          /* of that word */
 } td_path_sample;
 
 /* What a pose's camera is like, as tides_path has it for all. */
@@ -59,6 +63,38 @@ void td_path_sort(td_path_reader *reader);
 /* Even times over [0, duration] for the samples that are kept, for files without times. */
 void td_path_spread(td_path_reader *reader);
 
+/* -- order (path_order.c) -- */
+
+/* What a reader of the path may not expect of it: a line of path.notes. */
+void td_path_note(td_path_reader *reader, const char *format, ...) TD_PRINTF(2, 3);
+
+/* Order of names in which digits are numbers: 2 before 10; below, at or above 0. */
+int td_path_compare_names(const char *a, size_t a_length, const char *b, size_t b_length);
+
+/* For files without times: samples in the order of their names where all have one, else of the file; then td_path_spread.
+ * `say`: notes where the file's order is another. */
+void td_path_order(td_path_reader *reader, int say);
+
+/* The text at `key` of `object` is the picture's name. */
+void td_path_set_name(td_path_sample *sample, const cJSON *object, const char *key);
+
+/* The samples into the trainer's frame, where options.frame or the file's folder has nerfstudio's dataparser_transforms.json;
+ * `root` (nullable): the transforms.json, which says what was applied to it already (path_frame.c). */
+tides_status td_path_apply_frame(td_path_reader *reader, const cJSON *root);
+
+/* Notes where poses leap, once they have their times; TIDES_NO_MEMORY. */
+tides_status td_path_note_leaps(td_path_reader *reader);
+
+/* "FILE:12" or "FILE: frames[12]"; without `file` "line 12" or "frames[12]". */
+void td_path_name_place(const td_path_reader *reader, const char *file, size_t place, char *text, size_t bytes);
+
+/* -- times (path_times.c) -- */
+
+/* The unit of the samples' times, which are as the file has them, where options.time_unit doesn't say: as a header says
+ * (`told`: digits from the unit to nanoseconds, -1: it doesn't), or else `usual` where what comes out is plausible, another
+ * where one is. Counts and what could be several are TIDES_BAD_FILE. `*digits` -1: they are numbers of poses, not times. */
+tides_status td_path_find_unit(td_path_reader *reader, int told, int usual, int *digits);
+
 /* The camera of a sample (path_views.c). */
 tides_status td_path_set_view(td_path_reader *reader, td_path_sample *sample, const td_path_view *view);
 
@@ -70,9 +106,24 @@ tides_status td_path_choose(td_path_reader *reader);
  * (path_folder.c). */
 tides_status td_path_find(const char *folder, char **file, tides_error *error);
 
+/* A text whose rows are poses: where its columns are (path_table.c). */
+typedef struct td_path_table {
+    int columns; /* of a row */
+    int commas;  /* ',' or ';' between them; 0: blanks */
+    int named;   /* 1: a line of the file names them */
+    int is_euroc;
+    int place[8];      /* of time, x, y, z, qx, qy, qz, qw; time's is -1: none */
+    int digits, usual; /* of times, to nanoseconds: as the names say, -1: they don't; and as the format has them */
+    double metres;     /* of a unit of x, y and z */
+    size_t line;       /* of the names; 0: none */
+} td_path_table;
+
+/* The table that the text is, if it is one. TIDES_BAD_FILE: it names its columns, and some are missing. */
+tides_status td_path_find_table(td_path_reader *reader, td_path_table *table);
+
 /* One reader per format. */
-tides_status td_path_read_text(td_path_reader *reader); /* TUM and ESIM */
-tides_status td_path_read_euroc(td_path_reader *reader);
+tides_status td_path_read_table(td_path_reader *reader, const td_path_table *table); /* TUM, ESIM, EuRoC */
+tides_status td_path_mount_euroc(td_path_reader *reader); /* samples of EuRoC's body to its camera's */
 tides_status td_path_read_kitti(td_path_reader *reader);
 tides_status td_path_read_llff(td_path_reader *reader);
 tides_status td_path_read_colmap(td_path_reader *reader, int binary);
@@ -107,12 +158,21 @@ tides_status td_text_take(td_text_lines *lines, const td_path_reader *reader, si
 /* Reads the finite number at `c`; returns what follows it, or `c` where there is none. */
 const char *td_text_number(const char *c, double *value);
 
-/* Reads the time at `c`, seconds or nanoseconds, with the digits that a double has no room for in `low`. `*end` is behind it,
- * or at `c` where there is no finite number. */
-void td_text_time(const char *c, int nanoseconds, td_path_sample *sample, const char **end);
+/* Reads the time at `c`, of whose unit there are 10^`places` in a second, with the digits that a double has no room for in
+ * `low`. `*end` is behind it, or at `c` where there is no finite number. */
+void td_text_time(const char *c, int places, td_path_sample *sample, const char **end);
 
 /* The quaternion's length must be about 1; `where` and `columns` name line and columns in the message. */
 tides_status td_path_check_quaternion(const td_path_reader *reader, const char *where, const double q[4], const char *columns);
+
+/* -- YAML: numbers of a list (yaml_numbers.c) ------------------------------------------------------------------------ */
+
+const char *td_yaml_skip(const char *at); /* behind blanks and line breaks */
+
+/* `count` numbers of the list at `at`, in [] or behind "- " each; rows of four, as lists in [] or behind "- " each. Return what
+ * follows, or NULL. */
+const char *td_yaml_row(const char *at, double *values, int count);
+const char *td_yaml_matrix(const char *at, double m[16]);
 
 /* -- bytes: little-endian numbers one after the other; 0 where too few are left (path_bytes.c) ---------------------------- */
 

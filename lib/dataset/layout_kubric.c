@@ -29,14 +29,17 @@ static tides_status picture(td_writer *w, const td_picture *p, tides_error *erro
     return td_plane_write(w->folder, "frames/%05u.png", (unsigned)p->index, w->camera, 8, 3, p->rgb, error);
 }
 
-/* Tracks at the pictures' times. Numbers are whole, with an exponent: no locale has a point in them. */
+/* Tracks at the pictures' times, which are whole microseconds: the run ends with the last one, where its path may end too, and
+ * the rate is what puts them there. Numbers are whole, with an exponent: no locale has a point in them. */
 static tides_status write_tracks(td_writer *w, tides_error *error) {
     const td_dataset *set = w->set;
     char start[64], stop[64], rate[64];
     snprintf(start, sizeof start, "time.start=%llde-6", (long long)set->start_us);
-    snprintf(stop, sizeof stop, "time.stop=%llde-6",
-             (long long)td_dataset_us(set, set->picture_hz, set->pictures - 1) + 1); /* the last one, however it is rounded */
-    snprintf(rate, sizeof rate, "tracks.rate_hz=%llde-6", llround(1e6 * set->picture_hz));
+    const int64_t last = td_dataset_us(set, set->picture_hz, set->pictures - 1);
+    const double steps = (double)(set->pictures - 1),
+                 hz = steps > 0 ? 1e6 * steps / (double)(last - set->start_us) : set->picture_hz;
+    snprintf(stop, sizeof stop, "time.stop=%llde-6", (long long)(steps > 0 ? last : set->stop_us));
+    snprintf(rate, sizeof rate, "tracks.rate_hz=%llde-9", (long long)ceil(1e9 * hz)); /* not below: the last one is in it */
     const char *const sets[] = {start, stop, rate};
     tides_session *session = NULL;
     char *path = td_in_folder(w->folder, error, "annotations.npy");

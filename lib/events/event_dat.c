@@ -84,7 +84,7 @@ static const char *span_dat(int64_t start_ns, int64_t stop_ns) {
     (void)stop_ns;
     return start_ns / 1000 / TURN > 0 && start_ns / 1000 > TURN / 2
                ? "DAT's clock begins anew every 4294.967296 s, and readers can't count the turns before the first event: write "
-                 "HDF5 (.h5), or bring path and run to time 0 (camera.rebase, time.start)"
+                 "HDF5 (.h5), or bring path and run to time 0 (camera.rebase or frames.rebase, and time.start)"
                : NULL;
 }
 

@@ -111,7 +111,7 @@ const td_event_format td_format_es = {
         "comes more than 10^5 s after the one before it, and Event Stream takes a byte every 127 us: count from the "
         "first event (--rebase)",
     .silent_start = "Event Stream counts from 0 and takes a byte every 127 us, for 10^5 s at most: write HDF5 (.h5), or bring "
-                    "path and run to time 0 (camera.rebase, time.start)",
+                    "path and run to time 0 (camera.rebase or frames.rebase, and time.start)",
     .detect = detect_es,
     .open = open_es,
     .read = read_es,

@@ -170,7 +170,7 @@ const td_event_format td_format_evt3 = {
     .silent_event = "comes more than 10^6 s after the one before it, and EVT 3.0 counts every 4 ms: count from the first event "
                     "(--rebase)",
     .silent_start = "EVT 3.0 counts from 0, every 4 ms, for 10^6 s at most: write HDF5 (.h5), or bring path and run to time 0 "
-                    "(camera.rebase, time.start)",
+                    "(camera.rebase or frames.rebase, and time.start)",
     .detect = detect_evt3,
     .open = open_evt3,
     .read = read_evt3,

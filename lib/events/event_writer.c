@@ -52,7 +52,7 @@ static tides_status check_file(const char *path, const td_event_format *format, 
     if (known && file->start_ns < 0 && !format->negative)
         return td_fail(error, TIDES_UNSUPPORTED,
                        "%s: %s has no times before 0, and the run goes from %.15g to %.15g s: write HDF5 (.h5), or move it "
-                       "(camera.rebase, time.start)",
+                       "(camera.rebase or frames.rebase, and time.start)",
                        path, format->summary, start, stop);
     const char *why = known ? why_not_span(format, file->start_ns, file->stop_ns) : NULL;
     if (why) return td_fail(error, TIDES_UNSUPPORTED, "%s: can't hold a run from %.15g to %.15g s: %s", path, start, stop, why);

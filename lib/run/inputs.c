@@ -185,6 +185,11 @@ static tides_status add_all(list *l, const tides_run *run) {
         if (on_frames && (strncmp(row->key, "camera.", 7) == 0 || strncmp(row->key, "scene.", 6) == 0)) continue;
         if (row->type == TIDES_PARAM_OBJECTS) status = add_objects(l, run, row->key);
         if (run->files[i]) status = add_row(l, run, row, run->files[i]);
+        if (strcmp(row->key, "camera.frame") == 0 && td_run_file(run, "camera.file")) {
+            char *frame = NULL;
+            status = td_run_find_frame(run, &frame, l->error);
+            if (frame) status = add(l, row->key, frame);
+        }
         if (strcmp(row->key, "sensor.preset") == 0 && cJSON_IsString(run->values[i]) &&
             td_preset_is_file(run->values[i]->valuestring))
             status = add(l, row->key, td_run_resolve(run, run->values[i]->valuestring, l->error));

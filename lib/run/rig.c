@@ -231,6 +231,21 @@ int32_t tides_run_rig_camera(const tides_run *run, size_t index, tides_rig_camer
     return item != NULL;
 }
 
+void td_rig_move_imu(const tides_run *run, double T[16]) {
+    const cJSON *camera = chosen(run);
+    if (!camera) return;
+    tides_rig_camera facts;
+    describe(camera, &facts);
+    const double *c = facts.T_B_C;
+    double made[12];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 4; j++) {
+            made[4 * i + j] = 0;
+            for (int k = 0; k < 3; k++) made[4 * i + j] += c[4 * k + i] * (T[4 * k + j] - (j == 3 ? c[4 * k + 3] : 0));
+        }
+    memcpy(T, made, sizeof made);
+}
+
 tides_status td_rig_mount(const tides_run *run, tides_trajectory **path, tides_error *error) {
     const cJSON *camera = chosen(run);
     if (!camera) return TIDES_OK;

@@ -154,6 +154,7 @@ tides_status td_rig_read_file(tides_run *run, tides_error *error) {
         status = td_fail(error, TIDES_NO_MEMORY, "out of memory: %s", file);
     if (status == TIDES_OK) status = merge_all(run, list, file, error);
     if (status == TIDES_OK) status = replace(run, list, file, error);
+    if (status == TIDES_OK) run->imu_body = chain->has_imu;
     cJSON_Delete(list);
     free(chain);
     free(file);

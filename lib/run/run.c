@@ -6,6 +6,7 @@
 #include "td_params.h"
 #include "td_run.h"
 
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -249,12 +250,21 @@ tides_status tides_run_parse(const char *text, const char *directory, const char
     return parse(text, strlen(text), "run", directory ? directory : "", overrides, count, run, error);
 }
 
-tides_status td_run_note(tides_run *run, const char *line, tides_error *error) {
-    char *notes = td_format(error, "%s%s%s", run->notes ? run->notes : "", run->notes ? "\n" : "", line);
-    if (!notes) return TIDES_NO_MEMORY;
-    free(run->notes);
-    run->notes = notes;
+tides_status td_note(char **notes, tides_error *error, const char *format, ...) {
+    char line[2048];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(line, sizeof line, format, arguments);
+    va_end(arguments);
+    char *made = td_format(error, "%s%s%s", *notes ? *notes : "", *notes ? "\n" : "", line);
+    if (!made) return TIDES_NO_MEMORY;
+    free(*notes);
+    *notes = made;
     return TIDES_OK;
+}
+
+tides_status td_run_note(tides_run *run, const char *line, tides_error *error) {
+    return td_note(&run->notes, error, "%s", line);
 }
 
 const char *tides_run_notes(const tides_run *run) { return run && run->notes ? run->notes : ""; }

@@ -1,4 +1,6 @@
-/* Opens what a run names: the scene with its moving objects, and the camera's path with its intrinsics; or the frames. */
+/* Opens what a run names: the scene with its moving objects, and the camera's path with its intrinsics; or the frames. What a
+ * reader of the run may not expect of them is noted on the way. */
+#include "td_folder.h"
 #include "td_run.h"
 
 #include <math.h>
@@ -17,6 +19,22 @@ static tides_status check_cover(const tides_run *run, const tides_trajectory *tr
                    "time.stop%s",
                    run->origin, key, file, first, last, start, stop,
                    strcmp(key, "camera.file") == 0 ? ", or camera.start_s, camera.rebase or camera.duration_s" : "");
+}
+
+/* What there is to say of a path; `key` names it. */
+static tides_status note_path(const tides_run *run, const tides_path *path, const char *file, const char *key, char **notes,
+                              tides_error *error) {
+    const int camera = strcmp(key, "camera.file") == 0;
+    tides_status status = TIDES_OK;
+    for (const char *line = path->notes; *line && status == TIDES_OK;) {
+        const size_t length = strcspn(line, "\n");
+        status = td_note(notes, error, "%s: %s: %.*s", key, file, (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+    if (status != TIDES_OK || !path->untimed || (camera && tides_run_gives(run, "camera.duration_s"))) return status;
+    return td_note(notes, error, "%s: %s: has no times: its %zu poses are spread evenly over %g s%s", key, file,
+                   tides_trajectory_count(path->trajectory), camera ? td_run_number(run, "camera.duration_s") : 1.0,
+                   camera ? "; camera.duration_s says how long they last" : "");
 }
 
 /* What a file brought into the scene, from object `first` on, must cover the run too: an .h5 may hold moving objects. */
@@ -43,7 +61,8 @@ static tides_status add_file(const tides_run *run, tides_scene *scene, const cha
 }
 
 /* Adds scene.objects[index]. */
-static tides_status add_object(const tides_run *run, const cJSON *object, int index, tides_scene *scene, tides_error *error) {
+static tides_status add_object(const tides_run *run, const cJSON *object, int index, tides_scene *scene, char **notes,
+                               tides_error *error) {
     const cJSON *motion = cJSON_GetObjectItemCaseSensitive(object, "trajectory");
     const cJSON *size = cJSON_GetObjectItemCaseSensitive(object, "scale");
     char key[TD_KEY_MAX], path_key[TD_KEY_MAX];
@@ -61,6 +80,7 @@ static tides_status add_object(const tides_run *run, const cJSON *object, int in
         tides_path_options_defaults(&options);
         status = tides_path_load(path_file, &options, &path, error);
         if (status == TIDES_OK) status = check_cover(run, path.trajectory, path_file, path_key, error);
+        if (status == TIDES_OK) status = note_path(run, &path, path_file, path_key, notes, error);
         if (status != TIDES_OK) goto done;
     }
     const cJSON *part = cJSON_GetObjectItemCaseSensitive(object, "part");
@@ -81,7 +101,7 @@ static tides_status set_duration(const tides_run *run, tides_scene *scene, tides
                    "%s: scene.duration_s is given, but no object of the scene moves by itself; leave it out", run->origin);
 }
 
-static tides_status open_scene(const tides_run *run, tides_scene **scene, tides_error *error) {
+static tides_status open_scene(const tides_run *run, tides_scene **scene, char **notes, tides_error *error) {
     tides_scene *made = NULL;
     tides_status status = tides_scene_create(&made, error);
     if (status != TIDES_OK) return status;
@@ -92,7 +112,7 @@ static tides_status open_scene(const tides_run *run, tides_scene **scene, tides_
     const cJSON *object;
     int index = 0;
     cJSON_ArrayForEach(object, td_run_value(run, "scene.objects")) {
-        if (status == TIDES_OK) status = add_object(run, object, index++, made, error);
+        if (status == TIDES_OK) status = add_object(run, object, index++, made, notes, error);
     }
     if (status == TIDES_OK) status = set_duration(run, made, error);
     if (status == TIDES_OK)
@@ -176,6 +196,13 @@ static tides_status merge_intrinsics(const tides_run *run, const tides_path *fil
                        "camera.scale alone",
                        run->origin, missing, td_run_file(run, "camera.file"), path->width, path->height, own.width, own.height,
                        missing);
+    const int32_t bit = own.width == 0 ? TIDES_VARIED_WIDTH : own.height == 0 ? TIDES_VARIED_HEIGHT : TIDES_VARIED_FX;
+    if (missing && (file->varied & bit))
+        return td_fail(error, TIDES_BAD_CONFIG,
+                       "%s: camera.%s is missing: %s gives it differently from pose to pose; set camera.%s [px], or choose "
+                       "poses "
+                       "of one camera by camera.views",
+                       run->origin, missing, td_run_file(run, "camera.file"), missing);
     if (missing)
         return td_fail(error, TIDES_BAD_CONFIG, "%s: camera.%s is missing: %s doesn't give it either; set camera.%s [px]",
                        run->origin, missing, td_run_file(run, "camera.file"), missing);
@@ -215,19 +242,57 @@ static tides_status find_orbit(const tides_run *run, const tides_scene *scene, t
     return status == TIDES_OK ? status : td_fail_within(error, status, "%s: camera.orbit_s, camera.up", run->origin);
 }
 
+tides_status td_run_find_frame(const tides_run *run, char **file, tides_error *error) {
+    static const char name[] = "dataparser_transforms.json";
+    const cJSON *given = td_run_value(run, "camera.frame");
+    const char *const near[] = {td_run_file(run, "camera.file"), td_run_file(run, "scene.file")};
+    *file = NULL;
+    if (cJSON_IsString(given) && strcmp(given->valuestring, "none") == 0) return TIDES_OK;
+    if (cJSON_IsString(given)) {
+        *file = td_run_resolve(run, given->valuestring, error);
+        return *file ? TIDES_OK : TIDES_NO_MEMORY;
+    }
+    for (int i = 0; i < 2 && !*file; i++) {
+        if (!near[i]) continue;
+        char *beside = td_is_folder(near[i]) ? td_format(error, "%s/%s", near[i], name) : td_beside(near[i], name, error);
+        if (!beside) return TIDES_NO_MEMORY;
+        if (td_is_file(beside))
+            *file = beside;
+        else
+            free(beside);
+    }
+    return TIDES_OK;
+}
+
+/* Where the calibration has the IMU: on the rig's body, or as the path's folder says. */
+static void place_imu(const tides_run *run, const tides_path *path, td_opening *opening) {
+    static const double same[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    opening->has_imu = run->imu_body || path->has_imu;
+    memcpy(opening->T_C_I, path->has_imu ? path->T_C_I : same, sizeof same);
+    td_rig_move_imu(run, opening->T_C_I);
+}
+
 tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, tides_trajectory **camera,
-                                tides_intrinsics *intrinsics, tides_error *error) {
+                                tides_intrinsics *intrinsics, td_opening *opening, tides_error *error) {
     tides_run_values values;
     tides_run_get(run, &values);
     tides_path path = {.trajectory = NULL};
     tides_status status;
     if (values.camera_file) {
-        status = tides_path_load(values.camera_file, &values.path, &path, error);
+        char *frame = NULL;
+        status = td_run_find_frame(run, &frame, error);
+        values.path.body = run->imu_body; /* rig.file puts the cameras there */
+        values.path.frame = frame ? frame : "none";
+        if (status == TIDES_OK) status = tides_path_load(values.camera_file, &values.path, &path, error);
+        free(frame);
+        opening->unframed = strcmp(path.format, "transforms") == 0 && !path.framed && !tides_run_gives(run, "camera.frame");
         if (status == TIDES_OK) status = check_cover(run, path.trajectory, values.camera_file, "camera.file", error);
         if (status == TIDES_OK) status = merge_intrinsics(run, &path, intrinsics, error);
+        if (status == TIDES_OK) status = note_path(run, &path, values.camera_file, "camera.file", &opening->notes, error);
     } else {
         status = find_orbit(run, scene, &path.trajectory, intrinsics, error);
     }
+    if (status == TIDES_OK) place_imu(run, &path, opening);
     if (status == TIDES_OK) status = td_rig_mount(run, &path.trajectory, error);
     if (status == TIDES_OK)
         *camera = path.trajectory;
@@ -236,20 +301,32 @@ tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, 
     return status;
 }
 
-tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera, tides_intrinsics *intrinsics,
-                            tides_error *error) {
-    if (!run || !scene || !camera || !intrinsics)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_open: run, scene, camera or intrinsics is NULL");
+/* Splats of ns-export are in the trainer's frame, and these cameras aren't. */
+static tides_status note_frames(const tides_run *run, const tides_scene *scene, const tides_trajectory *path,
+                                const tides_intrinsics *k, td_opening *opening, tides_error *error) {
+    int32_t sees = 1;
+    tides_status status = td_run_sees(scene, path, k, &sees, error);
+    if (status != TIDES_OK || sees) return status;
+    return td_note(&opening->notes, error,
+                   "camera.file: %s: its cameras see next to nothing of the scene, or stand far outside: where nerfstudio made "
+                   "it, put "
+                   "its dataparser_transforms.json beside one of them, or name it in camera.frame",
+                   td_run_file(run, "camera.file"));
+}
+
+tides_status td_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera, tides_intrinsics *intrinsics,
+                         td_opening *opening, tides_error *error) {
     if (td_run_file(run, "frames.file"))
         return td_fail(error, TIDES_BAD_CONFIG, "%s: the run has frames.file and no scene to render", run->origin);
     tides_trajectory *path = NULL;
     tides_intrinsics size = {0};
     tides_scene *made = NULL;
     const int32_t given = td_run_file(run, "camera.file") != NULL;
-    tides_status status = given ? td_run_open_camera(run, NULL, &path, &size, error)
+    tides_status status = given ? td_run_open_camera(run, NULL, &path, &size, opening, error)
                                 : TIDES_OK; /* first: it is small, and most slips are in it */
-    if (status == TIDES_OK) status = open_scene(run, &made, error);
-    if (status == TIDES_OK && !given) status = td_run_open_camera(run, made, &path, &size, error);
+    if (status == TIDES_OK) status = open_scene(run, &made, &opening->notes, error);
+    if (status == TIDES_OK && !given) status = td_run_open_camera(run, made, &path, &size, opening, error);
+    if (status == TIDES_OK && opening->unframed) status = note_frames(run, made, path, &size, opening, error);
     if (status != TIDES_OK) {
         tides_scene_destroy(made);
         tides_trajectory_destroy(path);
@@ -259,6 +336,16 @@ tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_tra
     *camera = path;
     *intrinsics = size;
     return TIDES_OK;
+}
+
+tides_status tides_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera, tides_intrinsics *intrinsics,
+                            tides_error *error) {
+    if (!run || !scene || !camera || !intrinsics)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_open: run, scene, camera or intrinsics is NULL");
+    td_opening opening = {.notes = NULL};
+    tides_status status = td_run_open(run, scene, camera, intrinsics, &opening, error);
+    free(opening.notes);
+    return status;
 }
 
 tides_status tides_run_open_frames(const tides_run *run, tides_frames **frames, tides_error *error) {

@@ -9,6 +9,10 @@
 
 void tides_session_get(const tides_session *session, tides_session_facts *facts) { *facts = session->facts; }
 
+const char *tides_session_notes(const tides_session *session) {
+    return session && session->opening.notes ? session->opening.notes : "";
+}
+
 void tides_session_close(tides_session *session) {
     if (!session) return;
     if (session->owns_inputs) {
@@ -18,6 +22,7 @@ void tides_session_close(tides_session *session) {
     if (session->owns_inputs || session->owns_camera) tides_trajectory_destroy(session->camera);
     if (session->owns_device) tides_device_close(session->facts.device);
     tides_run_destroy(session->run);
+    free(session->opening.notes);
     free(session);
 }
 
@@ -62,7 +67,7 @@ static tides_status fill(tides_session *s, const char *spec, tides_device *devic
     if (facts->values.frames_file) {
         status = open_frames(s, error);
     } else {
-        status = tides_run_open(facts->run, &s->scene, &s->camera, &facts->intrinsics, error);
+        status = td_run_open(facts->run, &s->scene, &s->camera, &facts->intrinsics, &s->opening, error);
         if (status == TIDES_OK) status = open_device(s, spec, device, error);
     }
     facts->scene = s->scene;
@@ -154,9 +159,11 @@ tides_status tides_session_vary(const tides_session *base, const char *const *ov
     if (status == TIDES_OK) {
         made->facts = base->facts;
         made->camera = base->camera;
+        made->opening = base->opening;
+        made->opening.notes = NULL; /* were told of the base */
     }
     if (status == TIDES_OK && is_other_camera(base, made->run)) {
-        status = td_run_open_camera(made->run, base->scene, &made->camera, &made->facts.intrinsics, error);
+        status = td_run_open_camera(made->run, base->scene, &made->camera, &made->facts.intrinsics, &made->opening, error);
         made->owns_camera = status == TIDES_OK;
     }
     if (status != TIDES_OK) {

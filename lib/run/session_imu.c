@@ -1,5 +1,6 @@
 /* Inertial measurements of a run's camera as files, with the biases that are in them. */
 #include "archive/td_npy.h"
+#include "camera/td_rotation.h"
 #include "run/td_imu_file.h"
 #include "run/td_run.h"
 #include "run/td_session.h"
@@ -121,6 +122,16 @@ static tides_status write_any(const recording *r, const char *path, tides_error 
     return write_pair(r, path, td_ends_in(path, ".csv") ? put_csv : put_txt, error);
 }
 
+/* The IMU's path where a calibration has it; NULL: it's the camera's. */
+static tides_status find_imu(const tides_session *session, tides_trajectory **moved, tides_error *error) {
+    const double *t = session->opening.T_C_I, rotation[9] = {t[0], t[1], t[2], t[4], t[5], t[6], t[8], t[9], t[10]};
+    const double position[3] = {t[3], t[7], t[11]};
+    double quaternion[4];
+    if (!session->opening.has_imu) return TIDES_OK;
+    td_quaternion_from_rotation(rotation, quaternion);
+    return tides_trajectory_create_mounted(session->facts.camera, position, quaternion, moved, error);
+}
+
 tides_status tides_session_imu(tides_session *session, const char *path, tides_session_taken *done, tides_error *error) {
     if (!session || !path) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_session_imu: session or path is NULL");
     const tides_run_values *v = &session->facts.values;
@@ -134,9 +145,13 @@ tides_status tides_session_imu(tides_session *session, const char *path, tides_s
     recording r = {.facts = &session->facts, .count = tides_imu_count(&imu, v->start, v->stop)};
     r.samples = td_alloc(r.count, sizeof *r.samples, error);
     tides_status status = r.samples ? TIDES_OK : TIDES_NO_MEMORY;
-    if (status == TIDES_OK) status = tides_trajectory_imu(session->facts.camera, &imu, v->start, r.count, r.samples, error);
+    tides_trajectory *moved = NULL;
+    if (status == TIDES_OK) status = find_imu(session, &moved, error);
+    if (status == TIDES_OK)
+        status = tides_trajectory_imu(moved ? moved : session->facts.camera, &imu, v->start, r.count, r.samples, error);
     if (status == TIDES_OK) status = write_any(&r, path, error);
-    if (status == TIDES_OK && done) *done = (tides_session_taken){.count = r.count};
+    if (status == TIDES_OK && done) *done = (tides_session_taken){.count = r.count, .at_imu = session->opening.has_imu};
+    tides_trajectory_destroy(moved);
     free(r.samples);
     return status;
 }

@@ -22,6 +22,7 @@ struct tides_run {
     cJSON **beneath;      /* one per row: what the run file says where TD_GIVEN_RIG or _PRESET hides it, or NULL */
     char **files;         /* one per row: the resolved path where the row is a file's, and isn't null */
     char *json;           /* every key, defaults filled in */
+    int32_t imu_body;     /* 1: rig.file says that the body which camera.file moves is its IMU */
     char *notes;          /* what the run's reader may not expect, a line each; NULL: nothing */
 };
 
@@ -49,7 +50,8 @@ tides_status td_run_override(tides_run *run, const char *assignment, tides_error
 /* run_json.c: copies `value` to its row's place. */
 tides_status td_run_store(tides_run *run, const tides_param *row, const cJSON *value, tides_error *error);
 
-/* run.c: adds a line to the notes. */
+/* run.c: adds a line to notes, which are the caller's to free (NULL: none yet), or to the run's. */
+tides_status td_note(char **notes, tides_error *error, const char *format, ...) TD_PRINTF(3, 4);
 tides_status td_run_note(tides_run *run, const char *line, tides_error *error);
 
 /* rig.c: whether rig.cameras may be `value`; what the camera that rig.camera names has of its own, into the run; and its path,
@@ -59,6 +61,8 @@ tides_status td_rig_apply(tides_run *run, tides_error *error);
 tides_status td_rig_read_file(tides_run *run, tides_error *error); /* rig_file.c: before it, the cameras of rig.file */
 uint64_t td_rig_seed(const tides_run *run, uint64_t seed);         /* of that camera: its own noise */
 tides_status td_rig_mount(const tides_run *run, tides_trajectory **path, tides_error *error);
+/* T_B_I (p_body = T_B_I p_imu) becomes that camera's T_C_I. */
+void td_rig_move_imu(const tides_run *run, double T[16]);
 
 /* 1 where the name is a video's: .y4m, or "-" for one from a pipe. */
 int32_t td_run_is_video(const char *file);
@@ -77,9 +81,28 @@ void td_run_free_values(cJSON **values);
 /* run_values.c: what the values are where a run says nothing; files, texts and intrinsics are NULL and 0. */
 void td_run_values_defaults(tides_run_values *values);
 
-/* run_open.c: the camera's path and intrinsics alone; `scene` is what an orbit is about, NULL where camera.file is given. */
+/* What opening a run finds beside what it opens. */
+typedef struct td_opening {
+    char *notes;      /* what a reader of the run may not expect, for the caller to free; NULL: nothing */
+    int32_t unframed; /* 1: cameras are nerfstudio's, and no dataparser_transforms.json was there */
+    int32_t has_imu;  /* 1: a calibration says where the IMU is */
+    double T_C_I[16]; /* there: p_camera = T_C_I p_imu, by rows [scene units] */
+} td_opening;
+
+/* run_open.c: what tides_run_open does; and the camera's path and intrinsics alone, where `scene` is what an orbit is about,
+ * NULL where camera.file is given. */
+tides_status td_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera, tides_intrinsics *intrinsics,
+                         td_opening *opening, tides_error *error);
 tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, tides_trajectory **camera,
-                                tides_intrinsics *intrinsics, tides_error *error);
+                                tides_intrinsics *intrinsics, td_opening *opening, tides_error *error);
+
+/* run_open.c: the dataparser_transforms.json that camera.frame names, or that lies beside camera.file or scene.file: allocated;
+ * NULL where there is none to be used. */
+tides_status td_run_find_frame(const tides_run *run, char **file, tides_error *error);
+
+/* seen.c: 0 where no pose of the path sees more than next to nothing of what is at rest in the scene, or all are far out. */
+tides_status td_run_sees(const tides_scene *scene, const tides_trajectory *path, const tides_intrinsics *k, int32_t *sees,
+                         tides_error *error);
 
 /* run.c: the value of a row that is known to be in the table; `path` against the run's directory, allocated. */
 const cJSON *td_run_value(const tides_run *run, const char *key);

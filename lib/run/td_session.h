@@ -3,6 +3,7 @@
 #define TD_SESSION_H
 
 #include "events/td_event_truth.h"
+#include "run/td_run.h"
 #include "tides/session.h"
 
 struct tides_session {
@@ -11,6 +12,7 @@ struct tides_session {
     tides_scene *scene;
     tides_trajectory *camera;
     tides_frames *frames;
+    td_opening opening;               /* its notes are the session's */
     int32_t owns_inputs, owns_device; /* 0: those of the session that it varies, the caller's */
     int32_t owns_camera;              /* 1 without owns_inputs: another camera of the rig */
 };

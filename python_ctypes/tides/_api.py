@@ -25,13 +25,14 @@ TIDES_NO_DEVICE = 8
 TIDES_DEVICE_FAILED = 9
 TIDES_CANCELLED = 10
 TIDES_OUT_OF_RANGE = 11
-TIDES_TRANSFER_LINEAR = 0
-TIDES_TRANSFER_SRGB = 1
 TIDES_TIME_AUTO = 0
 TIDES_TIME_S = 1
 TIDES_TIME_MS = 2
 TIDES_TIME_US = 3
 TIDES_TIME_NS = 4
+TIDES_TIME_INDEX = 5
+TIDES_TRANSFER_LINEAR = 0
+TIDES_TRANSFER_SRGB = 1
 TIDES_LABEL_CAUSE = 1
 TIDES_LABEL_FIRED = 2
 TIDES_LABEL_FRONTEND = 4
@@ -43,6 +44,13 @@ TIDES_JITTER_DELAY = 1
 TIDES_LENS_NONE = 0
 TIDES_LENS_RADTAN = 1
 TIDES_LENS_EQUIDISTANT = 2
+TIDES_PATH_NOTES = 1024
+TIDES_VARIED_WIDTH = 1
+TIDES_VARIED_HEIGHT = 2
+TIDES_VARIED_FX = 4
+TIDES_VARIED_FY = 8
+TIDES_VARIED_CX = 16
+TIDES_VARIED_CY = 32
 TIDES_DEVICE_CPU = 1
 TIDES_DEVICE_GPU = 2
 TIDES_DEVICE_OTHER = 3
@@ -298,7 +306,8 @@ tides_progress = CFUNCTYPE(c_int, c_void_p, c_double, c_char_p)
 class tides_frames_options(Structure):
     """uint32_t size;
     int32_t transfer; /* TIDES_TRANSFER_* */
-    int32_t unit; /* TIDES_TIME_* of timestamp files and of arrays with times */
+    int32_t unit; /* TIDES_TIME_* of timestamp files and of arrays with times; AUTO: microseconds in
+    image_timestamps.txt (DSEC), seconds in any other */
     int32_t rebase; /* 1: the first frame's time becomes 0 */
     const char *timestamps; /* text file with one time per line, or NULL */
     double frames_per_second; /* [Hz]: frame k is at k / rate; 0: not given */
@@ -818,9 +827,10 @@ class tides_intrinsics(Structure):
 
 class tides_path_options(Structure):
     """uint32_t size; /* sizeof this struct, set by the defaults function */
-    int32_t reserved;
+    int32_t time_unit; /* TIDES_TIME_* of a file's times; AUTO: as its header says, else the format's where that is plausible */
     double duration; /* [s] files without times (cameras.json, COLMAP, LLFF ...): poses are spread evenly over
-    [0, duration], in the order of the file or of names; files with trainer's times in [0, 1]
+    [0, duration], in the order of pictures' names, with digits as numbers, where the file has
+    them, else of the file; files with trainer's times in [0, 1]
     (D-NeRF, nerfies): times are multiplied by it */
     double start; /* [s] subtracted from every time of the file, after scaling */
     int32_t rebase; /* 1: `start` is ignored and the first sample is put at 0 */
@@ -829,24 +839,34 @@ class tides_path_options(Structure):
     const char *views; /* which poses to keep, as Python slices with commas between: "7", "0:100:10", "3,5,-1"; NULL: all.
     Counted from 0 in the path's order: of times, of images' names, else of the file. What a file
     without times has left is spread over `duration` */
+    int32_t body; /* EuRoC: 1 leaves the body's poses as they are instead of putting its camera there (T_BS of sensor.yaml) */
+    int32_t reserved;
+    const char *frame; /* transforms.json and COLMAP: nerfstudio's dataparser_transforms.json, which puts cameras where
+    ns-export puts splats; NULL: the one beside the file; "none": as the file has them */
     """
 
     size: int
-    reserved: int
+    time_unit: int
     duration: float
     start: float
     rebase: int
     raw_positions: int
     views: bytes | None
+    body: int
+    reserved: int
+    frame: bytes | None
 
     _fields_ = [
         ("size", c_uint32),
-        ("reserved", c_int32),
+        ("time_unit", c_int32),
         ("duration", c_double),
         ("start", c_double),
         ("rebase", c_int32),
         ("raw_positions", c_int32),
         ("views", c_char_p),
+        ("body", c_int32),
+        ("reserved", c_int32),
+        ("frame", c_char_p),
     ]
 
 
@@ -858,7 +878,14 @@ class tides_path(Structure):
     "nerfies" */
     int32_t distorted; /* 1: the file gives distortion that is no tides_lens, or differs from frame to frame: intrinsics are of
     the pinhole that agrees with the lens at its axis. Runs then want camera.lens */
+    int32_t untimed; /* 1: the file has several poses and no times; they are spread over options.duration */
+    int32_t varied; /* TIDES_VARIED_* of intrinsics that are 0 because they differ from frame to frame */
+    int32_t framed; /* 1: dataparser_transforms.json was applied */
     int32_t reserved;
+    int32_t has_imu; /* 1: the file's folder says where an IMU is (EuRoC's) */
+    double T_C_I[16]; /* where it does: p_camera = T_C_I p_imu, by rows */
+    char notes[TIDES_PATH_NOTES]; /* what a reader of the path may not expect of it, a line each: poses that leap, an order or
+    a unit that was found; "" where there is nothing */
     """
 
     trajectory: Any
@@ -866,7 +893,13 @@ class tides_path(Structure):
     field_of_view_x: float
     format: Any
     distorted: int
+    untimed: int
+    varied: int
+    framed: int
     reserved: int
+    has_imu: int
+    T_C_I: Any
+    notes: Any
 
     _fields_ = [
         ("trajectory", P(tides_trajectory)),
@@ -874,7 +907,13 @@ class tides_path(Structure):
         ("field_of_view_x", c_double),
         ("format", c_char * 32),
         ("distorted", c_int32),
+        ("untimed", c_int32),
+        ("varied", c_int32),
+        ("framed", c_int32),
         ("reserved", c_int32),
+        ("has_imu", c_int32),
+        ("T_C_I", c_double * 16),
+        ("notes", c_char * 1024),
     ]
 
 
@@ -2316,6 +2355,8 @@ class tides_session_taken(Structure):
     double renders; /* frames: renders that they took, in full frames */
     uint64_t unsettled; /* frames: pixels that stayed above the tolerance */
     uint64_t pairs; /* frames: (splat, pixel) pairs that were composited; 0: nothing of the scene was in view */
+    int32_t at_imu; /* of measurements: 1: where a calibration has the IMU, 0: in the camera's place, with its axes */
+    int32_t reserved;
     """
 
     count: int
@@ -2324,6 +2365,8 @@ class tides_session_taken(Structure):
     renders: float
     unsettled: int
     pairs: int
+    at_imu: int
+    reserved: int
 
     _fields_ = [
         ("count", c_uint64),
@@ -2332,6 +2375,8 @@ class tides_session_taken(Structure):
         ("renders", c_double),
         ("unsettled", c_uint64),
         ("pairs", c_uint64),
+        ("at_imu", c_int32),
+        ("reserved", c_int32),
     ]
 
 
@@ -3805,6 +3850,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_session_load": (c_int32, [
         c_char_p, P(c_char_p), c_size_t, c_char_p, P(P(tides_session)), P(tides_error)
     ], "file overrides count device session error"),
+    # const char *tides_session_notes(const tides_session *session)
+    "tides_session_notes": (c_char_p, [P(tides_session)], "session"),
     # tides_status tides_session_open(const tides_run *run, tides_device *device, tides_session **session, tides_error
     # *error)
     "tides_session_open": (c_int32, [

@@ -16,6 +16,7 @@ from ._handle import Handle
 from ._library import lib
 from ._progress import Progress, Reporter
 from ._values import Facts, Value, _fields, plain
+from ._warn import warn
 from .baselines import BaselineParams, Frames, FramesOptions
 from .device import Device, opened
 from .exposure import Exposure
@@ -109,6 +110,10 @@ class Session(Handle):
         self.values, self.sees_frames = values_of(facts.values, self), bool(facts.sees_frames)
         self.intrinsics = Intrinsics._from(facts.intrinsics)
         self.scene = self.camera = self.frames = None
+        #: What a reader of the run may not expect of what was opened; each line is warned of, too.
+        self.notes = text(lib.tides_session_notes(made)).splitlines()
+        for line in self.notes:
+            warn(line)
         self.device = device if device or not facts.device else Device._lent(facts.device, self)
         if facts.frames:
             self.frames = Frames._lent(facts.frames, self)

@@ -15,6 +15,7 @@ from ._call import array, call, doubles, given, instance, path, pointer, text
 from ._handle import Handle
 from ._library import lib
 from ._values import Value, _fields, filled
+from ._warn import warn
 
 _SAMPLE = np.dtype(_api.tides_pose_sample)
 _SHOWN: Any = [name for name, _ in _fields(_api.tides_pose_sample)]
@@ -299,10 +300,11 @@ class Intrinsics(Value, _api.tides_intrinsics):
 
 
 class PathOptions(Value, _api.tides_path_options):
-    """How a path file is read: duration [s] of files without times, start [s], rebase, raw_positions, views
-    ("0:100:10": which poses to keep)."""
+    """How a path file is read: duration [s] of files without times, time_unit of those with times ("auto", "s",
+    "ms", "us", "ns", "index"), start [s], rebase, raw_positions, views ("0:100:10": which poses to keep)."""
 
     _defaults = "tides_path_options_defaults"
+    _words = {"time_unit": "TIDES_TIME_"}
 
 
 class Camera:
@@ -312,6 +314,7 @@ class Camera:
         self.trajectory = instance(trajectory, Trajectory, "Camera: trajectory")
         self.intrinsics = given(intrinsics, Intrinsics, "Camera: intrinsics").copy(**lens)
         self.format, self.distorted, self.field_of_view_x = "", False, 0.0  #: what a file said, where it came from one
+        self.notes: list[str] = []  #: what a reader of that file may not expect of it; warned of when it is read
 
     @classmethod
     def load(cls, file: str | os.PathLike[str], lens: dict[str, Any] | None = None, **options: Any) -> "Camera":
@@ -322,6 +325,12 @@ class Camera:
         camera = cls(Trajectory._of(made.trajectory), Intrinsics._from(made.intrinsics), **(lens or {}))
         camera.format, camera.distorted = text(made.format), bool(made.distorted)
         camera.field_of_view_x = made.field_of_view_x
+        camera.notes = text(made.notes).splitlines()
+        if made.untimed and "duration" not in options:
+            lasts = f"{len(camera.trajectory)} poses are spread evenly over 1 s; duration says how long they last"
+            camera.notes.append(f"has no times: its {lasts}")
+        for line in camera.notes:
+            warn(f"{os.fspath(file)}: {line}")
         return camera
 
     def save(self, file: str | os.PathLike[str]) -> None:

@@ -27,3 +27,7 @@ missing three
 missing three.part
 expect 0 tides dataset --help
 out "mvsec +MVSEC"
+
+# A run may end where its path ends.
+expect 0 tides dataset run.json -o end --layout kubric --set dataset.picture_hz=50 --set exposure.exposure_s=0
+[ -s end/annotations.npy ] || fail "end/annotations.npy should be there"

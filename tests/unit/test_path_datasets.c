@@ -239,6 +239,22 @@ static void euroc_paths(void **state) {
     assert_intrinsics(&path, (const double[6]){752, 480, 458.5, 457.25, 368, 248.5});
     assert_int_equal(path.distorted, 0);
     tides_trajectory_destroy(path.trajectory);
+    write_text(scene_in_folder(*state, "sensor.yaml"), /* as PyYAML dumps it */
+               "\xEF\xBB\xBFT_BS:\n  cols: 4\n  data:\n  - 0.0\n  - 0.0\n  - 1.0\n  - 0.0\n  - -1\n  - 0\n  - 0\n  - 0\n"
+               "  - 0\n  - -1\n  - 0\n  - 1.0\n  - 0\n  - 0\n  - 0\n  - 1\n  rows: 4\nresolution:\n- 752\n- 480\n"
+               "intrinsics:\n- 458.5\n- 457.25\n- 367.5\n- 248\n");
+    path = load(file, &options);
+    assert_pose(&path, 1, 0.250000001, ahead, twice);
+    assert_intrinsics(&path, (const double[6]){752, 480, 458.5, 457.25, 368, 248.5});
+    assert_int_equal(path.has_imu, 1); /* at the body's origin: in the camera's axes (0, 1, 0) below it */
+    const double place[16] = {0, -1, 0, 0, 0, 0, -1, 1, 1, 0, 0, 0, 0, 0, 0, 1};
+    for (int k = 0; k < 16; k++) assert_true(fabs(path.T_C_I[k] - place[k]) < 1e-15);
+    tides_trajectory_destroy(path.trajectory);
+    options.body = 1;
+    path = load(file, &options);
+    assert_pose(&path, 1, 0.250000001, away, forward);
+    assert_int_equal(path.has_imu, 0);
+    tides_trajectory_destroy(path.trajectory);
     static const struct {
         const char *sensor, *words;
     } cases[] = {
@@ -255,12 +271,12 @@ static void euroc_paths(void **state) {
     }
     remove(scene_in_folder(*state, "sensor.yaml"));
     write_text(file, "#q_RS_w\n1,2,3,4,1,0,0,0\n2,2,3,4,2,0,0,0\n");
-    expect_refused(file, TIDES_BAD_FILE, "gt.csv: line 3: the quaternion's length is 2|qw qx qy qz");
+    expect_refused(file, TIDES_BAD_FILE, "gt.csv:3: the quaternion's length is 2|qw qx qy qz");
     write_text(file, "#q_RS_w\n1,2,x,4,1,0,0,0\n");
-    expect_refused(file, TIDES_BAD_FILE, "gt.csv:2: column 3 must be a finite number");
+    expect_refused(file, TIDES_BAD_FILE, "gt.csv:2: column 3 (y) must be a finite number");
     write_text(file, "#q_RS_w\n1,2,3,4,1,0,0\n");
-    expect_refused(file, TIDES_BAD_FILE, "gt.csv:2: column 7");
-    write_text(file, "#q_RS_w\n2,2,3,4,1,0,0,0\n1,2,3,4,1,0,0,0\n");
+    expect_refused(file, TIDES_BAD_FILE, "gt.csv:2: fewer than the 8 columns");
+    write_text(file, "#q_RS_w\n2000000,2,3,4,1,0,0,0\n1000000,2,3,4,1,0,0,0\n");
     expect_refused(file, TIDES_BAD_FILE, "gt.csv:3: its time");
 }
 

@@ -73,7 +73,8 @@ static void tum_and_esim(void **state) {
         {"0,1,,3,0,0,0,1\n", "F:1: column 3 (y)"},
         {"0,1 2,3,0,0,0,1,1\n", "F:1: column 2 (x)"},
         {"0,1,2,3,0,0,0,1\n1 1 2 3 0 0 0 1\n", "F:2: column 1 (time)"},
-        {"0,1,2,3,0,0,0,1\n100,1,2,3,0,0,0,1\n", "F: lasts 100 ns: the times of an ESIM csv are nanoseconds"},
+        {"0,1,2,3,0,0,0,1\n100,1,2,3,0,0,0,1\n",
+         "F: its times are whole numbers, which may be seconds, milliseconds or numbers of poses"},
     };
     EXPECT_ALL(cases);
 }
@@ -103,7 +104,7 @@ static void try_cuts(const char *text, const char *words) {
 
 static void cut_files(void **state) {
     (void)state;
-    try_cuts("0 1 2 3 0.0 0.0 0.7071 0.7071\n1 1 2 3 0.0 0.0 0.7071 0.7071\n2 1 2 3 0.0 0.0 0.7071 0.7071\n", "F:3");
+    try_cuts("0.0 1 2 3 0.0 0.0 0.7071 0.7071\n0.5 1 2 3 0.0 0.0 0.7071 0.7071\n1.0 1 2 3 0.0 0.0 0.7071 0.7071\n", "F:3");
     try_cuts("0,1,2,3,0.000,0.000,0.000,1.000\n1000000,1,2,3,0.000,0.000,0.000,1.000\n2000000,1,2,3,0.000,0.000,0.000,1.000\n",
              "F:3");
     try_cuts("#q_RS_w\n0,1,2,3,0.7071,0.7071,0.0,0.0,0.25,0.125\n1000000,1,2,3,0.7071,0.7071,0.0,0.0,0.25,0.250\n"

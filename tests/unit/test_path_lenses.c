@@ -137,7 +137,7 @@ static void lenses(void **state) {
         write_text(scene_in_folder(*state, name), text);
         char file[4200];
         snprintf(file, sizeof file, "%s", scene_in_folder(*state, name[0] == 's' ? "gt.csv" : name));
-        if (name[0] == 's') write_text(file, "#q_RS_w\n1,2,3,4,1,0,0,0\n2,2,3,4,1,0,0,0\n");
+        if (name[0] == 's') write_text(file, "#q_RS_w\n1000000,2,3,4,1,0,0,0\n2000000,2,3,4,1,0,0,0\n");
         tides_path path = load(file);
         assert_int_equal(path.distorted, cases[i].distorted);
         lens_is(&path, &cases[i].lens);

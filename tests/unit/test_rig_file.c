@@ -123,15 +123,25 @@ static void bad_chains_are_named(void **state) {
         {"  resolution: [1, 1]\n", ":1: this isn't Kalibr's"},
         {"cam0:\n  resolution: [10, 10]\n", "cam0: intrinsics are missing"},
         {"cam0:\n  intrinsics: [10, 10, 5, 5]\n", "cam0: resolution is missing"},
-        {"cam0:\n  intrinsics: [10, 10, 5]\n", "intrinsics must be 4 finite numbers in []"},
-        {"cam0:\n  intrinsics: [10, 10, 5, 5, 5]\n", "intrinsics must be 4 finite numbers in []"},
-        {"cam0:\n  intrinsics: [10, .inf, 5, 5]\n", "intrinsics must be 4 finite numbers in []"},
+        {"cam0:\n  resolution: [10, 10]\n  intrinsics: [10, 10, 5]\n", "intrinsics must be 4 finite numbers"},
+        {"cam0:\n  resolution: [10, 10]\n  intrinsics: [10, 10, 5, 5, 5]\n", "intrinsics must be 4 finite numbers"},
+        {"cam0:\n  resolution: [10, 10]\n  intrinsics: [10, .inf, 5, 5]\n", "intrinsics must be 4 finite numbers"},
         {"cam0:\n  intrinsics: [0, 10, 5, 5]\n  resolution: [10, 10]\n", "above 0"},
         {"cam0:\n  intrinsics: [10, 10, 5, 5]\n  resolution: [10.5, 10]\n", "whole numbers"},
         {"cam0:\n" LENS LENS, "intrinsics is given twice"},
         {"cam0:\n" LENS "  line_delay: 1e-5\n", "key line_delay isn't one of Kalibr's"},
         {"cam0:\n" LENS "  camera_model: omni\n", "camera_model omni isn't supported"},
         {"cam0:\n" LENS "  distortion_model: fov\n  distortion_coeffs: [1, 0, 0, 0]\n", "distortion_model fov isn't supported"},
+        {"cam0:\n  camera_model: ds\n  intrinsics: [0.1, 0.2, 10, 10, 5, 5]\n  distortion_model: none\n  distortion_coeffs: "
+         "[]\n"
+         "  resolution: [10, 10]\n",
+         "camera_model ds isn't supported"},
+        {"cam0:\n  camera_model: omni\n  intrinsics: [1.5, 10, 10, 5, 5]\n", "camera_model omni isn't supported"},
+        {"cam0:\n  camera_model: eucm\n", "camera_model eucm isn't supported"},
+        {"cam0:\n" LENS "  distortion_model: fov\n  distortion_coeffs: [0.9]\n", "distortion_model fov isn't supported"},
+        {"cam0:\n" LENS "  distortion_model: radtan\n  distortion_coeffs: []\n", "distortion_coeffs must be 4 finite numbers"},
+        {"cam0:\n" LENS "cam1:\n" LENS "  T_cam_imu:" ROWS, "cam1: T_cn_cnm1 is missing"},
+        {"cam0:\n" LENS "  T_cam_imu:\n  - - 1\n    - 0\n    - 0\n  - - 0\n", "T_cam_imu must be four rows"},
         {"cam0:\n" LENS "  distortion_model: radtan\n", "needs distortion_coeffs"},
         {"cam0:\n" LENS "  timeshift_cam_imu: 0.0012\n", "one clock"},
         {"cam0:\n" LENS "  T_cam_imu:" ROWS "  T_imu_cam:" ROWS, "keep one"},
@@ -165,10 +175,32 @@ static void other_ways_of_writing(void **state) {
     assert_true(fabs(chain.camera[0].T_B_C[3] - 0.1) < 1e-15 && chain.camera[0].intrinsics.lens.model == TIDES_LENS_NONE);
 }
 
+/* PyYAML's block style, and an editor's byte order mark; no lens with an empty list. */
+static void blocks(void **state) {
+    (void)state;
+    static td_camchain chain;
+    tides_error error = {0, ""};
+    char text[] = "\xEF\xBB\xBF"
+                  "cam0:\n  T_cam_imu:\n  - - 1.0\n    - 0.0\n    - 0.0\n    - 0.5\n  - - 0.0\n    - 1.0\n    - 0.0\n"
+                  "    - -0.25\n  - - 0.0\n    - 0.0\n    - 1.0\n    - 0.0\n  - - 0.0\n    - 0.0\n    - 0.0\n    - 1.0\n"
+                  "  cam_overlaps:\n  - 1\n  distortion_coeffs: []\n  distortion_model: none\n  intrinsics:\n  - 10.0\n"
+                  "  - 11.0\n  - 5.0\n  - 6.0\n  resolution:\n  - 10\n  - 12\ncam1:\n  T_cn_cnm1:\n  - [1, 0, 0, 1]\n"
+                  "  - [0, 1, 0, 0]\n  - [0, 0, 1, 0]\n  - [0, 0, 0, 1]\n  distortion_coeffs:\n  - 0.1\n  - 0.2\n  - 0.3\n"
+                  "  - 0.4\n  distortion_model: radtan\n" LENS;
+    scene_expect_ok(td_camchain_parse("chain.yaml", text, &chain, &error), &error);
+    assert_int_equal(chain.count, 2);
+    assert_int_equal(chain.has_imu, 1);
+    near_all(chain.camera[0].T_B_C, (const double[]){1, 0, 0, -0.5, 0, 1, 0, 0.25}, 8, 1e-15);
+    near_all(&chain.camera[0].intrinsics.fx, (const double[]){10, 11, 5.5, 6.5}, 4, 1e-15);
+    assert_int_equal(chain.camera[0].intrinsics.lens.model, TIDES_LENS_NONE);
+    near_all(chain.camera[1].T_B_C, (const double[]){1, 0, 0, -1.5, 0, 1, 0, 0.25}, 8, 1e-15);
+    near_all(&chain.camera[1].intrinsics.lens.k1, (const double[]){0.1, 0.2, 0, 0, 0.3, 0.4}, 6, 1e-15);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_chain_is_a_rig),     cmocka_unit_test(keys_win_over_the_file), cmocka_unit_test(bad_runs_are_named),
-        cmocka_unit_test(bad_chains_are_named), cmocka_unit_test(other_ways_of_writing),
+        cmocka_unit_test(bad_chains_are_named), cmocka_unit_test(other_ways_of_writing),  cmocka_unit_test(blocks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -18,7 +18,7 @@ static const char one_splat[] = "ply\nformat ascii 1.0\nelement vertex 1\n"
                                 "property float scale_0\nproperty float scale_1\nproperty float scale_2\n"
                                 "property float rot_0\nproperty float rot_1\nproperty float rot_2\nproperty float rot_3\n"
                                 "end_header\n0 0 4 1 1 1 2 -1 -1 -1 1 0 0 0\n";
-static const char plain_path[] = "10 0 0 0 0 0 0 1\n11 0.1 0 0 0 0 0 1\n12 0.2 0 0 0 0 0 1\n";
+static const char plain_path[] = "10.0 0 0 0 0 0 0 1\n11.0 0.1 0 0 0 0 0 1\n12.0 0.2 0 0 0 0 0 1\n";
 static const char sized_path[] = "{\"format\": \"tides-path\", \"version\": 1, \"intrinsics\": {\"width\": 80, \"height\": 60,"
                                  "\"fx\": 50, \"fy\": 55, \"cx\": 41, \"cy\": 31}, \"samples\": ["
                                  "{\"t\": 0, \"position\": [0, 0, 0], \"quaternion\": [1, 0, 0, 0]},"

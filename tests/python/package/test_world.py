@@ -1,6 +1,7 @@
 """Trajectories, cameras, scenes, motions."""
 
 import gc
+import json
 import pickle
 
 import numpy as np
@@ -66,6 +67,25 @@ def test_camera_file(tmp_path, camera):
     assert moved.intrinsics.width == 100 and moved.trajectory.range[0] == 1.0
     assert tides.Trajectory.load("tests/install/path.txt").range == (0.0, 0.06)
     assert tides.PathOptions().duration == 1.0
+
+
+def test_camera_file_without_times(tmp_path):
+    order = [1, 10, 2, 3, 4, 5, 6, 7, 8, 9]
+    poses = [{"file_path": f"{k}.png", "transform_matrix": np.eye(4) + 0.1 * k * np.eye(1, 16, 3).reshape(4, 4)} for k in order]
+    text = {"fl_x": 30, "w": 32, "h": 24, "frames": [dict(pose, transform_matrix=pose["transform_matrix"].tolist()) for pose in poses]}
+    (tmp_path / "transforms.json").write_text(json.dumps(text))
+    with pytest.warns(UserWarning, match="transforms.json: .*names|spread evenly over 1 s"):
+        camera = tides.Camera.load(tmp_path / "transforms.json")
+    assert [line.split(":")[0] for line in camera.notes] == ["has no times", "has no times"]
+    assert np.allclose(np.diff([camera.trajectory.at(t).position[0] for t in np.linspace(0, 1, 10)]), 0.1)
+    with pytest.warns(UserWarning, match="camera.duration_s"), tides.Session(
+        "tests/install/run.json", {"camera.file": str(tmp_path / "transforms.json")}, device="reference"
+    ) as session:
+        assert len(session.notes) == 2
+    (tmp_path / "us.txt").write_text("0 0 0 0 0 0 0 1\n5 1 0 0 0 0 0 1\n10 2 0 0 0 0 0 1\n")
+    with pytest.raises(tides.errors.BadFile, match="camera.time_unit"):
+        tides.Camera.load(tmp_path / "us.txt")
+    assert np.allclose(tides.Camera.load(tmp_path / "us.txt", time_unit="us").trajectory.range, (0, 1e-5))
 
 
 def test_lens(cloud, tmp_path):
