@@ -225,7 +225,7 @@ static tides_status read_aedat4(td_event_stream *stream, tides_event *events, si
         if (status != TIDES_OK || state->events == 0) return status;
         for (; state->taken < state->events && *got < capacity; state->taken++, ++*got) {
             status =
-                take_event(stream, stream->done + *got, state->first + TD_AEDAT4_EVENT * state->taken, &events[*got], error);
+                take_event(stream, td_event_number(stream, *got), state->first + TD_AEDAT4_EVENT * state->taken, &events[*got], error);
             if (status != TIDES_OK) return status;
         }
     }
