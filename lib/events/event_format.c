@@ -82,6 +82,8 @@ tides_status td_event_format_detect(const char *path, const tides_event_reading 
         *format = &td_format_csv;
         return TIDES_OK;
     }
+    if (memcmp(probe.head, "\xFF\xFE", 2) == 0 || memcmp(probe.head, "\xFE\xFF", 2) == 0)
+        return td_fail(error, TIDES_BAD_FILE, "%s: is text in UTF-16: save it as UTF-8 (iconv -f UTF-16 -t UTF-8)", path);
     return td_fail(error, TIDES_BAD_FILE,
                    "%s: isn't known by its content as an event file (HDF5, AEDAT, EVT, DAT, ES, numpy, CSV, text): name its "
                    "format, as tides convert --from does",

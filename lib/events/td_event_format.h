@@ -46,8 +46,9 @@ void td_input_skip(td_event_input *input, size_t bytes);
 tides_status td_input_copy(td_event_input *input, void *out, size_t bytes, tides_error *error);
 
 /* The next line without its end, NUL-terminated, in the caller's buffer; `*got` is 0 at the end of the file. Lines of `size`
- * bytes or more are TIDES_BAD_FILE. */
+ * bytes or more are TIDES_BAD_FILE. _peek leaves it unread: `bytes` are to be passed over. */
 tides_status td_input_line(td_event_input *input, char *line, size_t size, int *got, tides_error *error);
+tides_status td_input_peek(td_event_input *input, char *line, size_t size, int *got, size_t *bytes, tides_error *error);
 
 /* ---- a file being read ---- */
 

@@ -1,0 +1,264 @@
+/* Names and units of a text table's columns. Readers ask for what they need by all names that they know for it; spelling, order
+ * and what else there is are the file's. */
+#include "td_columns.h"
+
+#include <stddef.h>
+#include <string.h>
+
+/* What files write for a unit. Beyond a name's last '_' or within brackets all of these count; glued to a name ("timestampus")
+ * those of two letters and more do. */
+static const struct {
+    const char *word, *unit;
+    int digits;
+    double metres;
+} units[] = {
+    {"s", "s", 9, 0},       {"sec", "s", 9, 0},          {"secs", "s", 9, 0},         {"second", "s", 9, 0},
+    {"seconds", "s", 9, 0}, {"ms", "ms", 6, 0},          {"msec", "ms", 6, 0},        {"msecs", "ms", 6, 0},
+    {"millis", "ms", 6, 0}, {"millisecond", "ms", 6, 0}, {"milliseconds", "ms", 6, 0}, {"us", "us", 3, 0},
+    {"usec", "us", 3, 0},   {"usecs", "us", 3, 0},       {"micros", "us", 3, 0},      {"microsecond", "us", 3, 0},
+    {"ns", "ns", 0, 0},     {"microseconds", "us", 3, 0}, {"nsec", "ns", 0, 0},        {"nsecs", "ns", 0, 0},
+    {"nanos", "ns", 0, 0},  {"nanosecond", "ns", 0, 0},  {"nanoseconds", "ns", 0, 0}, {"m", "m", -1, 1},
+    {"cm", "cm", -1, 1e-2}, {"mm", "mm", -1, 1e-3},      {"meters", "m", -1, 1},      {"metres", "m", -1, 1},
+};
+enum { UNITS = sizeof units / sizeof *units };
+
+/* -- letters: ASCII's alone, whatever the locale ------------------------------------------------------------------------- */
+
+static char small(char c) { return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c; }
+static int is_digit(char c) { return c >= '0' && c <= '9'; }
+static int is_word(char c) { return (c >= 'a' && c <= 'z') || is_digit(c); }
+static int is_blank(char c) { return c == ' ' || c == '\t'; }
+static int ends_line(char c) { return c == '\0' || c == '\r' || c == '\n'; }
+
+/* Bytes of the micro sign at `c`: the sign itself or Greek's mu in UTF-8, or Latin-1's byte; 0: none. */
+static size_t micro(const char *c, const char *end) {
+    const unsigned char first = (unsigned char)*c, second = end - c > 1 ? (unsigned char)c[1] : 0;
+    if ((first == 0xC2 && second == 0xB5) || (first == 0xCE && second == 0xBC)) return 2;
+    return first == 0xB5;
+}
+
+/* Letters and digits from `c` on in small, others left out. */
+static void plain(const char *c, const char *end, char *out, size_t size) {
+    size_t length = 0;
+    while (c < end && length + 1 < size) {
+        const size_t sign = micro(c, end);
+        const char letter = sign ? 'u' : small(*c);
+        if (is_word(letter)) out[length++] = letter;
+        c += sign ? sign : 1;
+    }
+    out[length] = '\0';
+}
+
+static int find_unit(const char *word) {
+    for (int k = 0; k < UNITS; k++)
+        if (strcmp(units[k].word, word) == 0) return k;
+    return -1;
+}
+
+int td_unit_digits(const char *unit) {
+    const int k = find_unit(unit);
+    return k < 0 ? -1 : units[k].digits;
+}
+
+double td_unit_metres(const char *unit) {
+    const int k = find_unit(unit);
+    return k < 0 ? 0 : units[k].metres;
+}
+
+/* -- one field ----------------------------------------------------------------------------------------------------------- */
+
+static int is_number(const char *c, const char *end) {
+    while (c < end && strchr("+-.", *c)) c++;
+    return c < end && is_digit(*c);
+}
+
+/* Takes blanks and quotes off both ends. */
+static void trim(const char **c, const char **end) {
+    while (*c < *end && strchr(" \t\"'", **c)) ++*c;
+    while (*end > *c && strchr(" \t\"'", (*end)[-1])) --*end;
+}
+
+static void set_unit(const char *c, const char *end, td_column *column) {
+    plain(c, end, column->unit, sizeof column->unit);
+    const int known = find_unit(column->unit);
+    if (known >= 0) memcpy(column->unit, units[known].unit, strlen(units[known].unit) + 1);
+}
+
+/* "t [us]" and "t(us)": the end of the name. */
+static const char *take_brackets(const char *c, const char *end, td_column *column) {
+    const char *open = c;
+    while (open < end && *open != '[' && *open != '(') open++;
+    const char *close = open;
+    while (close < end && *close != ']' && *close != ')') close++;
+    if (open < end) set_unit(open + 1, close, column);
+    return open;
+}
+
+/* "t_us", "time in us": the end of the name. A name that is nothing but a unit's word stays one. */
+static const char *take_suffix(const char *c, const char *end, td_column *column) {
+    const char *word = end;
+    while (word > c && !strchr("_ -./", word[-1])) word--;
+    if (word == c) return end;
+    char text[TD_COLUMN_UNIT];
+    plain(word, end, text, sizeof text);
+    if (find_unit(text) < 0) return end;
+    set_unit(word, end, column);
+    for (end = word; end > c && strchr("_ -./", end[-1]);) end--;
+    if (end - c > 3 && strchr("_ ", end[-3]) && small(end[-2]) == 'i' && small(end[-1]) == 'n') end -= 3;
+    return end;
+}
+
+/* "x@1280": the end of the name. */
+static const char *take_size(const char *c, const char *end, td_column *column) {
+    const char *at = memchr(c, '@', (size_t)(end - c));
+    if (!at) return end;
+    int32_t size = 0;
+    for (const char *digit = at + 1; digit < end && is_digit(*digit); digit++) {
+        size = 10 * size + (*digit - '0');
+        if (size > 65536) return at; /* no sensor's */
+    }
+    column->size = size;
+    return at;
+}
+
+static void parse_field(const char *c, const char *end, td_column *column) {
+    memset(column, 0, sizeof *column);
+    trim(&c, &end);
+    end = take_size(c, end, column);
+    const char *name = take_brackets(c, end, column);
+    if (!column->unit[0]) name = take_suffix(c, name, column);
+    plain(c, name, column->name, sizeof column->name);
+}
+
+/* -- the line ------------------------------------------------------------------------------------------------------------ */
+
+/* Behind a quoted field's end; its quotes may hold separators. */
+static const char *skip_quotes(const char *c) {
+    const char quote = *c++;
+    while (!ends_line(*c) && *c != quote) c++;
+    return *c == quote ? c + 1 : c;
+}
+
+static char find_separator(const char *c) {
+    static const char kinds[] = ",;\t";
+    int seen[3] = {0};
+    while (!ends_line(*c)) {
+        const char *kind = strchr(kinds, *c);
+        if (kind) seen[kind - kinds] = 1;
+        c = *c == '"' ? skip_quotes(c) : c + 1;
+    }
+    for (int k = 0; k < 3; k++)
+        if (seen[k]) return kinds[k];
+    return ' ';
+}
+
+/* The end of the field at `c`. Between blanks "t [us]" is one field. */
+static const char *end_of_field(const char *c, char separator) {
+    while (!ends_line(*c)) {
+        if (*c == '"') {
+            c = skip_quotes(c);
+            continue;
+        }
+        if (*c == separator && separator != ' ') return c;
+        if (separator == ' ' && is_blank(*c)) {
+            const char *next = c;
+            while (is_blank(*next)) next++;
+            if (*next != '[' && *next != '(') return c;
+            c = next;
+        }
+        c++;
+    }
+    return c;
+}
+
+static const char *skip_front(const char *c) {
+    if (strncmp(c, "\xEF\xBB\xBF", 3) == 0) c += 3;
+    for (;; c++) {
+        if (is_blank(*c) || *c == '#' || *c == '%') continue;
+        if (c[0] != '/' || c[1] != '/') return c;
+        c++;
+    }
+}
+
+int td_columns_parse(const char *line, td_columns *columns) {
+    const char *c = skip_front(line);
+    int named = 0, numbers = 0;
+    columns->count = 0;
+    columns->separator = find_separator(c);
+    for (int more = !ends_line(*c); more;) {
+        const char *end = end_of_field(c, columns->separator), *from = c, *to = end;
+        trim(&from, &to);
+        numbers += is_number(from, to);
+        if (columns->count < TD_COLUMNS_MAX) {
+            td_column *column = columns->column + columns->count;
+            parse_field(c, end, column);
+            named += column->name[0] != '\0';
+        }
+        columns->count++;
+        more = !ends_line(*end);
+        for (c = end + more; columns->separator == ' ' && is_blank(*c);) c++;
+        if (columns->separator == ' ' && ends_line(*c)) more = 0;
+    }
+    return named > 0 && numbers == 0;
+}
+
+/* -- asking -------------------------------------------------------------------------------------------------------------- */
+
+/* 1 where the name is the one that is `length` letters long, or ends so where that begins with '*'. */
+static int has_name(const char *name, const char *wanted, size_t length) {
+    const size_t own = strlen(name);
+    if (*wanted != '*') return own == length && memcmp(name, wanted, length) == 0;
+    return own + 1 >= length && memcmp(name + own + 1 - length, wanted + 1, length - 1) == 0;
+}
+
+/* The same, with a unit's word of two letters and more behind it: its digits; -1 otherwise. */
+static int has_name_and_unit(const char *name, const char *wanted, size_t length) {
+    if (*wanted == '*' || strncmp(name, wanted, length) != 0 || strlen(name) < length + 2) return -1;
+    return td_unit_digits(name + length);
+}
+
+static int find(const td_columns *columns, const char *names, int glued, int *digits) {
+    const int count = columns->count < TD_COLUMNS_MAX ? columns->count : TD_COLUMNS_MAX;
+    for (const char *wanted = names; *wanted;) {
+        const size_t length = strcspn(wanted, "|");
+        int found = TD_COLUMN_NONE;
+        for (int i = 0; i < count; i++) {
+            const td_column *column = columns->column + i;
+            const int unit = glued ? has_name_and_unit(column->name, wanted, length) : -1;
+            if (glued ? unit < 0 : !has_name(column->name, wanted, length)) continue;
+            if (found >= 0) return TD_COLUMN_TWICE;
+            found = i;
+            *digits = unit;
+        }
+        if (found >= 0) return found;
+        wanted += length + (wanted[length] == '|');
+    }
+    return TD_COLUMN_NONE;
+}
+
+int td_columns_find(const td_columns *columns, const char *names) {
+    int digits;
+    return find(columns, names, 0, &digits);
+}
+
+int td_columns_time(const td_columns *columns, const char *names, int *digits) {
+    *digits = -1;
+    const int found = find(columns, names, 0, digits);
+    if (found == TD_COLUMN_NONE) return find(columns, names, 1, digits);
+    if (found < 0 || !columns->column[found].unit[0]) return found;
+    *digits = td_unit_digits(columns->column[found].unit);
+    return *digits < 0 ? TD_COLUMN_NONE : found;
+}
+
+/* -- without a name ------------------------------------------------------------------------------------------------------ */
+
+int td_likely_digits(double last, double step) {
+    static const int digits[] = {9, 6, 3, 0};
+    double unit = 1; /* how many make a second */
+    for (int k = 0; k < 4; k++, unit *= 1e3)
+        if (last >= 1e8 * unit && last < 5e9 * unit && step < 100 * unit) return digits[k]; /* 1973 to 2128 */
+    unit = 1;
+    for (int k = 0; k < 3; k++, unit *= 1e3)
+        if (step <= unit) return digits[k];
+    return 0;
+}
