@@ -232,7 +232,9 @@ static int report(const job *j) {
 int cmd_export(const cli_command *command, int argc, char **argv) {
     cli_common common;
     arguments given = {NULL, NULL, NULL, NULL, NULL, NULL};
-    job j = {.common = &common, .decay_s = 0.03, .stretch = {.of_run = 1, .windows_most = CLI_WINDOWS_MOST}}; /* HOTS's surfaces, as in tonic's examples */
+    job j = {.common = &common,
+             .decay_s = 0.03,
+             .stretch = {.of_run = 1, .windows_most = CLI_WINDOWS_MOST}}; /* HOTS's surfaces, as in tonic's examples */
     const cli_option options[] = {
         {"--output", 'o', "FILE", "where the arrays go: .npy, .npz, .h5, .exr (one window)", NULL, &j.out, NULL},
         {"--as", 0, "voxel|frame|surface", "what to make (voxel)", NULL, &given.kind, NULL},

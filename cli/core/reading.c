@@ -15,7 +15,9 @@ int cli_reading_parse(const cli_command *command, const cli_reading *given, tide
 }
 
 const char *cli_zero_name(int32_t zero) {
-    return zero == TIDES_ZERO_FRAME ? "its first frame" : zero == TIDES_ZERO_START ? "the recording's start" : "its first event";
+    return zero == TIDES_ZERO_FRAME   ? "its first frame"
+           : zero == TIDES_ZERO_START ? "the recording's start"
+                                      : "its first event";
 }
 
 void cli_reading_tell(const cli_common *common, const char *file, const tides_event_facts *facts, int32_t rebase) {

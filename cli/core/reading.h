@@ -11,21 +11,20 @@ typedef struct cli_reading {
 } cli_reading;
 
 /* Rows of a command's table of options. What a file is; and on which clock it is wanted. */
-#define CLI_READING_FILE(r)                                                                                                  \
-    {"--from", 0, "FORMAT", "read as this (by content)", NULL, &(r).format, NULL},                                           \
-        {"--columns", 0, "LIST", "of text and tables: t,x,y,p in the file's order, - for others (by header or values)", NULL, \
-         &(r).columns, NULL},                                                                                                \
-        {"--unit", 0, "s|ms|us|ns", "of the file's times (by format, header or values)", NULL, &(r).unit, NULL},             \
-        {"--stream", 0, "NAME", "which, of a file with several streams of events", NULL, &(r).stream, NULL},                 \
-    {                                                                                                                        \
-        "--drop-invalid", 0, NULL, "leave out events that can't be (outside the sensor, NaN), and say how many",             \
-            &(r).drop_invalid, NULL, NULL                                                                                    \
+#define CLI_READING_FILE(r)                                                                                                      \
+    {"--from", 0, "FORMAT", "read as this (by content)", NULL, &(r).format, NULL},                                               \
+        {"--columns",  0,   "LIST", "of text and tables: t,x,y,p in the file's order, - for others (by header or values)", NULL, \
+         &(r).columns, NULL},                                                                                                    \
+        {"--unit", 0, "s|ms|us|ns", "of the file's times (by format, header or values)", NULL, &(r).unit, NULL},                 \
+        {"--stream", 0, "NAME", "which, of a file with several streams of events", NULL, &(r).stream, NULL}, {                   \
+        "--drop-invalid", 0, NULL, "leave out events that can't be (outside the sensor, NaN), and say how many",                 \
+            &(r).drop_invalid, NULL, NULL                                                                                        \
     }
-#define CLI_READING_CLOCK(r)                                                                                            \
-    {"--rebase", 0, NULL, "count times from the recording's zero (first frame, start or first event), those given too", \
-     &(r).rebase, NULL, NULL},                                                                                          \
-    {                                                                                                                   \
-        "--offset", 0, "SECONDS", "add this to all times", NULL, &(r).offset, NULL                                      \
+#define CLI_READING_CLOCK(r)                                                                                                \
+    {"--rebase",  0,    NULL, "count times from the recording's zero (first frame, start or first event), those given too", \
+     &(r).rebase, NULL, NULL},                                                                                              \
+    {                                                                                                                       \
+        "--offset", 0, "SECONDS", "add this to all times", NULL, &(r).offset, NULL                                          \
     }
 
 /* What the library is to be told; CLI_GO or CLI_USAGE. */

@@ -66,8 +66,8 @@ tides_status cli_stretch_read(cli_stretch *s, cli_window *recording, tides_error
     const tides_event *events = recording->events;
     const size_t count = recording->count;
     if (count && (events[0].t < -time_limit || events[count - 1].t > time_limit))
-        return cli_error(error, TIDES_BAD_FILE,
-                         "%s: its times go beyond 63 years: --rebase counts from the recording's zero", s->file);
+        return cli_error(error, TIDES_BAD_FILE, "%s: its times go beyond 63 years: --rebase counts from the recording's zero",
+                         s->file);
     fill_in(s, recording);
     return check_windows(s, error);
 }

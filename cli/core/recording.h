@@ -11,8 +11,8 @@ enum { CLI_WINDOWS_MOST = 10000000 };
 /* Which stretch of which file. */
 typedef struct cli_stretch {
     const char *file;
-    cli_reading reading;     /* the options' texts */
-    tides_event_reading how; /* of them */
+    cli_reading reading;                                          /* the options' texts */
+    tides_event_reading how;                                      /* of them */
     const char *start_text, *stop_text, *window_text, *step_text; /* of the options; NULL where not given */
     int64_t start_ns, stop_ns;  /* [start, stop): of the texts, else once read of the events */
     int64_t window_ns, step_ns; /* 0 where not given; a step without one is the window */

@@ -34,7 +34,7 @@ tides_status cli_frame_write_exr(const cli_frame *frame, const char *path, doubl
 
 /* Events of a time window. */
 typedef struct cli_window {
-    int64_t first_ns, stop_ns; /* [first, stop) */
+    int64_t first_ns, stop_ns;             /* [first, stop) */
     const struct tides_event_reading *how; /* NULL: by content, on the file's clock */
     tides_event *events;
     size_t count;

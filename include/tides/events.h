@@ -114,11 +114,11 @@ typedef struct tides_event_facts {
     char format[32];  /* "evt3" ...; of HDF5 its layout: "tides", "dsec", "eds", "mvsec", "v2e", "timostoff", "m3ed", "rvt";
                          of a folder that of its files */
     char version[32]; /* of TIDES that wrote it, or "" */
-    int32_t width, height; /* [px]; 0 where the file doesn't say */
-    int32_t counted;       /* 1: count is known without reading the file */
-    uint64_t count;        /* events; where `counted` */
-    int32_t labels;        /* TIDES_LABEL_* that the file has, for tides_events_labels */
-    int32_t zero;          /* TIDES_ZERO_* */
+    int32_t width, height;     /* [px]; 0 where the file doesn't say */
+    int32_t counted;           /* 1: count is known without reading the file */
+    uint64_t count;            /* events; where `counted` */
+    int32_t labels;            /* TIDES_LABEL_* that the file has, for tides_events_labels */
+    int32_t zero;              /* TIDES_ZERO_* */
     int64_t start_ns, stop_ns; /* the recording's stretch; both 0: the file doesn't say. Our HDF5 does once it is complete */
     int64_t zero_ns;           /* the recording's zero on the file's clock; with TIDES_ZERO_EVENT 0 until an event was read */
     uint64_t dropped;          /* events that were left out so far (drop_invalid) */

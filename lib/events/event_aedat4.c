@@ -224,8 +224,8 @@ static tides_status read_aedat4(td_event_stream *stream, tides_event *events, si
         tides_status status = state->taken == state->events ? next_packet(stream, error) : TIDES_OK;
         if (status != TIDES_OK || state->events == 0) return status;
         for (; state->taken < state->events && *got < capacity; state->taken++, ++*got) {
-            status =
-                take_event(stream, td_event_number(stream, *got), state->first + TD_AEDAT4_EVENT * state->taken, &events[*got], error);
+            status = take_event(stream, td_event_number(stream, *got), state->first + TD_AEDAT4_EVENT * state->taken,
+                                &events[*got], error);
             if (status != TIDES_OK) return status;
         }
     }

@@ -20,7 +20,7 @@ typedef struct converter {
     tides_event_writer *writer;
     tides_event *events; /* 2 WINDOW of them; the first half is written when they are full and sorted */
     size_t count;
-    int32_t width, height; /* of the sensor that is read [px] */
+    int32_t width, height;       /* of the sensor that is read [px] */
     int64_t before, first, last; /* [ns]: of the last event that was read; the earliest and the latest of all */
     int32_t started;             /* an event was read */
     tides_event_conversion_report report;

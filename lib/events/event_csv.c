@@ -74,8 +74,8 @@ static tides_status open_openeb(td_event_stream *stream, tides_error *error) {
     tides_status status = td_input_fill(&stream->input, sizeof geometry - 1, error);
     if (status != TIDES_OK) return status;
     const size_t length = sizeof geometry - 1;
-    rows.by_order = stream->reading.format ||
-                    (stream->input.ready >= length && memcmp(stream->input.data, geometry, length) == 0);
+    rows.by_order =
+        stream->reading.format || (stream->input.ready >= length && memcmp(stream->input.data, geometry, length) == 0);
     return td_event_rows_open(stream, &rows, error);
 }
 

@@ -14,8 +14,8 @@ enum { BATCH = 4096 }; /* events that a format is asked for at once; every forma
 struct tides_event_reader {
     const td_event_format *format;
     td_event_stream stream;
-    char *texts[3];      /* our copies of what the reading names: columns, unit, stream */
-    int64_t shift;       /* [ns] added to all times, once `placed` */
+    char *texts[3]; /* our copies of what the reading names: columns, unit, stream */
+    int64_t shift;  /* [ns] added to all times, once `placed` */
     int32_t placed;
     tides_error failure; /* the first: told again by every later call */
     size_t held, taken;  /* events in batch; handed out */
@@ -70,9 +70,7 @@ static tides_status open_stream(tides_event_reader *reader, const char *path, ti
     return status;
 }
 
-void tides_event_reading_defaults(tides_event_reading *reading) {
-    *reading = (tides_event_reading){.size = sizeof *reading};
-}
+void tides_event_reading_defaults(tides_event_reading *reading) { *reading = (tides_event_reading){.size = sizeof *reading}; }
 
 /* The reading's texts are the caller's, and a folder asks for them until its last file. */
 static tides_status keep_reading(tides_event_reader *reader, const tides_event_reading *given, tides_error *error) {

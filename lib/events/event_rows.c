@@ -47,21 +47,26 @@ static int take_word(const char *word, int64_t *polarity) {
 }
 
 /* As many decimals as 64 bits hold: of seconds nine. */
-int td_event_value(const char *word, double *value, int *dotted) {
+int td_event_value(const char *word, double *value, int *decimals) {
     static const struct {
         int digits;
-        double scale;
-    } all[] = {{9, 1e9}, {3, 1e3}, {0, 1}};
+        int64_t scale;
+    } all[] = {{9, 1000000000}, {3, 1000}, {0, 1}};
     const size_t length = strlen(word);
     int64_t whole;
-    *dotted = strpbrk(word, ".eE") != NULL;
+    const char *point = strchr(word, '.');
+    const int exponent = strpbrk(word, "eE") != NULL;
+    *decimals = exponent || (point && !point[1]) ? 1 : point ? (int)strlen(point + 1) : 0;
     if (take_word(word, &whole)) {
         *value = (double)whole;
-        *dotted = 0;
+        *decimals = 0;
         return 1;
     }
     for (int i = 0; i < 3; i++)
-        if (td_decimal(word, length, all[i].digits, &whole)) return *value = (double)whole / all[i].scale, 1;
+        if (td_decimal(word, length, all[i].digits, &whole)) {
+            *value = (double)(whole / all[i].scale) + (double)(whole % all[i].scale) / (double)all[i].scale;
+            return 1;
+        }
     return 0;
 }
 

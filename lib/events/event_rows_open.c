@@ -37,11 +37,11 @@ static char separator_of(const char *line) {
 static int number_columns(char *line, char separator, td_table_column *facts) {
     char *words[TD_TABLE_COLUMNS_MAX];
     double values[TD_TABLE_COLUMNS_MAX];
-    int dotted[TD_TABLE_COLUMNS_MAX];
+    int decimals[TD_TABLE_COLUMNS_MAX];
     const int count = td_event_split(line, separator, words);
     for (int i = 0; i < count; i++)
-        if (!td_event_value(words[i], &values[i], &dotted[i])) return 0;
-    for (int i = 0; facts && i < count; i++) td_table_add(&facts[i], values[i], dotted[i]);
+        if (!td_event_value(words[i], &values[i], &decimals[i])) return 0;
+    for (int i = 0; facts && i < count; i++) td_table_add(&facts[i], values[i], decimals[i]);
     return count;
 }
 
@@ -68,8 +68,8 @@ static int rows_kind(scan s, char separator, int columns) {
     td_table_column facts[TD_TABLE_COLUMNS_MAX];
     td_table_meaning meaning;
     char order[16];
-    if (columns > TD_ROW_FIELDS && (take_sample(s, separator, facts) != columns ||
-                                    td_table_guess(facts, columns, &meaning, order, NULL) != TIDES_OK))
+    if (columns > TD_ROW_FIELDS &&
+        (take_sample(s, separator, facts) != columns || td_table_guess(facts, columns, &meaning, order, NULL) != TIDES_OK))
         return TD_TEXT_NONE;
     return columns < TD_ROW_FIELDS ? TD_TEXT_NONE : separator == ' ' ? TD_TEXT_BLANKS : TD_TEXT_COMMAS;
 }
@@ -95,7 +95,8 @@ static int line_kind(scan before, scan behind, char *line) {
 
 int td_event_text_kind(const td_event_probe *probe) {
     char line[TD_ROW_LINE];
-    scan s = {probe->head + (strncmp(probe->head, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0), probe->head + probe->bytes, probe->bytes < TD_EVENT_HEAD};
+    scan s = {probe->head + (strncmp(probe->head, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0), probe->head + probe->bytes,
+              probe->bytes < TD_EVENT_HEAD};
     if (memchr(probe->head, '\0', probe->bytes)) return TD_TEXT_NONE;
     for (scan before = s; next_line(&s, line); before = s) {
         const int aside = td_event_is_aside(line), kind = line_kind(before, s, line);
@@ -214,21 +215,31 @@ static tides_status find_columns(td_event_stream *stream, td_event_rows *rows, c
     return TIDES_OK;
 }
 
+/* Faery's header has sizes, Prophesee's a geometry: whole numbers are microseconds there. */
+static int is_dialect(const td_event_rows *rows, const front *f) {
+    if (!f->has_names) return rows->by_order;
+    return f->named.column[rows->meaning.column[TD_ROW_X]].size > 0;
+}
+
 /* Times of the usual form of a format need no word. */
-static tides_status find_unit(td_event_stream *stream, td_event_rows *rows, const td_table_column *facts, int fixed,
-                              tides_error *error) {
+static tides_status find_unit(td_event_stream *stream, td_event_rows *rows, const front *f, const td_table_column *facts,
+                              int fixed, tides_error *error) {
     td_table_meaning *m = &rows->meaning;
     const td_table_column *t = &facts[m->column[TD_ROW_T]], *x = &facts[m->column[TD_ROW_X]];
     tides_status status = TIDES_OK;
     if (stream->reading.unit) {
         status = td_table_unit_named(stream->reading.unit, &m->digits, error);
     } else if (m->digits < 0) {
+        if (fixed < 0 && is_dialect(rows, f) && !t->dotted) fixed = 3;
         m->digits = fixed;
         if (fixed < 0 && rows->columns) status = td_table_unit(t, x->dotted, &m->digits, error);
         if (m->digits < 0) m->digits = 9;
-        if (fixed < 0 && rows->columns && status == TIDES_OK && (m->digits == 0 || (m->digits == 3) != (rows->separator != ' ')))
+        if (fixed < 0 && rows->columns && status == TIDES_OK &&
+            (m->digits == 0 || (m->digits == 3) != (rows->separator != ' ')))
             tell(stream, "times taken as %s, %s: --unit says another", td_table_unit_word(m->digits),
-                 m->digits == 9 ? "since they have decimals" : m->digits ? "being whole numbers" : "being beyond 10^17");
+                 m->digits == 9 ? "since they have decimals"
+                 : m->digits    ? "being whole numbers"
+                                : "being beyond 10^17");
     }
     return status == TIDES_OK ? status : fail_front(stream, status, "", error);
 }
@@ -258,9 +269,10 @@ tides_status td_event_rows_open(td_event_stream *stream, const td_event_rows *fi
     const int columns = take_sample(rest, rows->separator, facts);
     rows->columns = columns;
     status = find_columns(stream, rows, &f, facts, error);
-    if (status == TIDES_OK) status = find_unit(stream, rows, facts, digits, error);
+    if (status == TIDES_OK) status = find_unit(stream, rows, &f, facts, digits, error);
     if (rows->columns == 0) rows->columns = TD_ROW_FIELDS;
     if (status == TIDES_OK && f.has_names && !rows->by_order && !stream->reading.columns)
-        set_size(stream, f.named.column[rows->meaning.column[TD_ROW_X]].size, f.named.column[rows->meaning.column[TD_ROW_Y]].size);
+        set_size(stream, f.named.column[rows->meaning.column[TD_ROW_X]].size,
+                 f.named.column[rows->meaning.column[TD_ROW_Y]].size);
     return status;
 }

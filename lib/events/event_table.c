@@ -1,10 +1,10 @@
 /* Which column of a table of events is what. Other tools write t x y p, x y p t, x y t p and more, in seconds, microseconds and
  * nanoseconds, and most of them no header; what they wrote is found from what each column can be:
- *   times       don't fall (but for one in fifty: real recordings have late events); alone may have decimals, be below 0 or
- *               above TD_TABLE_COORDINATE
+ *   times       have decimals where nothing else has; else they don't fall, and are what lies below 0 or beyond
+ *               TD_TABLE_COORDINATE
  *   polarities  are 0 and 1, or -1 and 1
  *   coordinates are whole numbers that a sensor has; x stands before y
- * Where more than one order is left, the file is refused: whoever made it knows. */
+ * One value in fifty may be otherwise: real recordings have late events, and damaged ones. Where more than one order is left, the file is refused: whoever made it knows. */
 #include "td_event_table.h"
 
 #include "td_base.h"
@@ -12,9 +12,13 @@
 #include <math.h>
 #include <string.h>
 
-enum { DISORDER = 50, ENOUGH = 64 }; /* one late event of so many; so many rows show a rate */
+enum {
+    FAULTS = 50, /* one late or invalid event of so many is a fault of its own */
+    ENOUGH = 64, /* rows that show a rate */
+    DECIMALS = 5 /* who writes so many has seconds */
+};
 
-void td_table_add(td_table_column *c, double value, int dotted) {
+void td_table_add(td_table_column *c, double value, int decimals) {
     if (c->rows == 0) {
         c->first = c->least = c->most = value;
         c->counting = value == 0 || value == 1;
@@ -25,24 +29,21 @@ void td_table_add(td_table_column *c, double value, int dotted) {
     c->most = fmax(c->most, value);
     c->last = value;
     c->rows++;
-    c->dotted |= dotted;
-    c->fractional |= value != floor(value);
-    if (value == 0)
-        c->zeros = 1;
-    else if (value == 1)
-        c->ones = 1;
-    else if (value == -1)
-        c->minuses = 1;
-    else
-        c->others = 1;
+    c->dotted += decimals != 0;
+    if (decimals > c->decimals) c->decimals = decimals;
+    c->fractional += value != floor(value);
+    c->beyond += value != floor(value) || value < 0 || value > TD_TABLE_COORDINATE;
+    uint32_t *const kind = value == 0 ? &c->zeros : value == 1 ? &c->ones : value == -1 ? &c->minuses : &c->others;
+    ++*kind;
 }
 
 /* ---- said ---- */
 
 static const char *const field_names[TD_ROW_FIELDS] = {"t", "x", "y", "p"};
-static const char *const spellings[TD_ROW_FIELDS] = {
-    "t|ts|time|timestamp|timestamps|times|stamp|*timestamp", "x|xs|xcoordinate|xcoord|xpos|xaddr|col|column|u",
-    "y|ys|ycoordinate|ycoord|ypos|yaddr|row|v", "p|ps|pol|pols|polarity|polarities|on|sign|*polarity"};
+static const char *const spellings[TD_ROW_FIELDS] = {"t|ts|time|timestamp|timestamps|times|stamp|*timestamp",
+                                                     "x|xs|xcoordinate|xcoord|xpos|xaddr|col|column|u",
+                                                     "y|ys|ycoordinate|ycoord|ypos|yaddr|row|v",
+                                                     "p|ps|pol|pols|polarity|polarities|on|sign|*polarity"};
 
 static int find_field(const td_columns *named, int field, int *digits) {
     return field == TD_ROW_T ? td_columns_time(named, spellings[field], digits) : td_columns_find(named, spellings[field]);
@@ -82,22 +83,33 @@ const char *td_table_unit_word(int digits) {
 
 /* ---- guessed ---- */
 
-static int can_be_time(const td_table_column *c) { return c->falls * (uint64_t)DISORDER <= c->rows; }
-static int can_be_polarity(const td_table_column *c) { return !c->others && !(c->minuses && c->zeros); }
-static int can_be_coordinate(const td_table_column *c) {
-    return !c->fractional && c->least >= 0 && c->most <= TD_TABLE_COORDINATE;
-}
+static int few(uint32_t faults, const td_table_column *c) { return (uint64_t)faults * FAULTS <= c->rows; }
+static int can_be_time(const td_table_column *c) { return few(c->falls, c); }
+static int can_be_polarity(const td_table_column *c) { return few(c->others, c) && (few(c->minuses, c) || few(c->zeros, c)); }
+static int can_be_coordinate(const td_table_column *c) { return few(c->beyond, c); }
 
-/* Orders that tools write; others are as unlikely as a coincidence of values. */
-static const char *const orders[] = {"txyp", "xypt", "xytp", "tpxy", "ptxy", "pxyt", "txpy"};
+/* Orders that tools write. Others are the caller's to say. */
+static const char *const orders[] = {"txyp", "xypt", "xytp"};
 
 static void take_order(const char *order, const int *columns, td_table_meaning *meaning) {
     for (int f = 0; f < TD_ROW_FIELDS; f++) meaning->column[f] = columns[strchr(order, *field_names[f]) - order];
 }
 
-static int fits(const td_table_column *columns, const td_table_meaning *m) {
-    return can_be_time(&columns[m->column[TD_ROW_T]]) && can_be_polarity(&columns[m->column[TD_ROW_P]]) &&
-           can_be_coordinate(&columns[m->column[TD_ROW_X]]) && can_be_coordinate(&columns[m->column[TD_ROW_Y]]);
+/* The only column whose values have decimals, or are written so; -1: there is none. */
+static int only_real(const td_table_column *columns, const int *used) {
+    int fractional = -1, dotted = -1, fractions = 0, dots = 0;
+    for (int i = 0; i < TD_ROW_FIELDS; i++) {
+        if (!few(columns[used[i]].fractional, &columns[used[i]])) fractional = used[i], fractions++;
+        if (!few(columns[used[i]].dotted, &columns[used[i]])) dotted = used[i], dots++;
+    }
+    return fractions == 1 ? fractional : dots == 1 ? dotted : -1;
+}
+
+static int fits(const td_table_column *columns, const td_table_meaning *m, int real) {
+    const td_table_column *t = &columns[m->column[TD_ROW_T]];
+    const int timely = real >= 0 ? m->column[TD_ROW_T] == real : can_be_time(t);
+    return timely && can_be_polarity(&columns[m->column[TD_ROW_P]]) && can_be_coordinate(&columns[m->column[TD_ROW_X]]) &&
+           can_be_coordinate(&columns[m->column[TD_ROW_Y]]);
 }
 
 /* The four that aren't an index; their number. */
@@ -132,16 +144,24 @@ tides_status td_table_guess(const td_table_column *columns, int count, td_table_
                        "has %d columns and no header that names them: --columns (columns) says what each is, as t,x,y,p with - "
                        "for others",
                        count);
+    const int real = only_real(columns, used);
     char seen[2][16] = {"", ""};
     for (size_t i = 0; i < sizeof orders / sizeof *orders; i++) {
         td_table_meaning one = {.digits = -1};
         take_order(orders[i], used, &one);
-        if (!fits(columns, &one)) continue;
+        if (!fits(columns, &one, real)) continue;
         const char *o = orders[i];
         snprintf(seen[found > 0], sizeof seen[0], "%c %c %c %c", o[0], o[1], o[2], o[3]);
         if (found++ == 0) *meaning = one;
     }
     memcpy(order, seen[0], sizeof seen[0]);
+    const int first = real == used[0] || !few(columns[used[0]].fractional, &columns[used[0]]);
+    if (found == 0 && first) { /* times are certain, and come first: what is wrong is for the rows to say */
+        take_order(orders[0], used, meaning);
+        meaning->digits = -1;
+        memcpy(order, "t x y p", sizeof "t x y p");
+        return TIDES_OK;
+    }
     if (found == 0) return why_none(columns, used, error);
     if (found == 1) return TIDES_OK;
     return td_fail(error, TIDES_BAD_FILE,
@@ -150,9 +170,11 @@ tides_status td_table_guess(const td_table_column *columns, int count, td_table_
 }
 
 tides_status td_table_unit(const td_table_column *times, int whole, int *digits, tides_error *error) {
-    *digits = times->fractional || (times->dotted && !whole) ? 9 : fmax(fabs(times->least), fabs(times->most)) >= 1e17 ? 0 : 3;
+    *digits = !few(times->fractional, times) || (times->dotted && !whole) ? 9
+              : fmax(fabs(times->least), fabs(times->most)) >= 1e17       ? 0
+                                                                          : 3;
     const double per_second = pow(10, 9 - *digits), span = (times->most - times->least) / per_second;
-    if (times->rows < ENOUGH || !(span > 0)) return TIDES_OK;
+    if (times->rows < ENOUGH || !(span > 0) || (*digits == 9 && times->decimals >= DECIMALS)) return TIDES_OK;
     const double rate = (double)times->rows / span;
     if (rate >= 1 && rate <= 1e9) return TIDES_OK;
     return td_fail(error, TIDES_BAD_FILE,

@@ -33,7 +33,7 @@ int td_event_split(char *line, char separator, char *words[TD_TABLE_COLUMNS_MAX]
 /* A comment or an empty line. */
 int td_event_is_aside(const char *line);
 
-/* A whole number or decimals of a row, as a value; 0 where it is none. `*dotted`: it is written with a point or an exponent. */
-int td_event_value(const char *word, double *value, int *dotted);
+/* A whole number or decimals of a row, as a value; 0 where it is none. `*decimals` as td_table_add's. */
+int td_event_value(const char *word, double *value, int *decimals);
 
 #endif

@@ -11,20 +11,22 @@
 enum { TD_ROW_T, TD_ROW_X, TD_ROW_Y, TD_ROW_P, TD_ROW_FIELDS };
 enum {
     TD_TABLE_COLUMNS_MAX = 16,
-    TD_TABLE_SAMPLE = 4096,   /* rows at a table's beginning that are looked at */
+    TD_TABLE_SAMPLE = 4096,    /* rows at a table's beginning that are looked at */
     TD_TABLE_COORDINATE = 8191 /* no sensor has more pixels: what is larger is a time, or 1/32 px */
 };
 
 /* What the first values of a column are. Zeroed to begin with. */
 typedef struct td_table_column {
     double least, most, first, last;
-    uint32_t rows, falls;        /* falls: values below the one before them */
-    int32_t fractional, dotted;  /* some are no whole numbers; some are written with a point or an exponent */
-    int32_t counting;            /* 1: they count 0, 1, 2 or 1, 2, 3 */
-    int32_t zeros, ones, minuses, others; /* 0, 1, -1, and what is none of these */
+    uint32_t rows, falls;                /* falls: values below the one before them */
+    uint32_t fractional, dotted, beyond; /* no whole numbers; written with a point or an exponent; no coordinates of a sensor */
+    uint32_t zeros, ones, minuses, others; /* 0, 1, -1, and what is none of these */
+    int32_t counting;                      /* 1: they count 0, 1, 2 or 1, 2, 3 */
+    int32_t decimals;                      /* at most */
 } td_table_column;
 
-void td_table_add(td_table_column *column, double value, int dotted);
+/* `decimals` that it is written with: 0 where without a point and an exponent. */
+void td_table_add(td_table_column *column, double value, int decimals);
 
 /* What columns mean. */
 typedef struct td_table_meaning {

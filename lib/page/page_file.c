@@ -15,7 +15,7 @@ typedef struct source {
     tides_event_reader *reader;
     tides_event_facts facts;
     tides_event *events;
-    tides_event_truth *truth; /* NULL: the file has none */
+    tides_event_truth *truth;  /* NULL: the file has none */
     int64_t first_ns, last_ns; /* of the events that were read */
 } source;
 
