@@ -313,11 +313,13 @@ tides_status tides_events_read(const char *path, uint64_t first, size_t count, t
     tides_status status = tides_event_reader_open(path, NULL, &reader, error);
     if (status != TIDES_OK) return status;
     td_h5_quiet quiet;
+    size_t some = 0;
     td_h5_quiet_begin(&quiet);
     if (reader->format == &td_format_hdf5)
-        status = td_h5_read_from(&reader->stream, first, count, events, got, error);
+        status = td_h5_read_from(&reader->stream, first, count, events, &some, error);
     else
-        status = read_on(reader, first, count, events, got, error);
+        status = read_on(reader, first, count, events, &some, error);
+    if (status == TIDES_OK) *got = some;
     td_h5_quiet_end(&quiet);
     tides_event_reader_close(reader);
     return status;

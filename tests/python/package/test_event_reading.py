@@ -211,3 +211,59 @@ def test_clocks_of_two():
     late["t"] += 10**12
     with pytest.raises(tides.errors.BadArgument, match="share no time.*--rebase"):
         tides.metrics.compare(TRUTH, late)
+
+
+# -- HDF5 ------------------------------------------------------------------------------------------------------------------
+h5py = pytest.importorskip("h5py")
+
+
+def h5(path, **datasets):
+    with h5py.File(path, "w") as file:
+        for name, values in datasets.items():
+            file[name.replace("__", "/")] = values
+    return path
+
+
+VARIANTS = {
+    "real seconds": dict(events__t=T / 1e6, events__x=X, events__y=Y, events__p=P),
+    "other names": dict(cam__timestamp=T, cam__x=X, cam__y=Y, cam__polarity=P),
+    "a unit in the name": dict(events__timestamp_ns=1000 * T, events__xs=X, events__ys=Y, events__on=P),
+    "a table x y t p": dict(events=np.column_stack((X, Y, T, P))),
+    "a table t x y p": dict(events=np.column_stack((T, X, Y, P)).astype("u4")),
+    "a table in seconds": dict(a__events=np.column_stack((T / 1e6, X, Y, 2 * P - 1))),
+    "v2e with -1 unsigned": dict(events=np.column_stack((T, X, Y, np.where(P, 1, 2**32 - 1))).astype("u4")),
+}
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_hdf5(tmp_path, name):
+    assert same(tides.read_events(h5(tmp_path / "a.h5", **VARIANTS[name])))
+
+
+def test_hdf5_streams(tmp_path):
+    """Two cameras: neither is read in silence."""
+    for left, right in (("prophesee/left", "prophesee/right"), ("a", "b")):
+        columns = {f"{left}/{n}".replace("/", "__"): v for n, v in zip("txyp", (T, X, Y, P))}
+        columns |= {f"{right}/{n}".replace("/", "__"): v[:100] for n, v in zip("txyp", (T, X, Y, P))}
+        file = h5(tmp_path / "a.h5", **columns)
+        with pytest.raises(tides.errors.TidesError, match=f"2 streams of events, /{left}, /{right}: --stream"):
+            tides.read_events(file)
+        assert same(tides.read_events(file, stream=left))
+        assert len(tides.read_events(file, stream=right.split("/")[-1])) == 100
+        with pytest.raises(tides.errors.TidesError, match="no stream of events"):
+            tides.read_events(file, stream="middle")
+    table = np.column_stack((X, Y, T / 1e6, 2 * P - 1))
+    file = h5(tmp_path / "b.h5", davis__left__events=table[:50], davis__right__events=table)
+    assert same(tides.read_events(file, stream="right"))
+
+
+def test_hdf5_invalid(tmp_path):
+    p = P.copy()
+    p[40] = 2**32 - 1  # among zeros: no -1
+    file = h5(tmp_path / "a.h5", events=np.column_stack((T, X, Y, p)).astype("u4"))
+    with pytest.raises(tides.errors.BadFile, match="4294967295.*--drop-invalid"):
+        tides.read_events(file)
+    assert np.array_equal(tides.read_events(file, drop_invalid=1), tides.events.as_events(np.delete(TRUTH, 40)))
+    file = h5(tmp_path / "b.h5", t_offset=5_000_000, events__t=T, events__x=X, events__y=Y, events__p=P)
+    assert tides.read_events(file)["t"][0] == 1000 * (T[0] + 5_000_000)
+    assert tides.read_events(file, rebase=1)["t"][0] == 1000 * T[0]  # what DSEC's times count from
