@@ -72,7 +72,9 @@ static tides_status find_order(td_event_source *source, const tides_event_readin
     return set_order(source, &meaning);
 }
 
-static tides_status find_unit(td_event_source *source, const tides_event_reading *how, int known, tides_error *error) {
+/* `layout`: 1 where the place is a known layout's: whole numbers are microseconds there, however seldom events are. */
+static tides_status find_unit(td_event_source *source, const tides_event_reading *how, int known, int layout,
+                              tides_error *error) {
     td_table_column facts;
     tides_error reason = {TIDES_OK, ""};
     source->digits = source->nanoseconds ? 0 : known;
@@ -81,6 +83,7 @@ static tides_status find_unit(td_event_source *source, const tides_event_reading
     source->digits = 3;
     if (sample(source, &source->columns[TD_H5_T], &facts, NULL) < 0) return TIDES_OK;
     if (td_table_unit(&facts, 1, &source->digits, &reason) == TIDES_OK) return TIDES_OK;
+    if (layout && source->digits == 3) return TIDES_OK;
     return td_fail(error, TIDES_BAD_FILE, "%s: %s", source->path, reason.text);
 }
 
@@ -90,7 +93,7 @@ tides_status td_h5_find_meaning(td_event_source *source, const tides_event_readi
     if (how->columns && !table)
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: its columns have names: leave --columns (columns) out", source->path);
     tides_status status = table ? find_order(source, how, known_order, told, error) : TIDES_OK;
-    if (status == TIDES_OK) status = find_unit(source, how, known_digits, error);
+    if (status == TIDES_OK) status = find_unit(source, how, known_digits, known_order, error);
     if (status != TIDES_OK) return status;
     find_wraps(source, told);
     if (source->digits == 0 && known_digits < 0 && !source->nanoseconds && !how->unit && source->place.digits < 0)

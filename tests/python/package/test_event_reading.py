@@ -267,3 +267,42 @@ def test_hdf5_invalid(tmp_path):
     file = h5(tmp_path / "b.h5", t_offset=5_000_000, events__t=T, events__x=X, events__y=Y, events__p=P)
     assert tides.read_events(file)["t"][0] == 1000 * (T[0] + 5_000_000)
     assert tides.read_events(file, rebase=1)["t"][0] == 1000 * T[0]  # what DSEC's times count from
+
+
+# -- numpy -----------------------------------------------------------------------------------------------------------------
+def structured(names):
+    rows = np.empty(N, [(names[0], "<u2"), (names[1], "<u2"), (names[2], "<i2"), (names[3], "<i8")])
+    for name, values in zip(names, (X, Y, P, T)):
+        rows[name] = values
+    return rows
+
+
+@pytest.mark.parametrize("names", [("x", "y", "p", "t"), ("xs", "ys", "polarity", "timestamp"), ("X", "Y", "pol", "ts_us")])
+def test_npy_structured(tmp_path, names):
+    np.save(tmp_path / "a.npy", structured(names))
+    assert same(tides.read_events(tmp_path / "a.npy"))
+
+
+@pytest.mark.parametrize("columns", [(T, X, Y, P), (X, Y, T, 2 * P - 1), (X, Y, P, T), (T / 1e6, X, Y, P)])
+def test_npy_table(tmp_path, columns):
+    np.save(tmp_path / "a.npy", np.column_stack(columns))
+    assert same(tides.read_events(tmp_path / "a.npy"))
+    np.savez(tmp_path / "a.npz", events=np.column_stack(columns))
+    assert same(tides.read_events(tmp_path / "a.npz"))
+
+
+def test_npz_units(tmp_path):
+    """rpg_vid2e has nanoseconds, most others have microseconds under the same names: what no pixel can do decides."""
+    random = np.random.default_rng(3)
+    n = 200_000  # of 346 x 260 px in a second: 2.2 a pixel
+    t, x, y, p = np.sort(random.integers(0, 10**6, n)), *(random.integers(0, m, n) for m in (346, 260, 2))
+    np.savez(tmp_path / "us.npz", x=x, y=y, t=t, p=p)
+    np.savez(tmp_path / "ns.npz", x=x, y=y, t=1000 * t, p=p)
+    np.savez(tmp_path / "s.npz", x=x, y=y, t=t / 1e6, p=p)
+    np.savez(tmp_path / "long.npz", x=x, y=y, timestamp=t, polarity=p)
+    for name in ("us", "ns", "s", "long"):
+        assert np.array_equal(tides.read_events(tmp_path / f"{name}.npz")["t"], 1000 * t), name
+    assert np.array_equal(tides.read_events(tmp_path / "us.npz", unit="ms")["t"], 10**6 * t)
+    with tides.EventReader(tmp_path / "us.npz") as reader:
+        assert "microseconds" in reader.facts.read_as
+    assert np.array_equal(tides.read_events(tmp_path / "long.npz")["x"], x)  # no 1/32 px
