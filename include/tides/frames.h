@@ -12,7 +12,8 @@ extern "C" {
  * r, g and b are weighed. Integers count from 0 to 1 at their type's largest value; floats are taken as they are. */
 enum { TIDES_TRANSFER_LINEAR = 0, TIDES_TRANSFER_SRGB = 1 };
 
-/* Of the numbers in a file of timestamps. AUTO: microseconds in image_timestamps.txt (DSEC), seconds in any other. */
+/* Of the numbers in a file of timestamps. AUTO: as its header says, else microseconds in image_timestamps.txt (DSEC), else the
+ * unit in which frames come 1 to 1000 times a second, or count from 1970. */
 enum { TIDES_TIME_AUTO = 0, TIDES_TIME_S, TIDES_TIME_MS, TIDES_TIME_US, TIDES_TIME_NS };
 
 /* Fill with tides_frames_options_defaults: no file, no rate, auto, linear, the weights of BT.709, luminance. */
@@ -21,10 +22,11 @@ typedef struct tides_frames_options {
     int32_t transfer;         /* TIDES_TRANSFER_* */
     int32_t unit;             /* TIDES_TIME_* of timestamp files and of arrays with times */
     int32_t rebase;           /* 1: the first frame's time becomes 0 */
-    const char *timestamps;   /* text file with one time per line, or NULL */
+    const char *timestamps;   /* text file with one time per line, beside names or an index, with a header or not; or NULL */
     double frames_per_second; /* [Hz]: frame k is at k / rate; 0: not given */
     double luminance[3];      /* weights of r, g, b */
     int32_t planes;           /* 1: luminance; more: arrays of so many values per pixel, taken as they are (voxel grids) */
+    double offset_s;          /* [s] added to all times, after `rebase` */
 } tides_frames_options;
 TIDES_API void tides_frames_options_defaults(tides_frames_options *options);
 

@@ -77,6 +77,9 @@ static tides_status keep_reading(tides_event_reader *reader, const tides_event_r
     tides_event_reading *how = &reader->stream.reading;
     tides_event_reading_defaults(how);
     tides_status status = given ? TD_TAKE_STRUCT(tides_event_reading, how, given, error) : TIDES_OK;
+    if (status == TIDES_OK && ((how->rebase | 1) != 1 || (how->drop_invalid | 1) != 1))
+        status = td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_reading: rebase = %d, drop_invalid = %d: should be 0 or 1",
+                         how->rebase, how->drop_invalid);
     const char **const texts[3] = {&how->columns, &how->unit, &how->stream};
     for (int i = 0; i < 3 && status == TIDES_OK; i++) {
         if (!*texts[i]) continue;

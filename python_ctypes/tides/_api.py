@@ -291,10 +291,11 @@ class tides_frames_options(Structure):
     int32_t transfer; /* TIDES_TRANSFER_* */
     int32_t unit; /* TIDES_TIME_* of timestamp files and of arrays with times */
     int32_t rebase; /* 1: the first frame's time becomes 0 */
-    const char *timestamps; /* text file with one time per line, or NULL */
+    const char *timestamps; /* text file with one time per line, beside names or an index, with a header or not; or NULL */
     double frames_per_second; /* [Hz]: frame k is at k / rate; 0: not given */
     double luminance[3]; /* weights of r, g, b */
     int32_t planes; /* 1: luminance; more: arrays of so many values per pixel, taken as they are (voxel grids) */
+    double offset_s; /* [s] added to all times, after `rebase` */
     """
 
     size: int
@@ -305,6 +306,7 @@ class tides_frames_options(Structure):
     frames_per_second: float
     luminance: Any
     planes: int
+    offset_s: float
 
     _fields_ = [
         ("size", c_uint32),
@@ -315,6 +317,7 @@ class tides_frames_options(Structure):
         ("frames_per_second", c_double),
         ("luminance", c_double * 3),
         ("planes", c_int32),
+        ("offset_s", c_double),
     ]
 
 

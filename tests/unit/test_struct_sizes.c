@@ -148,6 +148,11 @@ static tides_status take_page(const fixture *f, const void *options, tides_error
     (void)f;
     return tides_page_write("no/such/folder/a.html", NULL, NULL, 0, options, NULL, error);
 }
+static tides_status take_reading(const fixture *f, const void *options, tides_error *error) {
+    tides_event_reader *reader = NULL;
+    (void)f;
+    return tides_event_reader_open_as("no/such/folder/a.h5", options, &reader, error);
+}
 static int stop_at_once(void *user, double fraction, const char *stage) {
     (void)user;
     (void)stage;
@@ -220,6 +225,7 @@ typedef union given {
     tides_imu imu;
     tides_live_options live;
     tides_page_options page;
+    tides_event_reading reading;
 } given;
 
 #define FILL(member, function) \
@@ -240,6 +246,7 @@ FILL(exposure, tides_exposure_defaults)
 FILL(imu, tides_imu_defaults)
 FILL(live, tides_live_options_defaults)
 FILL(page, tides_page_options_defaults)
+FILL(reading, tides_event_reading_defaults)
 
 static const struct row {
     const char *name;
@@ -267,6 +274,7 @@ static const struct row {
     {"tides_imu", sizeof(tides_imu), fill_imu, take_imu, TIDES_BAD_CONFIG}, /* metres_per_unit is the caller's to know */
     {"tides_live_options", sizeof(tides_live_options), fill_live, take_live, TIDES_UNSUPPORTED}, /* of frames */
     {"tides_page_options", sizeof(tides_page_options), fill_page, take_page, TIDES_WRITE_FAILED},
+    {"tides_event_reading", sizeof(tides_event_reading), fill_reading, take_reading, TIDES_FILE_NOT_FOUND},
 };
 enum { ROWS = sizeof rows / sizeof *rows };
 
