@@ -25,6 +25,7 @@ void td_table_add(td_table_column *c, double value, int decimals) {
     }
     c->counting = c->counting && value == c->first + (double)c->rows;
     c->falls += c->rows > 0 && value < c->last;
+    if (c->rows > 0) c->fall = fmax(c->fall, c->last - value);
     c->least = fmin(c->least, value);
     c->most = fmax(c->most, value);
     c->last = value;
@@ -84,7 +85,8 @@ const char *td_table_unit_word(int digits) {
 /* ---- guessed ---- */
 
 static int few(uint32_t faults, const td_table_column *c) { return (uint64_t)faults * FAULTS <= c->rows; }
-static int can_be_time(const td_table_column *c) { return few(c->falls, c); }
+/* A late event falls by little: what returns to its beginning is no time. */
+static int can_be_time(const td_table_column *c) { return few(c->falls, c) && 2 * c->fall <= c->most - c->least; }
 static int can_be_polarity(const td_table_column *c) { return few(c->others, c) && (few(c->minuses, c) || few(c->zeros, c)); }
 static int can_be_coordinate(const td_table_column *c) { return few(c->beyond, c); }
 

@@ -17,8 +17,8 @@ enum {
 
 /* What the first values of a column are. Zeroed to begin with. */
 typedef struct td_table_column {
-    double least, most, first, last;
-    uint32_t rows, falls;                /* falls: values below the one before them */
+    double least, most, first, last, fall; /* fall: the deepest from one value to the next */
+    uint32_t rows, falls;                  /* falls: values below the one before them */
     uint32_t fractional, dotted, beyond; /* no whole numbers; written with a point or an exponent; no coordinates of a sensor */
     uint32_t zeros, ones, minuses, others; /* 0, 1, -1, and what is none of these */
     int32_t counting;                      /* 1: they count 0, 1, 2 or 1, 2, 3 */
