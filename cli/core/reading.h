@@ -10,22 +10,23 @@ typedef struct cli_reading {
     int32_t drop_invalid, rebase;
 } cli_reading;
 
-/* Rows of a command's table of options. What a file is; and on which clock it is wanted. */
-#define CLI_READING_FILE(r)                                                                                                      \
-    {"--from", 0, "FORMAT", "read as this (by content)", NULL, &(r).format, NULL},                                               \
-        {"--columns",  0,   "LIST", "of text and tables: t,x,y,p in the file's order, - for others (by header or values)", NULL, \
-         &(r).columns, NULL},                                                                                                    \
-        {"--unit", 0, "s|ms|us|ns", "of the file's times (by format, header or values)", NULL, &(r).unit, NULL},                 \
-        {"--stream", 0, "NAME", "which, of a file with several streams of events", NULL, &(r).stream, NULL}, {                   \
-        "--drop-invalid", 0, NULL, "leave out events that can't be (outside the sensor, NaN), and say how many",                 \
-            &(r).drop_invalid, NULL, NULL                                                                                        \
-    }
-#define CLI_READING_CLOCK(r)                                                                                                \
-    {"--rebase",  0,    NULL, "count times from the recording's zero (first frame, start or first event), those given too", \
-     &(r).rebase, NULL, NULL},                                                                                              \
-    {                                                                                                                       \
-        "--offset", 0, "SECONDS", "add this to all times", NULL, &(r).offset, NULL                                          \
-    }
+/* Rows of a command's table of options, each by itself; then those on what a file is, and those on which clock it is wanted. */
+#define CLI_FROM(r) \
+    { "--from", 0, "FORMAT", "read as this (by content)", NULL, &(r).format, NULL }
+#define CLI_COLUMNS(r) \
+    { "--columns", 0, "LIST", "of text and tables: t,x,y,p in the file's order, - is another", NULL, &(r).columns, NULL }
+#define CLI_UNIT(r) \
+    { "--unit", 0, "s|ms|us|ns", "of the file's times (by format, header or values)", NULL, &(r).unit, NULL }
+#define CLI_STREAM(r) \
+    { "--stream", 0, "NAME", "which, of a file with several streams of events", NULL, &(r).stream, NULL }
+#define CLI_DROP_INVALID(r) \
+    { "--drop-invalid", 0, NULL, "leave out events that can't be, and say how many", &(r).drop_invalid, NULL, NULL }
+#define CLI_REBASE(r) \
+    { "--rebase", 0, NULL, "count times, given ones too, from first frame, start or first event", &(r).rebase, NULL, NULL }
+#define CLI_OFFSET(r) \
+    { "--offset", 0, "SECONDS", "add this to all times", NULL, &(r).offset, NULL }
+#define CLI_READING_FILE(r) CLI_FROM(r), CLI_COLUMNS(r), CLI_UNIT(r), CLI_STREAM(r), CLI_DROP_INVALID(r)
+#define CLI_READING_CLOCK(r) CLI_REBASE(r), CLI_OFFSET(r)
 
 /* What the library is to be told; CLI_GO or CLI_USAGE. */
 int cli_reading_parse(const cli_command *command, const cli_reading *given, tides_event_reading *reading);

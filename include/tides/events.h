@@ -199,9 +199,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_events_summary(const char *path, t
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_summary(tides_event_reader *reader, tides_event_summary *summary,
                                                                    tides_error *error);
 
-/* Whether [start_ns, stop_ns) can be meant of a recording that lasts from first_ns to end_ns: it touches that, and doesn't begin
- * further before it than it is long and than a second. Else it was meant on another clock: TIDES_BAD_ARGUMENT names the stretch
- * and how to bring both together. INT64_MIN, INT64_MAX: open ends. `rebased`: times count from the recording's zero already. */
+/* Whether [start_ns, stop_ns) can be meant of a recording that lasts from first_ns to end_ns: it touches that, and doesn't
+ * begin further before it than it is long and than a second. Else it was meant on another clock: TIDES_BAD_ARGUMENT names the
+ * stretch and how to bring both together. INT64_MIN, INT64_MAX: open ends. `rebased`: times count from the recording's zero already. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_stretch_check(const char *file, int64_t first_ns, int64_t end_ns,
                                                                   int64_t start_ns, int64_t stop_ns, int32_t rebased,
                                                                   tides_error *error);
@@ -245,8 +245,8 @@ TIDES_API void tides_event_conversion_defaults(tides_event_conversion *conversio
 
 /* Converts and cuts an event file, streamed in a few megabytes. Events of one time are sorted by y, x, polarity; events that
  * are late by up to 65536 places are put in order, and more is TIDES_BAD_FILE. The output is a complete new file or what was
- * there before. Labels aren't kept: they are those of the recording that was simulated. A stretch that lies wholly outside the
- * recording's is TIDES_BAD_ARGUMENT, which names that. `progress` may be NULL; it returns non-zero to stop (TIDES_CANCELLED). */
+ * there before. Labels aren't kept: they are those of the recording that was simulated. A stretch that isn't the recording's
+ * (tides_event_stretch_check) is TIDES_BAD_ARGUMENT. `progress` may be NULL; it returns non-zero to stop (TIDES_CANCELLED). */
 TIDES_MUST_CHECK TIDES_API tides_status tides_events_convert(const char *in, const char *out,
                                                              const tides_event_conversion *conversion, tides_progress progress,
                                                              void *user, tides_event_conversion_report *report,

@@ -12,13 +12,13 @@ static const struct {
     int digits;
     double metres;
 } units[] = {
-    {"s", "s", 9, 0},       {"sec", "s", 9, 0},          {"secs", "s", 9, 0},         {"second", "s", 9, 0},
-    {"seconds", "s", 9, 0}, {"ms", "ms", 6, 0},          {"msec", "ms", 6, 0},        {"msecs", "ms", 6, 0},
-    {"millis", "ms", 6, 0}, {"millisecond", "ms", 6, 0}, {"milliseconds", "ms", 6, 0}, {"us", "us", 3, 0},
-    {"usec", "us", 3, 0},   {"usecs", "us", 3, 0},       {"micros", "us", 3, 0},      {"microsecond", "us", 3, 0},
-    {"ns", "ns", 0, 0},     {"microseconds", "us", 3, 0}, {"nsec", "ns", 0, 0},        {"nsecs", "ns", 0, 0},
-    {"nanos", "ns", 0, 0},  {"nanosecond", "ns", 0, 0},  {"nanoseconds", "ns", 0, 0}, {"m", "m", -1, 1},
-    {"cm", "cm", -1, 1e-2}, {"mm", "mm", -1, 1e-3},      {"meters", "m", -1, 1},      {"metres", "m", -1, 1},
+    {"s", "s", 9, 0},       {"sec", "s", 9, 0},           {"secs", "s", 9, 0},          {"second", "s", 9, 0},
+    {"seconds", "s", 9, 0}, {"ms", "ms", 6, 0},           {"msec", "ms", 6, 0},         {"msecs", "ms", 6, 0},
+    {"millis", "ms", 6, 0}, {"millisecond", "ms", 6, 0},  {"milliseconds", "ms", 6, 0}, {"us", "us", 3, 0},
+    {"usec", "us", 3, 0},   {"usecs", "us", 3, 0},        {"micros", "us", 3, 0},       {"microsecond", "us", 3, 0},
+    {"ns", "ns", 0, 0},     {"microseconds", "us", 3, 0}, {"nsec", "ns", 0, 0},         {"nsecs", "ns", 0, 0},
+    {"nanos", "ns", 0, 0},  {"nanosecond", "ns", 0, 0},   {"nanoseconds", "ns", 0, 0},  {"m", "m", -1, 1},
+    {"cm", "cm", -1, 1e-2}, {"mm", "mm", -1, 1e-3},       {"meters", "m", -1, 1},       {"metres", "m", -1, 1},
 };
 enum { UNITS = sizeof units / sizeof *units };
 
@@ -204,16 +204,18 @@ int td_columns_parse(const char *line, td_columns *columns) {
 
 /* -- asking -------------------------------------------------------------------------------------------------------------- */
 
-/* 1 where the name is the one that is `length` letters long, or ends so where that begins with '*'. */
+/* 1 where the name is the `length` letters at `wanted`, of which one may be '*', for any letters or none. */
 static int has_name(const char *name, const char *wanted, size_t length) {
     const size_t own = strlen(name);
-    if (*wanted != '*') return own == length && memcmp(name, wanted, length) == 0;
-    return own + 1 >= length && memcmp(name + own + 1 - length, wanted + 1, length - 1) == 0;
+    const char *star = memchr(wanted, '*', length);
+    if (!star) return own == length && memcmp(name, wanted, length) == 0;
+    const size_t front = (size_t)(star - wanted), back = length - front - 1;
+    return own >= front + back && memcmp(name, wanted, front) == 0 && memcmp(name + own - back, star + 1, back) == 0;
 }
 
 /* The same, with a unit's word of two letters and more behind it: its digits; -1 otherwise. */
 static int has_name_and_unit(const char *name, const char *wanted, size_t length) {
-    if (*wanted == '*' || strncmp(name, wanted, length) != 0 || strlen(name) < length + 2) return -1;
+    if (memchr(wanted, '*', length) || strncmp(name, wanted, length) != 0 || strlen(name) < length + 2) return -1;
     return td_unit_digits(name + length);
 }
 
@@ -252,11 +254,13 @@ int td_columns_time(const td_columns *columns, const char *names, int *digits) {
 
 /* -- without a name ------------------------------------------------------------------------------------------------------ */
 
+int td_counts_from_1970(double seconds) { return seconds >= 1e8 && seconds < 5e9; }
+
 int td_likely_digits(double last, double step) {
     static const int digits[] = {9, 6, 3, 0};
     double unit = 1; /* how many make a second */
     for (int k = 0; k < 4; k++, unit *= 1e3)
-        if (last >= 1e8 * unit && last < 5e9 * unit && step < 100 * unit) return digits[k]; /* 1973 to 2128 */
+        if (td_counts_from_1970(last / unit) && step <= unit && step >= 1e-3 * unit) return digits[k];
     unit = 1;
     for (int k = 0; k < 3; k++, unit *= 1e3)
         if (step <= unit) return digits[k];

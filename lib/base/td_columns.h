@@ -18,7 +18,7 @@ typedef struct td_column {
 } td_column;
 
 typedef struct td_columns {
-    int count; /* fields of the line, those beyond TD_COLUMNS_MAX too: they have no name here */
+    int count;      /* fields of the line, those beyond TD_COLUMNS_MAX too: they have no name here */
     char separator; /* ',' ';' '\t' or ' ' */
     td_column column[TD_COLUMNS_MAX];
 } td_columns;
@@ -27,7 +27,7 @@ typedef struct td_columns {
  * has a name, and no field that is a number. 0 where it doesn't; `count` and `separator` are then those of its fields. */
 int td_columns_parse(const char *line, td_columns *columns);
 
-/* The column that has one of `names`, "t|timestamp|*stamp": first names win, "*stamp" is any name that ends so.
+/* The column that has one of `names`, "t|timestamp|*stamp": first names win, '*' is any letters or none.
  * TD_COLUMN_NONE where none has, TD_COLUMN_TWICE where two have the same. */
 int td_columns_find(const td_columns *columns, const char *names);
 
@@ -40,6 +40,9 @@ int td_unit_digits(const char *unit);
 
 /* Metres of a unit of td_column: 1 of "m"; 0: no unit of length. */
 double td_unit_metres(const char *unit);
+
+/* 1 for seconds that a clock which counts from 1970 has between 1973 and 2128. */
+int td_counts_from_1970(double seconds);
 
 /* The unit in which times are likely to be whose largest is `last` and whose middle step is `step`, both in that unit, of
  * samples that come 1 to 1000 times a second or that count from 1970: its decimal digits to nanoseconds. */

@@ -1,5 +1,5 @@
-/* Where in an HDF5 file events lie: every group that holds columns of them, by any names that mean t, x, y and p, and every table
- * "events" of four columns. A file of two cameras has two such places: which is meant is for the caller to say. */
+/* Where in an HDF5 file events lie: every group that holds columns of them, by any names that mean t, x, y and p, and every
+ * table "events" of four columns. A file of two cameras has two such places: which is meant is for the caller to say. */
 #include "archive/td_h5_driver.h"
 #include "td_base.h"
 #include "td_columns.h"
@@ -8,11 +8,12 @@
 
 #include <string.h>
 
-enum { DEPTH = 4, LINKS = 256, PLACES = 16, NAMES = 1024 };
+/* OBJECTS: of all groups together, whose links may lead back to themselves. */
+enum { DEPTH = 4, OBJECTS = 4096, PLACES = 16, NAMES = 1024 };
 
 typedef struct search {
     td_h5_place places[PLACES];
-    int count;
+    int count, seen;
 } search;
 
 static int dimensions(hid_t dataset, hsize_t extent[2]) {
@@ -71,7 +72,7 @@ static void visit(search *s, hid_t file, const char *path, int depth) {
     H5G_info_t info;
     hid_t group = H5Gopen2(file, *path ? path : "/", H5P_DEFAULT);
     if (group < 0 || H5Gget_info(group, &info) < 0) info.nlinks = 0;
-    for (hsize_t i = 0; i < info.nlinks && i < LINKS; i++) {
+    for (hsize_t i = 0; i < info.nlinks && s->seen++ < OBJECTS; i++) {
         char name[64], inner[TD_H5_PATH];
         H5L_info_t link;
         const ssize_t length = H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i, name, sizeof name, H5P_DEFAULT);

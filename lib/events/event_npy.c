@@ -1,5 +1,5 @@
-/* Numpy's files, read: .npy with one structured array (tonic's dtype, Metavision's, whatever its fields are called) or one table of
- * four columns; .npz with one such array, or with one per column:
+/* Numpy's files, read: .npy with one structured array (tonic's dtype, Metavision's, whatever its fields are called) or one
+ * table of four columns; .npz with one such array, or with one per column:
  *   keys t, x, y, p                        t in nanoseconds (rpg_vid2e, and what is written here), unless a pixel then had
  *                                          hundreds of events a second: microseconds
  *   the same, coordinates beyond 8191      HS-ERGB: coordinates are 1/32 px, t in microseconds

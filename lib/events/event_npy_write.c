@@ -1,5 +1,5 @@
-/* Writing events as numpy's arrays: a structured one (.npy), and one per column (.npz), whose events wait in a file of their own
- * until all are there. */
+/* Writing events as numpy's arrays: a structured one (.npy), and one per column (.npz), whose events wait in a file of their
+ * own until all are there. */
 #include "archive/td_npy.h"
 #include "td_base.h"
 #include "td_endian.h"

@@ -4,7 +4,8 @@
  *               TD_TABLE_COORDINATE
  *   polarities  are 0 and 1, or -1 and 1
  *   coordinates are whole numbers that a sensor has; x stands before y
- * One value in fifty may be otherwise: real recordings have late events, and damaged ones. Where more than one order is left, the file is refused: whoever made it knows. */
+ * One value in fifty may be otherwise: real recordings have late events, and damaged ones. Where more
+ * than one order is left, the file is refused: whoever made it knows. */
 #include "td_event_table.h"
 
 #include "td_base.h"

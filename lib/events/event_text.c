@@ -1,6 +1,6 @@
-/* Text with blanks between columns, written as `t x y p` with times in seconds (.txt): of the Event Camera Dataset and v2e, with
- * '#' comments, and of E2VID, whose first line is the sensor's width and height. Written with nine decimals: nothing is lost.
- * Read in other orders and units, too: event_rows_open.c finds what columns are. */
+/* Text with blanks between columns, written as `t x y p` with times in seconds (.txt): of the Event Camera Dataset and v2e,
+ * with '#' comments, and of E2VID, whose first line is the sensor's width and height. Written with nine decimals: nothing is
+ * lost. Read in other orders and units, too: event_rows_open.c finds what columns are. */
 #include "td_event_rows.h"
 
 #include "td_base.h"

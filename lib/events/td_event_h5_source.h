@@ -51,7 +51,8 @@ tides_status td_h5_source_open(td_event_source *source, const char *path, const 
                                tides_event_facts *facts, tides_error *error);
 void td_h5_source_close(td_event_source *source);
 
-/* Events [first, first + count), which must be there. `stream` (nullable) may have invalid ones left out: `*got` of them are. */
+/* Events [first, first + count), which must be there. `stream` (nullable) may have invalid ones left out; `*got`
+ * are kept. */
 tides_status td_h5_source_read(td_event_source *source, td_event_stream *stream, uint64_t first, size_t count,
                                tides_event *events, size_t *got, tides_error *error);
 

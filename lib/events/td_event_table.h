@@ -34,8 +34,8 @@ typedef struct td_table_meaning {
     int digits;                /* 10^digits nanoseconds are a unit of time; -1: not known yet */
 } td_table_meaning;
 
-/* From a header's columns, or somebody's list of them. TIDES_BAD_FILE says which is missing or there twice, as the end of "PATH:
- * its header ". */
+/* From a header's columns, or somebody's list of them. TIDES_BAD_FILE says which is missing or there twice, as the end of
+ * "PATH: its header ". */
 tides_status td_table_named(const td_columns *named, td_table_meaning *meaning, tides_error *error);
 
 /* 1 where a header names x, y, t and nothing that poses have: it is of events, though something may be missing. */

@@ -156,6 +156,7 @@ class EventReader(Handle):
 
     @property
     def facts(self) -> Facts:
+        """What the file says of itself, and what reading found since."""
         facts = _api.tides_event_facts()
         lib.tides_event_reader_facts(self._pointer, byref(facts))
         told = plain(facts)

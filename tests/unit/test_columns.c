@@ -55,7 +55,8 @@ static void spellings_of_time(void **state) {
 static void names_and_units(void **state) {
     (void)state;
     td_columns c;
-    assert_true(td_columns_parse(" # \"p_RS_R_x [mm]\" , Field.Pose.Orientation.W,x@1280, y@720,a@70000,b_m,frame_id\n1,2", &c));
+    assert_true(
+        td_columns_parse(" # \"p_RS_R_x [mm]\" , Field.Pose.Orientation.W,x@1280, y@720,a@70000,b_m,frame_id\n1,2", &c));
     assert_int_equal(c.count, 7);
     assert_int_equal(c.separator, ',');
     assert_string_equal(c.column[0].name, "prsrx");
@@ -63,6 +64,8 @@ static void names_and_units(void **state) {
     assert_true(td_unit_metres("mm") > 0.0009 && td_unit_metres("mm") < 0.0011 && td_unit_metres("s") <= 0);
     assert_int_equal(td_columns_find(&c, "qw|*orientationw"), 1);
     assert_int_equal(td_columns_find(&c, "x"), 2);
+    assert_int_equal(td_columns_find(&c, "p*y|px|p*x"), 0);
+    assert_int_equal(td_columns_find(&c, "prsrx*x|a*"), 4);
     assert_int_equal(c.column[2].size, 1280);
     assert_int_equal(c.column[3].size, 720);
     assert_int_equal(c.column[4].size, 0);
