@@ -201,7 +201,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_summary(tides_event_r
 
 /* Whether [start_ns, stop_ns) can be meant of a recording that lasts from first_ns to end_ns: it touches that, and doesn't
  * begin further before it than it is long and than a second. Else it was meant on another clock: TIDES_BAD_ARGUMENT names the
- * stretch and how to bring both together. INT64_MIN, INT64_MAX: open ends. `rebased`: times count from the recording's zero already. */
+ * stretch and how to bring both together. INT64_MIN, INT64_MAX: open ends. `rebased`: times count from the recording's zero. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_stretch_check(const char *file, int64_t first_ns, int64_t end_ns,
                                                                   int64_t start_ns, int64_t stop_ns, int32_t rebased,
                                                                   tides_error *error);
