@@ -306,3 +306,31 @@ def test_npz_units(tmp_path):
     with tides.EventReader(tmp_path / "us.npz") as reader:
         assert "microseconds" in reader.facts.read_as
     assert np.array_equal(tides.read_events(tmp_path / "long.npz")["x"], x)  # no 1/32 px
+
+
+# -- frames' lists of times --------------------------------------------------------------------------------------------------
+LISTS = {
+    "an index before": lambda k, t: f"{k} {t:.6f}",
+    "names behind": lambda k, t: f"{t:.6f} frame_{k:05d}.png",
+    "names before": lambda k, t: f"frame_{k:05d}.png,{t:.6f}",
+    "microseconds": lambda k, t: f"{1e6 * t:.0f}",
+    "nanoseconds of 1970": lambda k, t: f"{10**18 + int(round(1e9 * t))}",
+    "milliseconds": lambda k, t: f"{1e3 * t:.0f}",
+    "a header": lambda k, t: ("" if k else "frame,time [ms]\n") + f"{k},{1e3 * t:.3f}",
+    "EuRoC": lambda k, t: ("" if k else "#timestamp [ns],filename\n") + f"{1e9 * t:.0f},{1e9 * t:.0f}.png",
+    "start and end": lambda k, t: f"{1e6 * t:.0f}, {1e6 * t + 500:.0f}",
+}
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("name", LISTS)
+def test_times_of_frames(tmp_path, name, end):
+    times = 0.04 * np.arange(1, 9)
+    np.save(tmp_path / "frames.npy", np.ones((8, 4, 5)))
+    text = end.join(LISTS[name](k, t) for k, t in enumerate(times)).replace("\n", end if end != "\r\n" else "\n") + end
+    (tmp_path / "t.txt").write_bytes(text.encode())
+    frames = tides.Frames(tmp_path / "frames.npy", timestamps=str(tmp_path / "t.txt"))
+    found = np.asarray(frames.times) - (1e9 if "1970" in name else 0)
+    assert np.allclose(found, times, atol=1e-6 if "1970" in name else 1e-9)
+    moved = tides.Frames(tmp_path / "frames.npy", timestamps=str(tmp_path / "t.txt"), rebase=1, offset_s=-0.5)
+    assert np.allclose(moved.times, times - times[0] - 0.5, atol=1e-6)
