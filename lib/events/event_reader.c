@@ -132,13 +132,28 @@ void tides_event_reader_close(tides_event_reader *reader) {
     free(reader);
 }
 
+/* Adds two times; 0 where 64 bits don't hold them. */
+static int add_time(int64_t a, int64_t b, int64_t *sum) {
+    if (b > 0 ? a > INT64_MAX - b : a < INT64_MIN - b) return 0;
+    *sum = a + b;
+    return 1;
+}
+
+/* What is to be added to the file's times; 0 where 64 bits don't hold it. */
+static int find_shift(const td_event_stream *stream, int64_t *shift) {
+    const tides_event_reading *how = &stream->reading;
+    if (how->rebase && stream->facts.zero_ns == INT64_MIN) return 0;
+    return add_time(how->offset_ns, how->rebase ? -stream->facts.zero_ns : 0, shift);
+}
+
 void tides_event_reader_facts(const tides_event_reader *reader, tides_event_facts *facts) {
     const td_event_stream *stream = &reader->stream;
     *facts = stream->facts;
+    int64_t shift = 0;
     if (facts->start_ns == facts->stop_ns) return;
-    const int64_t shift = stream->reading.offset_ns - (stream->reading.rebase ? facts->zero_ns : 0);
-    facts->start_ns += shift;
-    facts->stop_ns += shift;
+    if (!find_shift(stream, &shift) || !add_time(facts->start_ns, shift, &facts->start_ns) ||
+        !add_time(facts->stop_ns, shift, &facts->stop_ns))
+        facts->start_ns = facts->stop_ns = 0;
 }
 
 /* ---- reading ---- */
@@ -165,22 +180,13 @@ static tides_status check_batch(tides_event_reader *reader, size_t count, size_t
     return status;
 }
 
-/* Adds two times; 0 where 64 bits don't hold them. */
-static int add_time(int64_t a, int64_t b, int64_t *sum) {
-    if (b > 0 ? a > INT64_MAX - b : a < INT64_MIN - b) return 0;
-    *sum = a + b;
-    return 1;
-}
-
 /* To the clock that was asked for: the first event is known now, if that is the zero. */
 static tides_status place(tides_event_reader *reader, size_t count, tides_error *error) {
     td_event_stream *stream = &reader->stream;
-    const tides_event_reading *how = &stream->reading;
     int fits = 1;
     if (!reader->placed && count) {
         if (stream->facts.zero == TIDES_ZERO_EVENT) stream->facts.zero_ns = reader->batch[0].t;
-        fits = !how->rebase || add_time(how->offset_ns, -stream->facts.zero_ns, &reader->shift);
-        if (!how->rebase) reader->shift = how->offset_ns;
+        fits = find_shift(stream, &reader->shift);
         reader->placed = 1;
     }
     for (size_t i = 0; i < count && reader->shift && fits; i++)
