@@ -83,3 +83,10 @@ out '"dt_max_us":[[:space:]]*0'
 refuse 1 "share no time.*--rebase" tides metrics truth.h5 epoch.h5
 expect 0 tides metrics truth.h5 epoch.h5 --rebase --only match --json
 out '"matched":[[:space:]]*400'
+
+# A folder of two cameras.
+mkdir -p seq/events/left seq/events/right
+cp truth.h5 seq/events/left/events.h5
+expect 0 tides cut truth.h5 seq/events/right/events.h5 --stop 0.01 -q
+refuse 1 "seq: holds events in .*left and in .*right: .*--stream" tides info seq
+same seq --stream left
