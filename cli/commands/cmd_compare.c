@@ -83,9 +83,10 @@ static tides_status read_recording(comparison *c, tides_error *error) {
     if (status != TIDES_OK) return status;
     if (w->count == 0)
         return cli_error(error, TIDES_BAD_ARGUMENT,
-                         "%s: has no events from %.9g to %.9g s, the run's time: tides convert --rebase counts from its first "
-                         "event",
-                         c->recording_file, c->session.values.start, c->session.values.stop);
+                         "%s: lasts from %.15g to %.15g s and has no events from %.15g to %.15g s, the run's time: tides "
+                         "convert --rebase counts from its zero, --offset shifts it",
+                         c->recording_file, 1e-9 * (double)w->seen_ns, 1e-9 * (double)w->seen_stop_ns, c->session.values.start,
+                         c->session.values.stop);
     if (w->width > size->width || w->height > size->height)
         return cli_error(error, TIDES_BAD_ARGUMENT, "%s: is %dx%d px and the run %dx%d px: tides cut --roi makes it as small",
                          c->recording_file, w->width, w->height, size->width, size->height);

@@ -55,29 +55,31 @@ static int is_scene(const char *in) {
 
 int cmd_convert(const cli_command *command, int argc, char **argv) {
     cli_common common;
+    cli_reading reading = {.format = NULL};
     tides_event_conversion what;
     tides_event_conversion_defaults(&what);
     tides_scene_options how;
     tides_scene_options_defaults(&how);
     const char *files[2] = {NULL, NULL}, *width = NULL, *height = NULL;
     const cli_option options[] = {
-        {"--from", 0, "FORMAT", "events: read as this (by content)", NULL, &what.from, NULL},
+        CLI_READING_FILE(reading),
         {"--to", 0, "FORMAT", "events: write as this (by ending)", NULL, &what.to, NULL},
         {"--width", 0, "PX", "events: the sensor's width, where the file doesn't say", NULL, &width, NULL},
         {"--height", 0, "PX", "events: and its height", NULL, &height, NULL},
         {"--part", 0, "PART", "scenes: a glTF's scene, an .h5's object, an iteration, a level", NULL, &how.part, NULL},
-        {"--drop-invalid", 0, NULL, "scenes: leave Gaussians out that are NaN or infinite", &how.invalid, NULL, NULL},
-        {"--rebase", 0, NULL, "events: count times from the first one", &what.rebase, NULL, NULL},
+        CLI_READING_CLOCK(reading),
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
     int code = cli_parse(command, options, argc, argv, &common, files);
     if (code == CLI_OK) cli_help_formats();
+    if (code == CLI_GO) code = cli_conversion_reading(command, &reading, &what);
     if (code == CLI_GO && width) code = cli_size(command, "--width", width, &what.width);
     if (code == CLI_GO && height) code = cli_size(command, "--height", height, &what.height);
     if (code != CLI_GO) return code;
-    const int asked = what.from || what.to || width || height || what.rebase;
+    const int asked =
+        what.from || what.to || width || height || what.rebase || what.columns || what.unit || what.stream || reading.offset;
+    how.invalid = what.drop_invalid;
     if (!asked && is_scene(files[0])) return convert_scene(files[0], files[1], &how, &common);
-    if (how.part || how.invalid)
-        return cli_usage(command, "%s is of scenes, and %s is none", how.part ? "--part" : "--drop-invalid", files[0]);
+    if (how.part) return cli_usage(command, "--part is of scenes, and %s is none", files[0]);
     return cli_event_convert(files[0], files[1], &what, &common);
 }

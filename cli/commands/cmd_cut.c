@@ -24,6 +24,7 @@ static int take_window(const cli_command *command, const char *text, tides_event
 
 int cmd_cut(const cli_command *command, int argc, char **argv) {
     cli_common common;
+    cli_reading reading = {.format = NULL};
     tides_event_conversion what;
     tides_event_conversion_defaults(&what);
     const char *files[2] = {NULL, NULL}, *start = NULL, *stop = NULL, *window = NULL;
@@ -31,13 +32,14 @@ int cmd_cut(const cli_command *command, int argc, char **argv) {
         {"--start", 0, "SECONDS", "keep events from here on (the file's first)", NULL, &start, NULL},
         {"--stop", 0, "SECONDS", "keep events before this time (the file's last)", NULL, &stop, NULL},
         {"--roi", 0, "X,Y,W,H", "keep this window, which becomes the sensor", NULL, &window, NULL},
-        {"--rebase", 0, NULL, "count times from the file's first event, --start and --stop too", &what.rebase, NULL, NULL},
-        {"--from", 0, "FORMAT", "read as this (by content)", NULL, &what.from, NULL},
+        CLI_READING_CLOCK(reading),
+        CLI_READING_FILE(reading),
         {"--to", 0, "FORMAT", "write as this (by ending)", NULL, &what.to, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
     int code = cli_parse(command, options, argc, argv, &common, files);
     if (code == CLI_OK) cli_help_formats();
+    if (code == CLI_GO) code = cli_conversion_reading(command, &reading, &what);
     if (code == CLI_GO && start) code = cli_time(command, "--start", start, &what.start_ns);
     if (code == CLI_GO && stop) code = cli_time(command, "--stop", stop, &what.stop_ns);
     if (code == CLI_GO && window) code = take_window(command, window, &what);

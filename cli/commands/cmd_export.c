@@ -188,6 +188,7 @@ static tides_status run(job *j, tides_error *error) {
     static const char *const polarities[] = {"OFF", "ON"};
     tides_status status = cli_stretch_read(&j->stretch, &j->recording, error);
     if (status != TIDES_OK) return status;
+    cli_reading_tell(j->common, j->stretch.file, &j->recording.facts, j->stretch.how.rebase);
     const cli_window *r = &j->recording;
     const tides_array_shape shape = {kinds[j->kind], j->kind == VOXEL ? j->voxel.bins : 2, r->height, r->width,
                                      j->kind == VOXEL ? NULL : polarities};
@@ -231,7 +232,9 @@ static int report(const job *j) {
 int cmd_export(const cli_command *command, int argc, char **argv) {
     cli_common common;
     arguments given = {NULL, NULL, NULL, NULL, NULL, NULL};
-    job j = {.common = &common, .decay_s = 0.03, .stretch = {.of_run = 1}}; /* HOTS's surfaces, as in tonic's examples */
+    job j = {.common = &common,
+             .decay_s = 0.03,
+             .stretch = {.of_run = 1, .windows_most = CLI_WINDOWS_MOST}}; /* HOTS's surfaces, as in tonic's examples */
     const cli_option options[] = {
         {"--output", 'o', "FILE", "where the arrays go: .npy, .npz, .h5, .exr (one window)", NULL, &j.out, NULL},
         {"--as", 0, "voxel|frame|surface", "what to make (voxel)", NULL, &given.kind, NULL},
@@ -248,7 +251,8 @@ int cmd_export(const cli_command *command, int argc, char **argv) {
          &j.stretch.start_text, NULL},
         {"--stop", 0, "SECONDS", "and the last one ends by here (the recording's end, else after the last event)", NULL,
          &j.stretch.stop_text, NULL},
-        {"--from", 0, "FORMAT", "read as this (by content)", NULL, &j.stretch.format, NULL},
+        CLI_READING_FILE(j.stretch.reading),
+        CLI_READING_CLOCK(j.stretch.reading),
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
     int code = cli_parse(command, options, argc, argv, &common, &j.stretch.file);

@@ -1,6 +1,6 @@
 /* tides info: what a file or folder holds. The kind of file is found from its content. */
-#include "cli.h"
 #include "info_preset.h"
+#include "reading.h"
 
 #include <errno.h>
 #include <math.h>
@@ -257,10 +257,21 @@ static void event_facts(const tides_event_summary *s, cJSON *facts) {
     label_facts(s->labels, facts);
 }
 
-static tides_status events_facts(const char *file, cJSON *facts, tides_error *error) {
+/* How it was read, where the file leaves that open; and what of it is no event. */
+static tides_status events_facts(const char *file, const tides_event_reading *how, cJSON *facts, tides_error *error) {
+    tides_event_reader *reader = NULL;
     tides_event_summary summary;
-    tides_status status = tides_events_summary(file, &summary, error);
-    if (status == TIDES_OK) event_facts(&summary, facts);
+    tides_event_facts told;
+    tides_status status = tides_event_reader_open_as(file, how, &reader, error);
+    if (status == TIDES_OK) status = tides_event_reader_summary(reader, &summary, error);
+    if (status == TIDES_OK) {
+        event_facts(&summary, facts);
+        tides_event_reader_facts(reader, &told);
+        if (told.read_as[0]) cJSON_AddStringToObject(facts, "read_as", told.read_as);
+        if (told.dropped) cJSON_AddNumberToObject(facts, "invalid_dropped", (double)told.dropped);
+        if (told.zero != TIDES_ZERO_EVENT) cli_add_seconds(facts, "zero_s", told.zero_ns);
+    }
+    tides_event_reader_close(reader);
     return status;
 }
 
@@ -275,13 +286,10 @@ static tides_status open_events(const char *file) {
 
 /* HDF5 holds events or a scene; what it is neither of is told with both reasons. */
 static tides_status hdf5_facts(const char *file, cJSON *facts, tides_error *error) {
-    tides_event_summary summary;
     tides_error events = {TIDES_OK, ""}, scene = {TIDES_OK, ""};
-    if (tides_events_summary(file, &summary, &events) == TIDES_OK) {
-        event_facts(&summary, facts);
-        return TIDES_OK;
-    }
-    if (events.status == TIDES_UNSUPPORTED) { /* events, and what their reader lacks */
+    if (events_facts(file, NULL, facts, &events) == TIDES_OK) return TIDES_OK;
+    /* Events, and what their reader lacks, or has to be told. */
+    if (events.status == TIDES_UNSUPPORTED || events.status == TIDES_BAD_ARGUMENT) {
         *error = events;
         return error->status;
     }
@@ -417,7 +425,7 @@ static tides_status array_facts(const char *start, size_t got, cJSON *facts) {
 /* Of folders that hold no event files the path's reader says best what is wrong, unless no path is there. */
 static tides_status folder_facts(const char *file, cJSON *facts, tides_error *error) {
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
-    if (open_events(file) != TIDES_FILE_NOT_FOUND) return events_facts(file, facts, error);
+    if (open_events(file) != TIDES_FILE_NOT_FOUND) return events_facts(file, NULL, facts, error);
     const tides_status status = path_facts(file, facts, error);
     if (status != TIDES_FILE_NOT_FOUND) return status;
     return cli_error(error, status,
@@ -440,7 +448,8 @@ static tides_status facts_of(const char *file, cJSON *facts, tides_error *error)
     if (got == 0) return cli_error(error, TIDES_BAD_FILE, "%s: is empty", file);
     if (memcmp(head, "\x89HDF\r\n\x1a\n", 8) == 0) return hdf5_facts(file, facts, error);
     if (memcmp(head, "\x76\x2f\x31\x01", 4) == 0) return exr_facts(file, facts, error);
-    if (open_events(file) == TIDES_OK) return events_facts(file, facts, error);
+    const tides_status events = open_events(file);
+    if (events == TIDES_OK || events == TIDES_BAD_ARGUMENT) return events_facts(file, NULL, facts, error);
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
     if (memcmp(head, "\x93NUMPY", 6) == 0) return array_facts(head, got, facts);
     const tides_status foreign = tides_file_foreign(file, error);
@@ -451,13 +460,23 @@ static tides_status facts_of(const char *file, cJSON *facts, tides_error *error)
 int cmd_info(const cli_command *command, int argc, char **argv) {
     cli_common common;
     const char *file = NULL;
-    const cli_option options[] = {{NULL, 0, NULL, NULL, NULL, NULL, NULL}};
+    cli_reading reading = {.format = NULL};
+    tides_event_reading how;
+    const cli_option options[] = {
+        CLI_READING_FILE(reading),
+        {NULL, 0, NULL, NULL, NULL, NULL, NULL},
+    };
     int code = cli_parse(command, options, argc, argv, &common, &file);
+    if (code == CLI_GO) code = cli_reading_parse(command, &reading, &how);
     if (code != CLI_GO) return code;
+    const int as_events = how.format || how.columns || how.unit || how.stream || how.drop_invalid;
     tides_error error = {TIDES_OK, ""};
     cJSON *facts = cJSON_CreateObject();
     cJSON_AddStringToObject(facts, "file", file);
-    if (facts && facts_of(file, facts, &error) != TIDES_OK) {
+    const tides_status status = !facts      ? TIDES_OK
+                                : as_events ? events_facts(file, &how, facts, &error)
+                                            : facts_of(file, facts, &error);
+    if (status != TIDES_OK) {
         cJSON_Delete(facts);
         return cli_fail(&error);
     }

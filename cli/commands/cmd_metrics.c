@@ -1,5 +1,6 @@
 /* tides metrics: a simulated stream against a reference. */
 #include "metrics_report.h"
+#include "recording.h"
 
 #include <errno.h>
 #include <math.h>
@@ -24,6 +25,7 @@ enum { FAMILIES = sizeof families / sizeof families[0] };
 typedef struct arguments {
     const char *files[2];
     const char *only, *roi, *window, *from, *to, *speed, *clock;
+    cli_reading reading;
     int32_t exact;
 } arguments;
 
@@ -103,29 +105,20 @@ static int parse_options(const cli_command *command, const arguments *given, tid
 
 /* ---- the streams ---- */
 
-typedef struct stream {
-    tides_event *events;
-    size_t count;
-    tides_event_summary summary;
-} stream;
-
-static tides_status read_stream(const char *file, stream *s, tides_error *error) {
-    tides_status status = tides_events_summary(file, &s->summary, error);
-    if (status != TIDES_OK) return status;
-    if (s->summary.count > SIZE_MAX / sizeof *s->events - 1)
-        return cli_error(error, TIDES_NO_MEMORY, "%s: too many events for this machine", file);
-    s->events = malloc(((size_t)s->summary.count + 1) * sizeof *s->events);
-    if (!s->events) return cli_error(error, TIDES_NO_MEMORY, "%s: out of memory for its events", file);
-    return tides_events_read(file, 0, (size_t)s->summary.count, s->events, &s->count, error);
+/* All events, which the comparison itself wants in order of time. */
+static tides_status read_stream(const char *file, const tides_event_reading *how, cli_window *s, tides_error *error) {
+    *s = (cli_window){.first_ns = INT64_MIN, .stop_ns = INT64_MAX, .how = how};
+    return cli_window_read(file, s, error);
 }
 
 /* The sensor's size: what the files say, where they do and agree. */
-static tides_status set_sensor(const char *const files[2], const stream s[2], tides_metrics_options *o, tides_error *error) {
-    const tides_event_summary *a = &s[0].summary, *b = &s[1].summary;
+static tides_status set_sensor(const char *const files[2], const cli_window s[2], tides_metrics_options *o,
+                               tides_error *error) {
+    const tides_event_facts *a = &s[0].facts, *b = &s[1].facts;
     if (a->width && b->width && (a->width != b->width || a->height != b->height))
         return cli_error(error, TIDES_BAD_ARGUMENT, "%s is %dx%d px and %s %dx%d px: streams of one size can be compared",
                          files[0], a->width, a->height, files[1], b->width, b->height);
-    const tides_event_summary *known = a->width && a->height ? a : b;
+    const tides_event_facts *known = a->width && a->height ? a : b;
     if (known->width && known->height) {
         o->width = known->width;
         o->height = known->height;
@@ -133,19 +126,24 @@ static tides_status set_sensor(const char *const files[2], const stream s[2], ti
     return TIDES_OK;
 }
 
-/* One end of the interval alone: the other is the streams'. */
-static void close_interval(const stream s[2], tides_metrics_options *o) {
+/* An interval that was given is of both recordings; one end alone: the other is the streams'. */
+static tides_status set_interval(const char *const files[2], const cli_window s[2], tides_metrics_options *o,
+                                 tides_error *error) {
     const int64_t open = INT64_C(2305843009213693952);
-    int64_t first = 0, last = 0;
+    int64_t first = 0, stop = 0;
     int32_t any = 0;
     for (int i = 0; i < 2; i++) {
+        tides_status status = cli_window_check(files[i], &s[i], o->start_ns == -open ? INT64_MIN : o->start_ns,
+                                               o->stop_ns == open ? INT64_MAX : o->stop_ns, error);
+        if (status != TIDES_OK) return status;
         if (s[i].count == 0) continue;
-        if (!any || s[i].summary.first_ns < first) first = s[i].summary.first_ns;
-        if (!any || s[i].summary.last_ns > last) last = s[i].summary.last_ns;
+        if (!any || s[i].seen_ns < first) first = s[i].seen_ns;
+        if (!any || s[i].seen_stop_ns > stop) stop = s[i].seen_stop_ns;
         any = 1;
     }
     if (o->start_ns == -open) o->start_ns = first < o->stop_ns ? first : o->stop_ns - 1;
-    if (o->stop_ns == open) o->stop_ns = (last > o->start_ns ? last : o->start_ns) + 1;
+    if (o->stop_ns == open) o->stop_ns = stop > o->start_ns ? stop : o->start_ns + 1;
+    return TIDES_OK;
 }
 
 /* ---- the work ---- */
@@ -163,13 +161,18 @@ static int step(void *user, double fraction, const char *stage) {
     return cli_progress_step(&w->bar, fraction, stage);
 }
 
-static tides_status compare(const char *const files[2], stream s[2], tides_metrics_options *options, const cli_common *common,
-                            tides_metrics *metrics, tides_error *error) {
-    tides_status status = read_stream(files[0], &s[0], error);
-    if (status == TIDES_OK) status = read_stream(files[1], &s[1], error);
+/* `how`: of both; only the simulated stream is shifted. */
+static tides_status compare(const char *const files[2], const tides_event_reading *how, cli_window s[2],
+                            tides_metrics_options *options, const cli_common *common, tides_metrics *metrics,
+                            tides_error *error) {
+    tides_event_reading unshifted = *how;
+    unshifted.offset_ns = 0;
+    tides_status status = read_stream(files[0], &unshifted, &s[0], error);
+    if (status == TIDES_OK) status = read_stream(files[1], how, &s[1], error);
     if (status == TIDES_OK) status = set_sensor(files, s, options, error);
+    if (status == TIDES_OK && options->start_ns != options->stop_ns) status = set_interval(files, s, options, error);
     if (status != TIDES_OK) return status;
-    if (options->start_ns != options->stop_ns) close_interval(s, options);
+    for (int i = 0; i < 2; i++) cli_reading_tell(common, files[i], &s[i].facts, how->rebase);
     waiting w = {.quiet = common->quiet, .began = cli_now()};
     status = tides_metrics_compare(s[0].events, s[0].count, s[1].events, s[1].count, options, step, &w, metrics, error);
     cli_progress_end(&w.bar);
@@ -192,7 +195,7 @@ static int report(const char *const files[2], const tides_metrics *metrics, cons
 
 int cmd_metrics(const cli_command *command, int argc, char **argv) {
     cli_common common;
-    arguments given = {{NULL, NULL}, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0};
+    arguments given = {.files = {NULL, NULL}};
     const cli_option options[] = {
         {"--only", 0, "LIST", METRICS, NULL, &given.only, NULL},
         {"--exact", 0, NULL, "the reference is exact: also match its events one by one", &given.exact, NULL, NULL},
@@ -202,19 +205,25 @@ int cmd_metrics(const cli_command *command, int argc, char **argv) {
         {"--roi", 0, "X,Y,W,H", "only events of this region", NULL, &given.roi, NULL},
         {"--from", 0, "S", "only events from this time on", NULL, &given.from, NULL},
         {"--to", 0, "S", "only events before this time", NULL, &given.to, NULL},
+        {"--rebase", 0, NULL, "count each stream's times from its recording's zero", &given.reading.rebase, NULL, NULL},
+        {"--offset", 0, "SECONDS", "add this to the simulated stream's times", NULL, &given.reading.offset, NULL},
+        {"--drop-invalid", 0, NULL, "leave out events that can't be, and say how many", &given.reading.drop_invalid, NULL,
+         NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
     int code = cli_parse(command, options, argc, argv, &common, given.files);
     if (code != CLI_GO) return code;
     tides_metrics_options wanted;
     tides_metrics_options_defaults(&wanted);
+    tides_event_reading how;
     if ((code = parse_options(command, &given, &wanted)) != CLI_GO) return code;
+    if ((code = cli_reading_parse(command, &given.reading, &how)) != CLI_GO) return code;
 
     tides_error error = {TIDES_OK, ""};
     tides_metrics metrics;
-    stream streams[2] = {{NULL, 0, {0}}, {NULL, 0, {0}}};
+    cli_window streams[2] = {{.events = NULL}, {.events = NULL}};
     cli_catch_interrupt();
-    const tides_status status = compare(given.files, streams, &wanted, &common, &metrics, &error);
+    const tides_status status = compare(given.files, &how, streams, &wanted, &common, &metrics, &error);
     code = status == TIDES_OK ? report(given.files, &metrics, &wanted, &common) : cli_fail(&error);
     free(streams[0].events);
     free(streams[1].events);

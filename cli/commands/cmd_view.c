@@ -133,7 +133,7 @@ static int parse_page(const cli_command *command, const arguments *given, job *j
     if (g->kind || g->time || g->decay || g->bin || g->scale || g->azimuth || g->elevation || g->fps || g->points || g->theme ||
         j->stretch.step_text || j->animate || j->view.plain)
         return cli_usage(command,
-                         "-o %s: a page takes --start, --stop, --window, --max-events and --from; its looks are "
+                         "-o %s: a page takes --start, --stop, --window, --max-events and how the file is read; its looks are "
                          "chosen in it",
                          j->out);
     return cli_stretch_parse(command, &j->stretch);
@@ -199,7 +199,7 @@ static tides_status add_picture(job *j, const cli_window *shown, tides_animation
 /* Windows that begin a step apart; a recording without events has one picture. */
 static tides_status add_pictures(job *j, tides_animation **animation, tides_error *error) {
     const cli_stretch *s = &j->stretch;
-    const int64_t window = window_of(j), step = s->step_ns ? s->step_ns : window;
+    const int64_t window = window_of(j), step = s->step_ns;
     cli_progress progress = {.quiet = j->common->quiet};
     tides_status status = TIDES_OK;
     for (int64_t first = s->start_ns; status == TIDES_OK && (first == s->start_ns || first < s->stop_ns); first += step) {
@@ -226,8 +226,13 @@ static tides_status make_animation(job *j, tides_error *error) {
 
 /* Reads what the picture needs; --time alone needs all from the beginning of the window, or of what a surface remembers. */
 static tides_status run(job *j, tides_error *error) {
+    if (j->animate) j->stretch.windows_most = CLI_WINDOWS_MOST;
+    if (j->animate && !j->stretch.step_ns) j->stretch.step_ns = window_of(j);
     tides_status status = cli_stretch_read(&j->stretch, &j->recording, error);
+    if (status == TIDES_OK && j->has_time)
+        status = cli_window_check(j->stretch.file, &j->recording, j->time_ns - window_of(j), j->time_ns, error);
     if (status != TIDES_OK) return status;
+    cli_reading_tell(j->common, j->stretch.file, &j->recording.facts, j->stretch.how.rebase);
     return j->animate ? make_animation(j, error) : make_picture(j, error);
 }
 
@@ -281,7 +286,8 @@ int cmd_view(const cli_command *command, int argc, char **argv) {
         {"--points", 0, "N", "xyt: at most so many events are drawn (400000; .svg, .pdf 8000)", NULL, &given.points, NULL},
         {"--theme", 0, "THEME", CANVAS_THEME_HELP, NULL, &given.theme, NULL},
         {"--max-events", 0, "N", "page: the recording's first so many (1e7)", NULL, &given.most, NULL},
-        {"--from", 0, "FORMAT", "read as this (by content)", NULL, &j.stretch.format, NULL},
+        CLI_READING_FILE(j.stretch.reading),
+        CLI_READING_CLOCK(j.stretch.reading),
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
     int code = cli_parse(command, options, argc, argv, &common, &j.stretch.file);

@@ -6,7 +6,7 @@
 static int take_options(const cli_command *command, const cli_stretch *s, const char *most, tides_page_options *options) {
     double number = 0;
     tides_page_options_defaults(options);
-    options->format = s->format;
+    options->reading = &s->how;
     if (s->start_text) options->start_ns = s->start_ns;
     if (s->stop_text) options->stop_ns = s->stop_ns;
     options->window_ns = s->window_ns;

@@ -2,6 +2,27 @@
 #include "event_job.h"
 
 #include <stdio.h>
+#include <string.h>
+
+int cli_conversion_reading(const cli_command *command, const cli_reading *given, tides_event_conversion *what) {
+    tides_event_reading how;
+    const int code = cli_reading_parse(command, given, &how);
+    what->from = how.format;
+    what->columns = how.columns;
+    what->unit = how.unit;
+    what->stream = how.stream;
+    what->drop_invalid = how.drop_invalid;
+    what->rebase = how.rebase;
+    what->offset_ns = how.offset_ns;
+    return code;
+}
+
+static void tell_reading(const char *in, const tides_event_conversion_report *r, const tides_event_conversion *what,
+                         const cli_common *common) {
+    tides_event_facts facts = {.zero = r->zero, .zero_ns = r->zero_ns, .dropped = r->dropped};
+    memcpy(facts.read_as, r->read_as, sizeof facts.read_as);
+    cli_reading_tell(common, in, &facts, what->rebase);
+}
 
 static cJSON *report_json(const char *out, const tides_event_conversion_report *r) {
     cJSON *facts = cJSON_CreateObject();
@@ -17,6 +38,8 @@ static cJSON *report_json(const char *out, const tides_event_conversion_report *
     cJSON_AddNumberToObject(facts, "first_ns", (double)r->first_ns);
     cJSON_AddNumberToObject(facts, "last_ns", (double)r->last_ns);
     cJSON_AddBoolToObject(facts, "labels_dropped", r->labels != 0);
+    cJSON_AddNumberToObject(facts, "invalid_dropped", (double)r->dropped);
+    if (r->read_as[0]) cJSON_AddStringToObject(facts, "read_as", r->read_as);
     return facts;
 }
 
@@ -35,6 +58,7 @@ int cli_event_convert(const char *in, const char *out, const tides_event_convers
     tides_status status = tides_events_convert(in, out, what, cli_progress_step, &progress, &report, &error);
     cli_progress_end(&progress);
     if (status != TIDES_OK) return cli_fail(&error);
+    tell_reading(in, &report, what, common);
     if (common->json) return cli_print_facts(report_json(out, &report), 1);
     if (common->quiet) return CLI_OK;
     printf("%s: %llu of %llu events, %s to %s, %d x %d px\n", out, (unsigned long long)report.written,

@@ -2,7 +2,10 @@
 #ifndef CLI_EVENT_JOB_H
 #define CLI_EVENT_JOB_H
 
-#include "cli.h"
+#include "reading.h"
+
+/* How the input is read, into a conversion; CLI_GO or CLI_USAGE. */
+int cli_conversion_reading(const cli_command *command, const cli_reading *given, tides_event_conversion *what);
 
 /* Converts and reports; the exit code. */
 int cli_event_convert(const char *in, const char *out, const tides_event_conversion *what, const cli_common *common);

@@ -34,17 +34,22 @@ tides_status cli_frame_write_exr(const cli_frame *frame, const char *path, doubl
 
 /* Events of a time window. */
 typedef struct cli_window {
-    int64_t first_ns, stop_ns; /* [first, stop) */
-    const char *format;        /* the file's, or NULL: by content */
+    int64_t first_ns, stop_ns;             /* [first, stop) */
+    const struct tides_event_reading *how; /* NULL: by content, on the file's clock */
     tides_event *events;
     size_t count;
     int32_t width, height;             /* of the sensor [px]: what the file says, else what the events reach; at least 1 */
     int64_t run_start_ns, run_stop_ns; /* the recording's stretch where the file says it, else both 0 */
+    int64_t seen_ns, seen_stop_ns;     /* and that of the events that were read; both 0: there were none */
+    tides_event_facts facts;           /* when it was read */
 } cli_window;
 /* window.c: fills events, count and size from an event file; the caller frees the events. _ordered: TIDES_BAD_FILE where they
  * aren't in order of time. _slice: those of [first, stop) of a window in order, borrowed. */
 tides_status cli_window_read(const char *path, cli_window *window, tides_error *error);
 tides_status cli_window_ordered(const char *path, const cli_window *window, tides_error *error);
+/* TIDES_BAD_ARGUMENT where [start, stop) isn't of the recording that was read (tides_event_stretch_check). */
+tides_status cli_window_check(const char *path, const cli_window *window, int64_t start_ns, int64_t stop_ns,
+                              tides_error *error);
 cli_window cli_window_slice(const cli_window *window, int64_t first_ns, int64_t stop_ns);
 
 /* preview_truth.c: how many panels ground truth has there; and these, from panel `first` on. */

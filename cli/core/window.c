@@ -8,8 +8,12 @@
 static tides_status keep(const char *path, cli_window *window, size_t *capacity, const tides_event *events, size_t count,
                          int *past, tides_error *error) {
     for (size_t i = 0; i < count && !*past; i++) {
-        *past = events[i].t >= window->stop_ns;
-        if (*past || events[i].t < window->first_ns) continue;
+        const int64_t t = events[i].t;
+        const int32_t any = window->seen_ns < window->seen_stop_ns;
+        if (!any || t < window->seen_ns) window->seen_ns = t;
+        if (!any || t >= window->seen_stop_ns) window->seen_stop_ns = t < INT64_MAX ? t + 1 : t;
+        *past = t >= window->stop_ns;
+        if (*past || t < window->first_ns) continue;
         if (window->count == *capacity) {
             size_t grown = *capacity ? 2 * *capacity : 4096;
             tides_event *more = realloc(window->events, grown * sizeof *more);
@@ -34,26 +38,34 @@ static void set_size(cli_window *window, const tides_event_facts *facts) {
 
 tides_status cli_window_read(const char *path, cli_window *window, tides_error *error) {
     tides_event_reader *reader = NULL;
-    tides_event_facts facts;
     tides_event events[1024];
     size_t capacity = 0;
     int past = 0;
-    tides_status status = tides_event_reader_open(path, window->format, &reader, error);
+    tides_status status = tides_event_reader_open_as(path, window->how, &reader, error);
     for (size_t got = 1; got && !past && status == TIDES_OK;) {
         status = tides_event_reader_read(reader, events, sizeof events / sizeof *events, &got, error);
         if (status == TIDES_OK) status = keep(path, window, &capacity, events, got, &past, error);
     }
     if (status == TIDES_OK) {
-        tides_event_reader_facts(reader, &facts); /* some formats know the size only once they are read */
-        set_size(window, &facts);
-        window->run_start_ns = facts.start_ns;
-        window->run_stop_ns = facts.stop_ns;
+        tides_event_reader_facts(reader, &window->facts); /* some formats know the size only once they are read */
+        set_size(window, &window->facts);
+        window->run_start_ns = window->facts.start_ns;
+        window->run_stop_ns = window->facts.stop_ns;
     }
     tides_event_reader_close(reader);
     if (status == TIDES_OK) return TIDES_OK;
     free(window->events);
     window->events = NULL;
     return status;
+}
+
+tides_status cli_window_check(const char *path, const cli_window *window, int64_t start_ns, int64_t stop_ns,
+                              tides_error *error) {
+    const int32_t any = window->seen_ns < window->seen_stop_ns, known = window->run_start_ns < window->run_stop_ns;
+    int64_t first = any ? window->seen_ns : window->run_start_ns, stop = any ? window->seen_stop_ns : window->run_stop_ns;
+    if (known && window->run_start_ns < first) first = window->run_start_ns;
+    if (known && window->run_stop_ns > stop) stop = window->run_stop_ns;
+    return tides_event_stretch_check(path, first, stop, start_ns, stop_ns, window->how && window->how->rebase, error);
 }
 
 tides_status cli_window_ordered(const char *path, const cli_window *window, tides_error *error) {

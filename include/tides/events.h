@@ -114,13 +114,38 @@ typedef struct tides_event_facts {
     char format[32];  /* "evt3" ...; of HDF5 its layout: "tides", "dsec", "eds", "mvsec", "v2e", "timostoff", "m3ed", "rvt";
                          of a folder that of its files */
     char version[32]; /* of TIDES that wrote it, or "" */
-    int32_t width, height; /* [px]; 0 where the file doesn't say */
-    int32_t counted;       /* 1: count is known without reading the file */
-    uint64_t count;        /* events; where `counted` */
-    int32_t labels;        /* TIDES_LABEL_* that the file has, for tides_events_labels */
-    int32_t reserved;
+    int32_t width, height;     /* [px]; 0 where the file doesn't say */
+    int32_t counted;           /* 1: count is known without reading the file */
+    uint64_t count;            /* events; where `counted` */
+    int32_t labels;            /* TIDES_LABEL_* that the file has, for tides_events_labels */
+    int32_t zero;              /* TIDES_ZERO_* */
     int64_t start_ns, stop_ns; /* the recording's stretch; both 0: the file doesn't say. Our HDF5 does once it is complete */
+    int64_t zero_ns;           /* the recording's zero on the file's clock; with TIDES_ZERO_EVENT 0 until an event was read */
+    uint64_t dropped;          /* events that were left out so far (drop_invalid) */
+    char read_as[160];         /* how columns and unit were decided where the format leaves them open, else "" */
 } tides_event_facts;
+
+/* What the zero of a recording is: its first event; where its container says more, its start, or its first frame, which
+ * frames.rebase counts from. */
+enum { TIDES_ZERO_EVENT = 0, TIDES_ZERO_START, TIDES_ZERO_FRAME };
+
+/* How a file is read: what it doesn't say itself, and what is wanted of it. Fill with tides_event_reading_defaults. */
+typedef struct tides_event_reading {
+    uint32_t size;        /* sizeof this struct */
+    int32_t drop_invalid; /* 1: events that can't be (outside the sensor, a polarity that is none, NaN) are left out and counted
+                             in the facts; 0: the first of them fails */
+    const char *format;   /* a name; NULL: by content */
+    const char *columns;  /* of text and tables: "t,x,y,p", "-,x,y,p,t" ("-" isn't read); NULL: as their header says, else as
+                             their values can only be meant */
+    const char *unit;     /* of the times: "s", "ms", "us", "ns"; NULL: as format or header say, else as values can be meant */
+    const char *stream;   /* which of a file's streams of events, by a name that the error lists; NULL: the only one */
+    int64_t offset_ns;    /* added to all times, after `rebase` */
+    int32_t rebase;       /* 1: times count from the recording's zero (tides_event_facts.zero_ns) */
+    int32_t reserved;
+} tides_event_reading;
+
+/* By content, the only stream, the file's own clock, the first invalid event fails. */
+TIDES_API void tides_event_reading_defaults(tides_event_reading *reading);
 
 /* A file that is being read. Opaque. */
 typedef struct tides_event_reader tides_event_reader;
@@ -133,7 +158,12 @@ typedef struct tides_event_reader tides_event_reader;
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_open(const char *path, const char *format,
                                                                 tides_event_reader **reader, tides_error *error);
 
-/* What the file said of itself when it was opened. */
+/* The same with all that may be said of it; NULL: the defaults. TIDES_BAD_ARGUMENT where the format has no use for something
+ * that is given. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_open_as(const char *path, const tides_event_reading *reading,
+                                                                   tides_event_reader **reader, tides_error *error);
+
+/* What the file said of itself when it was opened, and what was found since; times as they are read, but for zero_ns. */
 TIDES_API void tides_event_reader_facts(const tides_event_reader *reader, tides_event_facts *facts);
 
 /* The next events, up to `capacity`; `*got` is 0 only at the end of the file (or where capacity is). A damaged file fails
@@ -165,6 +195,17 @@ typedef struct tides_event_summary {
 TIDES_MUST_CHECK TIDES_API tides_status tides_events_summary(const char *path, tides_event_summary *summary,
                                                              tides_error *error);
 
+/* Of the events that a reader still has: all of them where none was read. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_summary(tides_event_reader *reader, tides_event_summary *summary,
+                                                                   tides_error *error);
+
+/* Whether [start_ns, stop_ns) can be meant of a recording that lasts from first_ns to end_ns: it touches that, and doesn't
+ * begin further before it than it is long and than a second. Else it was meant on another clock: TIDES_BAD_ARGUMENT names the
+ * stretch and how to bring both together. INT64_MIN, INT64_MAX: open ends. `rebased`: times count from the recording's zero. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_event_stretch_check(const char *file, int64_t first_ns, int64_t end_ns,
+                                                                  int64_t start_ns, int64_t stop_ns, int32_t rebased,
+                                                                  tides_error *error);
+
 /* Reads events [first, first + count) of a file of any format into `events` (caller's memory); `got` receives how many there
  * were. HDF5 in the layout of DSEC is read from there on, others from their beginning. Times of that layout are those of
  * events/t_ns where present, else events/t in microseconds plus t_offset; foreign files come in their own order. On failure
@@ -178,7 +219,10 @@ typedef struct tides_event_conversion {
     int32_t width, height;               /* of the sensor [px]; 0: what the file says, else what its events reach */
     int64_t start_ns, stop_ns;           /* events with start <= t < stop are kept */
     int32_t x, y, cut_width, cut_height; /* and those in this window, which becomes the sensor; cut_width 0: all */
-    int32_t rebase;                      /* 1: times count from the file's first event, those of start and stop too */
+    int32_t rebase;                      /* as tides_event_reading; start_ns and stop_ns are times after it */
+    int32_t drop_invalid;                /* as tides_event_reading; `width` and `height` bound the sensor too */
+    const char *columns, *unit, *stream; /* as tides_event_reading */
+    int64_t offset_ns;                   /* as tides_event_reading; start_ns and stop_ns are times after it */
 } tides_event_conversion;
 
 /* What came of a conversion. Plain value. */
@@ -190,6 +234,10 @@ typedef struct tides_event_conversion_report {
     int32_t width, height;     /* [px] of the sensor as written */
     char from[32], to[32];     /* names of formats */
     int32_t labels;            /* TIDES_LABEL_* of the file, which aren't kept */
+    int32_t zero;              /* with `rebase`: TIDES_ZERO_* */
+    int64_t zero_ns;           /* with `rebase`: what became time 0, on the file's clock */
+    uint64_t dropped;          /* invalid events that were left out */
+    char read_as[160];         /* as tides_event_facts */
 } tides_event_conversion_report;
 
 /* Everything, by content and by ending. */
@@ -197,8 +245,8 @@ TIDES_API void tides_event_conversion_defaults(tides_event_conversion *conversio
 
 /* Converts and cuts an event file, streamed in a few megabytes. Events of one time are sorted by y, x, polarity; events that
  * are late by up to 65536 places are put in order, and more is TIDES_BAD_FILE. The output is a complete new file or what was
- * there before. Labels aren't kept: they are those of the recording that was simulated. `progress` may be NULL; it returns
- * non-zero to stop (TIDES_CANCELLED). */
+ * there before. Labels aren't kept: they are those of the recording that was simulated. A stretch that isn't the recording's
+ * (tides_event_stretch_check) is TIDES_BAD_ARGUMENT. `progress` may be NULL; it returns non-zero to stop (TIDES_CANCELLED). */
 TIDES_MUST_CHECK TIDES_API tides_status tides_events_convert(const char *in, const char *out,
                                                              const tides_event_conversion *conversion, tides_progress progress,
                                                              void *user, tides_event_conversion_report *report,

@@ -16,13 +16,15 @@ enum { TIDES_TRANSFER_LINEAR = 0, TIDES_TRANSFER_SRGB = 1 };
 typedef struct tides_frames_options {
     uint32_t size;
     int32_t transfer;         /* TIDES_TRANSFER_* */
-    int32_t unit;             /* TIDES_TIME_* of timestamp files and of arrays with times; AUTO: microseconds in
-                                 image_timestamps.txt (DSEC), seconds in any other */
+    int32_t unit;             /* TIDES_TIME_* of timestamp files and of arrays with times; AUTO: as its header says, else
+                                 microseconds in image_timestamps.txt (DSEC), else the unit in which frames come 1 to 1000
+                                 times a second, or count from 1970 */
     int32_t rebase;           /* 1: the first frame's time becomes 0 */
-    const char *timestamps;   /* text file with one time per line, or NULL */
+    const char *timestamps;   /* text file with one time per line, beside names or an index, with a header or not; or NULL */
     double frames_per_second; /* [Hz]: frame k is at k / rate; 0: not given */
     double luminance[3];      /* weights of r, g, b */
     int32_t planes;           /* 1: luminance; more: arrays of so many values per pixel, taken as they are (voxel grids) */
+    double offset_s;          /* [s] added to all times, after `rebase` */
 } tides_frames_options;
 TIDES_API void tides_frames_options_defaults(tides_frames_options *options);
 

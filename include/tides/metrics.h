@@ -65,7 +65,8 @@ typedef struct tides_metrics_options {
     uint32_t wanted;           /* TIDES_METRIC_* */
     int32_t width, height;     /* sensor [px]; 0, 0: as large as the events need */
     int32_t roi[4];            /* x, y, width, height [px]: only events in it, coordinates from its corner; width 0: all */
-    int64_t start_ns, stop_ns; /* only events in [start, stop); equal: from the first event of both to the last, whole ticks */
+    int64_t start_ns, stop_ns; /* only events in [start, stop); equal: from the first event of both to the last, whole ticks;
+                                  streams that share no time are then TIDES_BAD_ARGUMENT */
     int64_t tick_ns;           /* times are floored to this clock (but for `match`); 0: as they are */
     double isi_floor_s;        /* shorter intervals count as this, > 0 */
     double clock_s;            /* ISI spike: period of a known clock; 0: find the spikes */

@@ -20,6 +20,7 @@ typedef struct tides_page_options {
     uint64_t most;             /* events at most: the page ends where there are more, and the report and the page say so */
     const char *title;         /* NULL: the name of the file that is read */
     const char *format;        /* of the file that is read; NULL: by content */
+    const struct tides_event_reading *reading; /* how it is read; NULL: as `format` says */
 } tides_page_options;
 
 /* All of a recording, 10 million events (of some 7 bytes in the page) at most. */

@@ -60,7 +60,7 @@ static tides_status read_aedat2(td_event_stream *stream, tides_event *events, si
         int32_t x = stream->facts.width - 1 - (int32_t)(address >> 12 & 1023);
         int32_t y = stream->facts.height - 1 - (int32_t)(address >> 22 & 511);
         if (x < 0 || y < 0)
-            return td_event_bad(stream, stream->done + *got, "lies outside the sensor that the header says", error);
+            return td_event_bad(stream, td_event_number(stream, *got), "lies outside the sensor that the header says", error);
         events[(*got)++] = (tides_event){.t = time * INT64_C(1000),
                                          .x = (uint16_t)x,
                                          .y = (uint16_t)y,

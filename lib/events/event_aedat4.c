@@ -17,8 +17,8 @@ enum {
 };
 
 typedef struct aedat4_state {
-    int32_t compression, stream;
-    uint64_t end; /* of the packets [byte] */
+    int32_t compression, stream, frames; /* streams' numbers; frames -1: there are none */
+    uint64_t end;                        /* of the packets [byte] */
     unsigned char *packed, *payload;
     size_t packed_capacity, payload_capacity;
     size_t events, taken; /* of the packet in memory; handed out */
@@ -85,15 +85,66 @@ static int32_t stream_number(const char *xml, const char *inside) {
     return found ? (int32_t)strtol(found + sizeof mark - 1, NULL, 10) : -1;
 }
 
+/* One stream that the description tells of: its number, the camera that it is of, where its texts begin and end. */
+typedef struct told {
+    int32_t number;
+    char name[64];
+    const char *type, *end;
+} told;
+
+static void take_text(const char *value, char *out, size_t size) {
+    const size_t length = value ? strcspn(value, "<") : 0;
+    snprintf(out, size, "%.*s", (int)(length < size ? length : size - 1), value ? value : "");
+}
+
+/* The next stream of a type behind `from`; 0 where there is none. Its texts end where the next stream's node begins. */
+static int next_told(const char *xml, const char *from, const char *type, told *t) {
+    for (t->type = attribute(from, "typeIdentifier"); t->type && strncmp(t->type, type, 4) != 0;)
+        t->type = attribute(t->type, "typeIdentifier");
+    if (!t->type) return 0;
+    t->number = stream_number(xml, t->type);
+    t->end = attribute(t->type, "typeIdentifier");
+    const char *source = attribute(t->type, "source");
+    take_text(source && (!t->end || source < t->end) ? source : NULL, t->name, sizeof t->name);
+    return 1;
+}
+
+static int is_named(const told *t, const char *stream) {
+    char number[16];
+    snprintf(number, sizeof number, "%d", t->number);
+    return strcmp(stream, number) == 0 || strcmp(stream, t->name) == 0;
+}
+
+/* The stream that was asked for, or the only one; else they are listed. */
+static tides_status choose_stream(td_event_stream *stream, const char *xml, told *chosen, tides_error *error) {
+    const char *wanted = stream->reading.stream;
+    char list[256] = "";
+    int found = 0, fitting = 0;
+    told one;
+    for (const char *at = xml; next_told(xml, at, "EVTS", &one); at = one.type) {
+        const size_t length = strlen(list);
+        snprintf(list + length, sizeof list - length, "%s%d%s%s%s", found ? ", " : "", one.number, one.name[0] ? " (" : "",
+                 one.name, one.name[0] ? ")" : "");
+        if (!wanted ? found++ == 0 : (found++, is_named(&one, wanted))) {
+            if (fitting++ == 0) *chosen = one;
+        }
+    }
+    if (found == 0) return td_fail(error, TIDES_UNSUPPORTED, "%s: holds no stream of events (EVTS)", stream->input.path);
+    if (wanted ? fitting == 1 : found == 1) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_ARGUMENT, "%s: holds %d streams of events, %s: --stream (stream) NUMBER says which%s%s",
+                   stream->input.path, found, list, wanted ? ", and fits not one but several or none: " : "",
+                   wanted ? wanted : "");
+}
+
 static tides_status parse_description(td_event_stream *stream, const char *xml, tides_error *error) {
     aedat4_state *state = stream->state;
-    const char *type = attribute(xml, "typeIdentifier");
-    while (type && strncmp(type, "EVTS", 4) != 0) type = attribute(type, "typeIdentifier");
-    if (!type) return td_fail(error, TIDES_UNSUPPORTED, "%s: holds no stream of events (EVTS)", stream->input.path);
-    state->stream = stream_number(xml, type);
-    const char *width = attribute(type, "sizeX"), *height = attribute(type, "sizeY"),
-               *other = attribute(type, "typeIdentifier");
-    if (!width || !height || (other && (width > other || height > other))) return TIDES_OK;
+    told chosen = {.number = 0}, frames;
+    tides_status status = choose_stream(stream, xml, &chosen, error);
+    if (status != TIDES_OK) return status;
+    state->stream = chosen.number;
+    state->frames = next_told(xml, xml, "FRME", &frames) ? frames.number : -1;
+    const char *width = attribute(chosen.type, "sizeX"), *height = attribute(chosen.type, "sizeY");
+    if (!width || !height || (chosen.end && (width > chosen.end || height > chosen.end))) return TIDES_OK;
     long size[2] = {strtol(width, NULL, 10), strtol(height, NULL, 10)};
     if (size[0] < 1 || size[1] < 1 || size[0] > 65536 || size[1] > 65536) return TIDES_OK;
     stream->facts.width = (int32_t)size[0];
@@ -123,23 +174,6 @@ static tides_status parse_header(td_event_stream *stream, flat header, tides_err
     memcpy(xml, text, length);
     tides_status status = parse_description(stream, xml, error);
     free(xml);
-    return status;
-}
-
-static tides_status open_aedat4(td_event_stream *stream, tides_error *error) {
-    aedat4_state *state = td_alloc(1, sizeof *state, error);
-    stream->state = state;
-    if (!state) return TIDES_NO_MEMORY;
-    unsigned char start[TD_AEDAT4_MAGIC_BYTES + 4];
-    tides_status status = td_input_copy(&stream->input, start, sizeof start, error);
-    if (status != TIDES_OK) return status;
-    size_t bytes = td_le32(start + TD_AEDAT4_MAGIC_BYTES);
-    if (bytes > HEADER_MOST || bytes > stream->input.size) return bad_header(stream, error);
-    unsigned char *header = td_alloc(bytes, 1, error);
-    if (!header) return TIDES_NO_MEMORY;
-    status = td_input_copy(&stream->input, header, bytes, error);
-    if (status == TIDES_OK) status = parse_header(stream, (flat){header, bytes}, error);
-    free(header);
     return status;
 }
 
@@ -207,6 +241,65 @@ static tides_status next_packet(td_event_stream *stream, tides_error *error) {
     return TIDES_OK;
 }
 
+/* ---- the zero ---- */
+
+/* The first packet of the stream `number`, unpacked; 0 where there is none that can be read. Others are passed over unread. */
+static int find_packet(td_event_stream *probe, int32_t number, flat *payload) {
+    aedat4_state *state = probe->state;
+    td_event_input *input = &probe->input;
+    unsigned char head[8];
+    while (state->end - input->at >= sizeof head && fseeko(input->file, (off_t)input->at, SEEK_SET) == 0 &&
+           fread(head, 1, sizeof head, input->file) == sizeof head) {
+        const uint64_t bytes = td_le32(head + 4);
+        input->at += sizeof head;
+        if (bytes > state->end - input->at) return 0;
+        if ((int32_t)td_le32(head) == number)
+            return td_reserve((void **)&state->packed, &state->packed_capacity, (size_t)bytes + 1, 1, NULL) == TIDES_OK &&
+                   fread(state->packed, 1, (size_t)bytes, input->file) == bytes &&
+                   unpack(probe, (size_t)bytes, payload, NULL) == TIDES_OK;
+        input->at += bytes;
+    }
+    return 0;
+}
+
+/* Frames share the events' clock: where there are some the first one's time is the recording's zero, which frames.rebase counts
+ * from, too. What can't be read is left for reading to say. */
+static void find_zero(td_event_stream *stream) {
+    aedat4_state *state = stream->state;
+    td_event_stream probe = {.state = state};
+    flat payload;
+    if (state->frames < 0 || td_input_open(&probe.input, stream->input.path, NULL) != TIDES_OK) {
+        td_input_close(&probe.input);
+        return;
+    }
+    probe.input.at = stream->input.at;
+    if (find_packet(&probe, state->frames, &payload) && payload.bytes >= 4 && td_le32(payload.data) <= payload.bytes - 4) {
+        const flat frame = {payload.data + 4, td_le32(payload.data)};
+        const size_t table = root_table(frame, "FRME"), time = table ? table_field(frame, table, 0, 8) : 0;
+        if (time && td_event_microseconds((int64_t)td_le64(frame.data + time), &stream->facts.zero_ns))
+            stream->facts.zero = TIDES_ZERO_FRAME;
+    }
+    td_input_close(&probe.input);
+}
+
+static tides_status open_aedat4(td_event_stream *stream, tides_error *error) {
+    aedat4_state *state = td_alloc(1, sizeof *state, error);
+    stream->state = state;
+    if (!state) return TIDES_NO_MEMORY;
+    unsigned char start[TD_AEDAT4_MAGIC_BYTES + 4];
+    tides_status status = td_input_copy(&stream->input, start, sizeof start, error);
+    if (status != TIDES_OK) return status;
+    size_t bytes = td_le32(start + TD_AEDAT4_MAGIC_BYTES);
+    if (bytes > HEADER_MOST || bytes > stream->input.size) return bad_header(stream, error);
+    unsigned char *header = td_alloc(bytes, 1, error);
+    if (!header) return TIDES_NO_MEMORY;
+    status = td_input_copy(&stream->input, header, bytes, error);
+    if (status == TIDES_OK) status = parse_header(stream, (flat){header, bytes}, error);
+    free(header);
+    if (status == TIDES_OK) find_zero(stream);
+    return status;
+}
+
 static tides_status take_event(td_event_stream *stream, uint64_t number, const unsigned char *p, tides_event *event,
                                tides_error *error) {
     uint32_t x = td_le16(p + 8), y = td_le16(p + 10);
@@ -223,10 +316,13 @@ static tides_status read_aedat4(td_event_stream *stream, tides_event *events, si
     while (*got < capacity) {
         tides_status status = state->taken == state->events ? next_packet(stream, error) : TIDES_OK;
         if (status != TIDES_OK || state->events == 0) return status;
-        for (; state->taken < state->events && *got < capacity; state->taken++, ++*got) {
-            status =
-                take_event(stream, stream->done + *got, state->first + TD_AEDAT4_EVENT * state->taken, &events[*got], error);
+        for (; state->taken < state->events && *got < capacity; state->taken++) {
+            status = take_event(stream, td_event_number(stream, *got), state->first + TD_AEDAT4_EVENT * state->taken,
+                                &events[*got], error);
+            const int whole = status == TIDES_OK;
+            if (!whole) status = td_event_invalid(stream, status, error);
             if (status != TIDES_OK) return status;
+            *got += (size_t)whole;
         }
     }
     return TIDES_OK;
@@ -238,6 +334,7 @@ const td_event_format td_format_aedat4 = {
     .summary = "AEDAT 4 (iniVation, dv)",
     .tick_ns = 1000,
     .patches = 1,
+    .takes = TD_TAKES_STREAM,
     .size_limit = 32768,
     .detect = detect_aedat4,
     .open = open_aedat4,

@@ -61,20 +61,30 @@ tides_status td_input_copy(td_event_input *input, void *out, size_t bytes, tides
     return td_fail(error, TIDES_BAD_FILE, "%s: is cut off: %zu bytes are missing at its end", input->path, bytes - had - got);
 }
 
-tides_status td_input_line(td_event_input *input, char *line, size_t size, int *got, tides_error *error) {
-    tides_status status = td_input_fill(input, size, error);
+/* LF, CR LF or CR alone ends a line. */
+tides_status td_input_peek(td_event_input *input, char *line, size_t size, int *got, size_t *bytes, tides_error *error) {
+    tides_status status = td_input_fill(input, size + 1, error); /* a CR's LF may be the byte behind the longest line */
     if (status != TIDES_OK) return status;
+    const unsigned char *data = input->data;
+    const size_t most = input->ready < size ? input->ready : size;
+    size_t length = 0;
+    while (length < most && data[length] != '\n' && data[length] != '\r') length++;
     *got = input->ready > 0;
-    const unsigned char *end = memchr(input->data, '\n', input->ready < size ? input->ready : size);
-    size_t length = end ? (size_t)(end - input->data) : input->ready;
     if (length >= size)
         return td_fail(error, TIDES_BAD_FILE, "%s: the line at byte %llu is longer than any line of an event file", input->path,
                        (unsigned long long)input->at);
-    memcpy(line, input->data, length);
-    td_input_skip(input, length + (end ? 1 : 0));
-    if (length > 0 && line[length - 1] == '\r') length--;
+    memcpy(line, data, length);
     line[length] = '\0';
+    *bytes = length;
+    if (length < input->ready) *bytes += data[length] == '\r' && length + 1 < input->ready && data[length + 1] == '\n' ? 2 : 1;
     return TIDES_OK;
+}
+
+tides_status td_input_line(td_event_input *input, char *line, size_t size, int *got, tides_error *error) {
+    size_t bytes = 0;
+    tides_status status = td_input_peek(input, line, size, got, &bytes, error);
+    if (status == TIDES_OK) td_input_skip(input, bytes);
+    return status;
 }
 
 /* ---- out ---- */

@@ -20,8 +20,9 @@ typedef struct converter {
     tides_event_writer *writer;
     tides_event *events; /* 2 WINDOW of them; the first half is written when they are full and sorted */
     size_t count;
-    int64_t base, before; /* [ns]: time zero; of the last event that was read */
-    int32_t started;      /* an event was read */
+    int32_t width, height;       /* of the sensor that is read [px] */
+    int64_t before, first, last; /* [ns]: of the last event that was read; the earliest and the latest of all */
+    int32_t started;             /* an event was read */
     tides_event_conversion_report report;
 } converter;
 
@@ -54,7 +55,7 @@ static tides_status write_first(converter *c, size_t count, tides_error *error) 
     if (c->report.written == 0) c->report.first_ns = c->events[0].t;
     if (c->report.written > 0 && c->events[0].t < c->report.last_ns)
         return td_fail(error, TIDES_BAD_FILE, "%s: an event at %" PRId64 " ns is more than %d places late: sort the file first",
-                       c->in, c->events[0].t + c->base, WINDOW);
+                       c->in, c->events[0].t, WINDOW);
     tides_status status = tides_event_writer_append(c->writer, c->events, count, error);
     c->report.last_ns = c->events[count - 1].t;
     c->report.written += count;
@@ -75,17 +76,22 @@ static int moved(converter *c, tides_event *e) {
     return 1;
 }
 
+/* An event outside the sensor that was asked for, which the file doesn't know of. */
+static int is_dropped(converter *c, const tides_event *e) {
+    if (!c->what.drop_invalid || (e->x < c->width && e->y < c->height)) return 0;
+    c->report.dropped++;
+    return 1;
+}
+
 static tides_status take(converter *c, const tides_event *events, size_t count, tides_error *error) {
     for (size_t i = 0; i < count; i++) {
         tides_event e = events[i];
-        if (!c->started && c->what.rebase) c->base = e.t;
         if (c->started && e.t < c->before) c->report.disorder++;
+        if (!c->started || e.t < c->first) c->first = e.t;
+        if (!c->started || e.t > c->last) c->last = e.t;
         c->started = 1;
         c->before = e.t;
-        if (c->base < 0 ? e.t > INT64_MAX + c->base : e.t < INT64_MIN + c->base)
-            return td_fail(error, TIDES_BAD_FILE, "%s: spans more than 292 years", c->in);
-        e.t -= c->base;
-        if (!moved(c, &e)) continue;
+        if (is_dropped(c, &e) || !moved(c, &e)) continue;
         c->events[c->count++] = e;
         tides_status status = c->count == 2 * WINDOW ? write_first(c, WINDOW, error) : TIDES_OK;
         if (status != TIDES_OK) return status;
@@ -94,7 +100,34 @@ static tides_status take(converter *c, const tides_event *events, size_t count, 
     return TIDES_OK;
 }
 
+/* A stretch that the recording doesn't touch was meant on another clock: an empty file would say nothing of that. */
+static tides_status check_stretch(const converter *c, tides_error *error) {
+    const tides_event_conversion *w = &c->what;
+    tides_event_facts facts;
+    tides_event_reader_facts(c->reader, &facts);
+    const int known = facts.start_ns < facts.stop_ns;
+    int64_t first = c->started ? c->first : facts.start_ns, stop = c->started ? c->last + 1 : facts.stop_ns;
+    if (known && facts.start_ns < first) first = facts.start_ns;
+    if (known && facts.stop_ns > stop) stop = facts.stop_ns;
+    if (!known && !c->started) return TIDES_OK;
+    return tides_event_stretch_check(c->in, first, stop, w->start_ns, w->stop_ns, w->rebase, error);
+}
+
 /* ---- the sensor ---- */
+
+static tides_status open_reader(const converter *c, tides_event_reader **reader, tides_error *error) {
+    const tides_event_conversion *w = &c->what;
+    tides_event_reading how;
+    tides_event_reading_defaults(&how);
+    how.format = w->from;
+    how.columns = w->columns;
+    how.unit = w->unit;
+    how.stream = w->stream;
+    how.drop_invalid = w->drop_invalid;
+    how.rebase = w->rebase;
+    how.offset_ns = w->offset_ns;
+    return tides_event_reader_open_as(c->in, &how, reader, error);
+}
 
 /* As asked for, as the file says, or as far as its events reach: then the file is read twice. */
 static tides_status find_size(converter *c, int32_t *width, int32_t *height, tides_error *error) {
@@ -104,7 +137,7 @@ static tides_status find_size(converter *c, int32_t *width, int32_t *height, tid
     *height = c->what.height ? c->what.height : facts.height;
     if (*width && *height) return TIDES_OK;
     tides_event_reader *again = NULL;
-    tides_status status = tides_event_reader_open(c->in, c->what.from, &again, error);
+    tides_status status = open_reader(c, &again, error);
     int32_t right = 1, bottom = 1;
     for (size_t got = 1; got && status == TIDES_OK;) {
         status = tides_event_reader_read(again, c->events, 2 * WINDOW, &got, error);
@@ -129,6 +162,8 @@ static tides_status open_writer(converter *c, tides_error *error) {
                        w->y, w->cut_width, w->cut_height, width, height);
     const tides_event_file facts = {.width = w->cut_width ? w->cut_width : width,
                                     .height = w->cut_width ? w->cut_height : height};
+    c->width = width;
+    c->height = height;
     c->report.width = facts.width;
     c->report.height = facts.height;
     return tides_event_writer_open_as(c->out, w->to, &facts, &c->writer, error);
@@ -147,6 +182,7 @@ static tides_status pump(converter *c, tides_progress progress, void *user, tide
             status = td_fail(error, TIDES_CANCELLED, "%s: stopped on request", c->out);
     }
     free(batch);
+    if (status == TIDES_OK) status = check_stretch(c, error);
     return status == TIDES_OK ? write_first(c, c->count, error) : status;
 }
 
@@ -160,7 +196,7 @@ static void remove_output(const char *out) {
 static tides_status run(converter *c, tides_progress progress, void *user, tides_error *error) {
     c->events = td_alloc((size_t)2 * WINDOW, sizeof *c->events, error);
     if (!c->events) return TIDES_NO_MEMORY;
-    tides_status status = tides_event_reader_open(c->in, c->what.from, &c->reader, error);
+    tides_status status = open_reader(c, &c->reader, error);
     if (status == TIDES_OK) status = open_writer(c, error);
     if (status == TIDES_OK) status = pump(c, progress, user, error);
     if (status != TIDES_OK) return status;
@@ -177,7 +213,12 @@ static void report_formats(converter *c) {
     const td_event_format *to = NULL;
     tides_event_reader_facts(c->reader, &facts);
     memcpy(c->report.from, facts.format, sizeof c->report.from);
+    memcpy(c->report.read_as, facts.read_as, sizeof c->report.read_as);
     c->report.labels = facts.labels;
+    c->report.read += facts.dropped;
+    c->report.dropped += facts.dropped;
+    c->report.zero = c->what.rebase ? facts.zero : 0;
+    c->report.zero_ns = c->what.rebase ? facts.zero_ns : 0;
     if (c->what.to)
         snprintf(c->report.to, sizeof c->report.to, "%s", c->what.to);
     else if (td_event_format_for(c->out, &to, NULL) == TIDES_OK)

@@ -50,7 +50,7 @@ static tides_status read_dat(td_event_stream *stream, tides_event *events, size_
         int64_t turns = *before / TURN + (*before % TURN - t >= TURN / 2);
         *before = turns * TURN + t;
         if (!td_event_microseconds(*before, &t))
-            return td_event_bad(stream, stream->done + *got, "lies beyond 292 years", error);
+            return td_event_bad(stream, td_event_number(stream, *got), "lies beyond 292 years", error);
         events[(*got)++] =
             (tides_event){.t = t, .x = word & 0x3fff, .y = word >> 14 & 0x3fff, .polarity = word >> 28 & 1 ? 1 : -1};
     }

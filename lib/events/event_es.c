@@ -59,7 +59,7 @@ static tides_status read_es(td_event_stream *stream, tides_event *events, size_t
         *time += p[0] >> 1;
         uint32_t x = td_le16(p + 1), y = td_le16(p + 3);
         if (y >= (uint32_t)stream->facts.height)
-            return td_event_bad(stream, stream->done + *got, "lies outside the size that the header says", error);
+            return td_event_bad(stream, td_event_number(stream, *got), "lies outside the size that the header says", error);
         events[(*got)++] = (tides_event){.t = *time * 1000,
                                          .x = (uint16_t)x,
                                          .y = (uint16_t)(stream->facts.height - 1 - (int32_t)y),

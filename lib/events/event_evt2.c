@@ -65,7 +65,7 @@ static tides_status read_evt2(td_event_stream *stream, tides_event *events, size
         td_input_skip(&stream->input, 4);
         if (type == TYPE_TIME_HIGH) take_high(state, word & (HIGH_VALUES - 1));
         if (type > TYPE_ON) continue; /* triggers and what the sensor says about itself */
-        if (!in_range(state)) return td_event_bad(stream, stream->done + *got, "lies beyond 292 years", error);
+        if (!in_range(state)) return td_event_bad(stream, td_event_number(stream, *got), "lies beyond 292 years", error);
         events[(*got)++] = (tides_event){.t = time_ns(state, word >> 22 & 63),
                                          .x = word >> 11 & 2047,
                                          .y = word & 2047,
@@ -96,7 +96,7 @@ static tides_status read_evt21(td_event_stream *stream, tides_event *events, siz
         td_input_skip(&stream->input, 8);
         if (type == TYPE_TIME_HIGH) take_high(state, word & (HIGH_VALUES - 1));
         if (type > TYPE_ON) continue;
-        if (!in_range(state)) return td_event_bad(stream, stream->done + *got, "lies beyond 292 years", error);
+        if (!in_range(state)) return td_event_bad(stream, td_event_number(stream, *got), "lies beyond 292 years", error);
         *got += take_mask(state, word, mask, events + *got);
     }
     return TIDES_OK;

@@ -109,7 +109,7 @@ static tides_status read_evt3(td_event_stream *stream, tides_event *events, size
         uint32_t word = td_le16(stream->input.data);
         td_input_skip(&stream->input, 2);
         if (state->high > INT64_MAX / 1000 / 4096 - 1)
-            return td_event_bad(stream, stream->done + *got, "lies beyond 292 years", error);
+            return td_event_bad(stream, td_event_number(stream, *got), "lies beyond 292 years", error);
         *got += take_word(state, word, events + *got);
     }
     return TIDES_OK;

@@ -21,6 +21,7 @@ typedef struct folder_state {
     size_t next;                  /* the file to be opened */
     const td_event_format *inner; /* of every file */
     td_event_stream stream;       /* the file being read */
+    uint64_t dropped;             /* of its invalid events, those that are counted already */
     int opened;
 } folder_state;
 
@@ -41,10 +42,11 @@ static tides_status list_place(const char *path, td_folder *files, tides_error *
 }
 
 /* `*where` becomes the folder that holds the files, the caller's to free. */
-static tides_status find_files(folder_state *state, const char *path, char **where, tides_error *error) {
+static tides_status find_files(folder_state *state, const char *path, const char *stream, char **where, tides_error *error) {
     tides_status status = TIDES_OK;
     for (int i = 0; i < PLACES && status == TIDES_OK; i++) {
         td_folder files = {NULL, 0, 0};
+        if (stream && !td_ends_in(places[i], stream)) continue;
         char *place = td_format(error, "%s%s", path, places[i]);
         status = place ? list_place(place, &files, error) : TIDES_NO_MEMORY;
         if (status == TIDES_OK && files.count && !*where) {
@@ -53,7 +55,9 @@ static tides_status find_files(folder_state *state, const char *path, char **whe
             continue;
         }
         if (status == TIDES_OK && files.count)
-            status = td_fail(error, TIDES_BAD_FILE, "%s: holds events in %s and in %s: name one of them", path, *where, place);
+            status =
+                td_fail(error, TIDES_BAD_FILE, "%s: holds events in %s and in %s: name one of them, or --stream (stream) left",
+                        path, *where, place);
         td_folder_free(&files);
         free(place);
     }
@@ -148,9 +152,11 @@ static tides_status open_next(td_event_stream *stream, tides_error *error) {
     folder_state *state = stream->state;
     const char *path = state->files.files[state->next];
     stream->input.at = state->next++; /* how far the reader is, in files */
-    state->stream = (td_event_stream){.input = {.path = path}};
+    state->stream = (td_event_stream){.input = {.path = path}, .reading = stream->reading};
+    state->stream.reading.stream = NULL; /* the folder's */
     snprintf(state->stream.facts.format, sizeof state->stream.facts.format, "%s", state->inner->name);
     state->opened = 1;
+    state->dropped = 0;
     tides_status status = state->inner->library ? TIDES_OK : td_input_open(&state->stream.input, path, error);
     if (status == TIDES_OK) status = state->inner->open(&state->stream, error);
     if (status != TIDES_OK) return status;
@@ -166,7 +172,7 @@ static tides_status open_next(td_event_stream *stream, tides_error *error) {
 
 static tides_status open_files(td_event_stream *stream, char **where, tides_error *error) {
     folder_state *state = stream->state;
-    tides_status status = find_files(state, stream->input.path, where, error);
+    tides_status status = find_files(state, stream->input.path, stream->reading.stream, where, error);
     if (status != TIDES_OK) return status;
     state->inner = stream->named;
     if (!state->inner) status = choose_inner(state, *where, error);
@@ -178,6 +184,9 @@ static tides_status open_files(td_event_stream *stream, char **where, tides_erro
     if (status != TIDES_OK) return status;
     memcpy(stream->facts.format, state->stream.facts.format, sizeof stream->facts.format);
     memcpy(stream->facts.version, state->stream.facts.version, sizeof stream->facts.version);
+    memcpy(stream->facts.read_as, state->stream.facts.read_as, sizeof stream->facts.read_as);
+    stream->facts.zero = state->stream.facts.zero;
+    stream->facts.zero_ns = state->stream.facts.zero_ns;
     stream->facts.counted = state->files.count == 1 && state->stream.facts.counted;
     stream->facts.count = stream->facts.counted ? state->stream.facts.count : 0;
     return TIDES_OK;
@@ -204,6 +213,8 @@ static tides_status read_folder(td_event_stream *stream, tides_event *events, si
     for (;;) {
         tides_status status = state->inner->read(&state->stream, events, capacity, got, error);
         state->stream.done += *got;
+        stream->facts.dropped += state->stream.facts.dropped - state->dropped;
+        state->dropped = state->stream.facts.dropped;
         if (state->inner == &td_format_ergb && stream->facts.width) clip(&stream->facts, events, *got);
         if (status != TIDES_OK || *got || state->next == state->files.count) return status;
         close_file(state);
@@ -224,6 +235,7 @@ const td_event_format td_format_folder = {
     .name = "folder",
     .summary = "folders of DSEC, EDS, HS-ERGB, BS-ERGB and rpg_vid2e",
     .library = 1,
+    .takes = TD_TAKES_STREAM | TD_TAKES_UNIT,
     .open = open_folder,
     .read = read_folder,
     .close = close_folder,

@@ -5,6 +5,7 @@
 #include "td_kinds.h"
 
 #include <errno.h>
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -64,7 +65,8 @@ static tides_status probe_file(const char *path, td_event_probe *probe, tides_er
     return TIDES_OK;
 }
 
-tides_status td_event_format_detect(const char *path, const td_event_format **format, tides_error *error) {
+tides_status td_event_format_detect(const char *path, const tides_event_reading *how, const td_event_format **format,
+                                    tides_error *error) {
     td_event_probe probe;
     if (td_is_folder(path)) {
         *format = &td_format_folder;
@@ -77,6 +79,12 @@ tides_status td_event_format_detect(const char *path, const td_event_format **fo
         *format = td_event_formats[i];
         return TIDES_OK;
     }
+    if (how->columns && !memchr(probe.head, 0, probe.bytes)) { /* text, whose columns the caller knows */
+        *format = &td_format_csv;
+        return TIDES_OK;
+    }
+    if (memcmp(probe.head, "\xFF\xFE", 2) == 0 || memcmp(probe.head, "\xFE\xFF", 2) == 0)
+        return td_fail(error, TIDES_BAD_FILE, "%s: is text in UTF-16: save it as UTF-8 (iconv -f UTF-16 -t UTF-8)", path);
     if ((status = td_kind_refuse(path, TD_WANTS_EVENTS, error)) != TIDES_OK) return status;
     return td_fail(error, TIDES_BAD_FILE,
                    "%s: isn't known by its content as an event file (HDF5, AEDAT, EVT, DAT, ES, numpy, CSV, text): name its "
@@ -129,6 +137,46 @@ void td_event_discard_state(td_event_sink *sink) { free(sink->state); }
 
 tides_status td_event_bad(const td_event_stream *stream, uint64_t number, const char *what, tides_error *error) {
     return td_fail(error, TIDES_BAD_FILE, "%s: event %llu %s", stream->input.path, (unsigned long long)number, what);
+}
+
+tides_status td_event_invalid(td_event_stream *stream, tides_status status, tides_error *error) {
+    if (status != TIDES_BAD_FILE) return status;
+    if (!stream->reading.drop_invalid) {
+        const tides_error told = error ? *error : (tides_error){TIDES_BAD_FILE, ""};
+        return td_fail(error, status, "%s; --drop-invalid (drop_invalid) leaves such events out, and counts them", told.text);
+    }
+    stream->facts.dropped++;
+    return TIDES_OK;
+}
+
+/* "1589163150.007461", or "-0.25": seconds of whole nanoseconds, without zeros at the end. */
+static const char *seconds(int64_t ns, char text[40]) {
+    const uint64_t size = ns < 0 ? 0 - (uint64_t)ns : (uint64_t)ns;
+    int length = snprintf(text, 40, "%s%" PRIu64 ".%09" PRIu64, ns < 0 ? "-" : "", size / 1000000000, size % 1000000000);
+    while (text[length - 1] == '0') text[--length] = '\0';
+    if (text[length - 1] == '.') text[--length] = '\0';
+    return text;
+}
+
+/* [ns] Who begins further before a recording than it is long, and than this, doesn't mean its clock. */
+static const int64_t least_lead = 1000000000;
+
+/* Whether `start` lies that far before the stretch: subtracted as unsigned numbers, times may be anything. */
+static int leads(int64_t first_ns, int64_t end_ns, int64_t start_ns) {
+    const uint64_t lead = (uint64_t)first_ns - (uint64_t)start_ns, length = (uint64_t)end_ns - (uint64_t)first_ns;
+    return start_ns != INT64_MIN && start_ns < first_ns && lead > length && lead > (uint64_t)least_lead;
+}
+
+tides_status tides_event_stretch_check(const char *file, int64_t first_ns, int64_t end_ns, int64_t start_ns, int64_t stop_ns,
+                                       int32_t rebased, tides_error *error) {
+    char first[40], end[40], asked[40];
+    const int late = start_ns >= end_ns, early = stop_ns <= first_ns;
+    if (first_ns >= end_ns || (!late && !early && !leads(first_ns, end_ns, start_ns))) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_ARGUMENT,
+                   "%s: lasts from %s to %s s, but what was asked for %s at %s s: give times within that%s",
+                   file ? file : "the recording", seconds(first_ns, first), seconds(end_ns, end), early ? "ends" : "begins",
+                   seconds(early ? stop_ns : start_ns, asked),
+                   rebased ? "" : ", or count from the recording's zero (--rebase, rebase)");
 }
 
 tides_status td_event_cut_off(const td_event_stream *stream, tides_error *error) {

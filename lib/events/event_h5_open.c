@@ -46,6 +46,9 @@ static const layout layouts[] = {
 
 enum { LAYOUTS = sizeof layouts / sizeof *layouts, DSEC = 2, V2E = LAYOUTS - 1 };
 
+/* A place that none of these names: what its columns and values say is all that is known. */
+static const char other[] = "hdf5";
+
 static int is_dsec(const layout *found) { return strcmp(found->name, layouts[DSEC].name) == 0; }
 
 /* ---- files and datasets ---- */
@@ -118,8 +121,10 @@ static tides_status open_column(td_event_source *source, td_h5_column *c, int re
     int shaped =
         dimensions == (table ? 2 : 1) && H5Sget_simple_extent_dims(space, extent, NULL) == dimensions && extent[1] == 4;
     td_h5_close(space);
-    td_h5_close(type);
     c->real = class == H5T_FLOAT;
+    if (class == H5T_INTEGER && H5Tget_sign(type) == H5T_SGN_NONE && bytes >= 4)
+        c->wrapped = bytes == 4 ? (int64_t)UINT32_MAX : INT64_MAX;
+    td_h5_close(type);
     int numbers = class == H5T_INTEGER || (class == H5T_ENUM && bytes == 1 && !table) || (c->real && real);
     if (!numbers || !shaped) return wrong_shape(source, c, error);
     c->rows = extent[0];
@@ -129,9 +134,9 @@ static tides_status open_column(td_event_source *source, td_h5_column *c, int re
 
 static tides_status open_columns(td_event_source *source, const layout *found, tides_error *error) {
     for (int c = 0; c < TD_H5_COLUMNS; c++) {
-        source->columns[c].name = found->datasets[c];
+        source->columns[c].name = source->place.names[0][0] ? source->place.names[c] : found->datasets[c];
         source->columns[c].column = found->columns[c];
-        if (!td_h5_exists(source->file, found->datasets[c]))
+        if (!td_h5_exists(source->file, source->columns[c].name))
             return td_fail(error, TIDES_BAD_FILE, "%s: has no %s: event files in the DSEC layout hold /events/p, t, x and y",
                            source->path, found->datasets[c]);
     }
@@ -139,8 +144,8 @@ static tides_status open_columns(td_event_source *source, const layout *found, t
     if (source->nanoseconds) source->columns[TD_H5_T].name = "/events/t_ns";
     for (int c = 0; c < TD_H5_COLUMNS; c++) {
         td_h5_column *column = &source->columns[c];
-        tides_status status =
-            open_column(source, column, c == TD_H5_T ? found->real : column->column >= 0 && found->real, error);
+        const int real = c == TD_H5_T || strcmp(found->name, other) == 0 || (column->column >= 0 && found->real);
+        tides_status status = open_column(source, column, real, error);
         if (status != TIDES_OK) return status;
         if (c == 0 || column->rows < source->count) source->count = column->rows;
     }
@@ -194,8 +199,10 @@ static void read_size(const td_event_source *source, const layout *found, tides_
     if (strcmp(found->name, "rvt") == 0) {
         read_integers(file, "/events/width", 0, &size[0], 1);
         read_integers(file, "/events/height", 0, &size[1], 1);
-    } else if (strcmp(found->name, "m3ed") == 0) {
-        read_integers(file, "/prophesee/left/calib/resolution", 0, size, 2);
+    } else if (strcmp(found->name, "m3ed") == 0 || strcmp(found->name, other) == 0) {
+        char path[TD_H5_PATH + 32];
+        snprintf(path, sizeof path, "%s/calib/resolution", source->place.group);
+        read_integers(file, path, 0, size, 2);
     } else if (strcmp(found->name, "timostoff") == 0) {
         int64_t turned[2] = {0, 0};
         read_integers(file, "sensor_resolution", 1, turned, 2);
@@ -256,12 +263,43 @@ static const layout *find_layout(hid_t file) {
     return &layouts[DSEC];
 }
 
-tides_status td_h5_source_open(td_event_source *source, const char *path, tides_event_facts *facts, tides_error *error) {
-    *source = (td_event_source){.path = path, .file = -1};
-    for (int c = 0; c < TD_H5_COLUMNS; c++) source->columns[c].dataset = -1;
-    tides_status status = td_h5_open_file(path, &source->file, error);
-    if (status != TIDES_OK) return status;
+/* The layout of the place where the events were found; `unknown` is filled where none has it there. */
+static const layout *layout_of(const td_event_source *source, layout *unknown) {
     const layout *found = find_layout(source->file);
+    const char *p = source->place.names[TD_H5_P];
+    if (!p[0] || strcmp(found->datasets[TD_H5_P], p) == 0) return found;
+    for (const layout *l = layouts; l < layouts + LAYOUTS; l++)
+        if (strcmp(l->datasets[TD_H5_P], p) == 0 && strcmp(l->datasets[TD_H5_T], source->place.names[TD_H5_T]) == 0) return l;
+    *unknown = (layout){.name = other, .mark = "", .columns = {OWN, OWN, OWN, OWN}};
+    for (int c = 0; c < TD_H5_COLUMNS; c++) {
+        unknown->datasets[c] = source->place.names[c];
+        if (source->place.table) unknown->columns[c] = c;
+    }
+    return unknown;
+}
+
+/* What the layout says of its unit, where its times are as it says: whole microseconds, or real seconds. */
+static int known_digits(const td_event_source *source, const layout *found) {
+    const int real = source->columns[TD_H5_T].real;
+    if (strcmp(found->name, other) == 0) return -1;
+    if (real) return found->real ? 9 : -1;
+    return td_h5_exists(source->file, "/t_offset") || source->format[0] ? 3 : -1;
+}
+
+/* Our own files say when the recording began, DSEC's what their times count from. */
+static void find_zero(const td_event_source *source, tides_event_facts *facts) {
+    if (facts->start_ns == facts->stop_ns && !source->offset) return;
+    facts->zero = TIDES_ZERO_START;
+    facts->zero_ns = facts->start_ns != facts->stop_ns ? facts->start_ns : source->offset * 1000;
+}
+
+static tides_status open_source(td_event_source *source, const tides_event_reading *how, tides_event_facts *facts,
+                                tides_error *error) {
+    layout unknown;
+    tides_status status = td_h5_open_file(source->path, &source->file, error);
+    if (status == TIDES_OK) status = td_h5_find(source->path, source->file, how->stream, &source->place, error);
+    if (status != TIDES_OK) return status;
+    const layout *found = layout_of(source, &unknown);
     snprintf(facts->format, sizeof facts->format, "%s", found->name);
     status = open_columns(source, found, error);
     if (status == TIDES_OK) status = read_own_facts(source, facts, error);
@@ -272,7 +310,17 @@ tides_status td_h5_source_open(td_event_source *source, const char *path, tides_
     facts->counted = 1;
     facts->count = source->count;
     source->scratch = td_alloc((size_t)TD_H5_COLUMNS * TD_EVENT_CHUNK, sizeof *source->scratch, error);
-    return source->scratch ? TIDES_OK : TIDES_NO_MEMORY;
+    if (!source->scratch) return TIDES_NO_MEMORY;
+    status = td_h5_find_meaning(source, how, known_digits(source, found), found->mark[0] != '\0', facts->read_as, error);
+    find_zero(source, facts);
+    return status;
+}
+
+tides_status td_h5_source_open(td_event_source *source, const char *path, const tides_event_reading *how,
+                               tides_event_facts *facts, tides_error *error) {
+    *source = (td_event_source){.path = path, .file = -1};
+    for (int c = 0; c < TD_H5_COLUMNS; c++) source->columns[c].dataset = -1;
+    return open_source(source, how, facts, error);
 }
 
 void td_h5_source_close(td_event_source *source) {

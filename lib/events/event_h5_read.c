@@ -10,7 +10,7 @@
 /* ---- blocks ---- */
 
 /* Rows [first, first + count) of a column as 64-bit integers or doubles, so that nothing is clipped on the way. */
-static herr_t read_rows(const td_h5_column *c, uint64_t first, size_t count, int64_t *out) {
+herr_t td_h5_column_rows(const td_h5_column *c, uint64_t first, size_t count, int64_t *out) {
     const hsize_t start[2] = {first, c->column < 0 ? 0 : (hsize_t)c->column}, rows[2] = {count, 1};
     hid_t type = H5Dget_type(c->dataset), memory = H5Screate_simple(1, rows, NULL), file = H5Dget_space(c->dataset);
     int bytes = type >= 0 && H5Tget_class(type) == H5T_ENUM; /* HDF5 has no conversion from enumerations */
@@ -31,7 +31,7 @@ static herr_t read_rows(const td_h5_column *c, uint64_t first, size_t count, int
 
 static tides_status read_column(const td_event_source *source, const td_h5_column *c, uint64_t first, size_t count,
                                 int64_t *out, tides_error *error) {
-    if (read_rows(c, first, count, out) >= 0) return TIDES_OK;
+    if (td_h5_column_rows(c, first, count, out) >= 0) return TIDES_OK;
     td_h5_reason reason;
     const char *text = td_h5_reason_text(&reason);
     return td_fail(error, TIDES_BAD_FILE, "%s: %s, rows %" PRIu64 " to %" PRIu64 ", can't be read: %s", source->path,
@@ -52,64 +52,86 @@ static tides_status bad_real(const td_event_source *source, const td_h5_column *
                    value, want);
 }
 
-/* Replaces doubles by integers: times from seconds to nanoseconds, others as they are. */
-static tides_status round_column(const td_event_source *source, const td_h5_column *c, int times, uint64_t first, size_t count,
-                                 int64_t *values, tides_error *error) {
-    for (size_t i = 0; c->real && i < count; i++) {
-        double value;
-        memcpy(&value, &values[i], sizeof value);
-        if (!isfinite(value) || fabs(value) > 9e9 || (!times && value != floor(value)))
-            return bad_real(source, c, first + i, value, times ? "seconds within 285 years" : "a whole number", error);
-        values[i] = (int64_t)(times ? nearbyint(value * 1e9) : value);
-    }
+static int64_t unit_of(const td_event_source *source) {
+    int64_t unit = 1;
+    for (int i = 0; i < source->digits; i++) unit *= 10;
+    return unit;
+}
+
+/* A stored value as an integer: times in nanoseconds, where they are real numbers. */
+static tides_status take_value(const td_event_source *source, int column, uint64_t row, int64_t stored, int64_t *out,
+                               tides_error *error) {
+    const td_h5_column *c = &source->columns[column];
+    const int times = column == TD_H5_T;
+    const double unit = times ? (double)unit_of(source) : 1.0;
+    double value;
+    *out = stored;
+    if (!c->real) return TIDES_OK;
+    memcpy(&value, &stored, sizeof value);
+    if (!isfinite(value) || fabs(value) * unit > 9e18 || (!times && value != floor(value)))
+        return bad_real(source, c, row, value, times ? "a time within 285 years" : "a whole number", error);
+    *out = (int64_t)(times ? nearbyint(value * unit) : value);
     return TIDES_OK;
 }
 
-static tides_status convert_time(const td_event_source *source, uint64_t row, int64_t stored, int64_t *ns, tides_error *error) {
+static tides_status take_time(const td_event_source *source, uint64_t row, int64_t stored, int64_t *ns, tides_error *error) {
     const td_h5_column *c = &source->columns[TD_H5_T];
-    *ns = stored;
-    if (source->nanoseconds || c->real) return TIDES_OK;
-    const int64_t limit = INT64_MAX / 2000; /* of each, so that neither the sum nor the product overflows */
+    tides_status status = take_value(source, TD_H5_T, row, stored, ns, error);
+    if (status != TIDES_OK || source->nanoseconds || c->real) return status;
+    const int64_t unit = unit_of(source), limit = INT64_MAX / (2 * unit); /* of each: neither sum nor product overflows */
     if (stored > limit || stored < -limit || source->offset > limit || source->offset < -limit)
-        return bad_row(source, c, row, stored, "microseconds that, with t_offset, fit 64-bit nanoseconds", error);
-    *ns = (stored + source->offset) * 1000;
+        return bad_row(source, c, row, stored, "a time that, with t_offset, fits 64-bit nanoseconds", error);
+    *ns = (stored + source->offset) * unit;
     return TIDES_OK;
 }
 
-static tides_status convert_rows(const td_event_source *source, uint64_t first, size_t count, int64_t *const columns[],
-                                 tides_event *events, tides_error *error) {
+static tides_status take_row(const td_event_source *source, uint64_t row, const int64_t stored[TD_H5_COLUMNS], tides_event *e,
+                             tides_error *error) {
     const td_h5_column *c = source->columns;
-    for (size_t i = 0; i < count; i++) {
-        int64_t p = columns[TD_H5_P][i], x = columns[TD_H5_X][i], y = columns[TD_H5_Y][i];
-        if (p < -1 || p > 1) return bad_row(source, &c[TD_H5_P], first + i, p, "0 or 1 (or -1 and 1)", error);
-        if (x < 0 || x > UINT16_MAX) return bad_row(source, &c[TD_H5_X], first + i, x, "0 to 65535", error);
-        if (y < 0 || y > UINT16_MAX) return bad_row(source, &c[TD_H5_Y], first + i, y, "0 to 65535", error);
-        events[i] = (tides_event){.x = (uint16_t)x, .y = (uint16_t)y, .polarity = p > 0 ? 1 : -1};
-        tides_status status = convert_time(source, first + i, columns[TD_H5_T][i], &events[i].t, error);
+    int64_t v[TD_H5_COLUMNS] = {0};
+    *e = (tides_event){0};
+    for (int k = 0; k < TD_H5_COLUMNS; k++) {
+        tides_status status = k == TD_H5_T ? take_time(source, row, stored[k], &e->t, error)
+                                           : take_value(source, k, row, stored[k], &v[k], error);
         if (status != TIDES_OK) return status;
+    }
+    if (source->wraps && v[TD_H5_P] == c[TD_H5_P].wrapped) v[TD_H5_P] = -1;
+    if (v[TD_H5_P] < -1 || v[TD_H5_P] > 1) return bad_row(source, &c[TD_H5_P], row, v[TD_H5_P], "0 or 1 (or -1 and 1)", error);
+    for (int k = TD_H5_X; k <= TD_H5_Y; k++)
+        if (v[k] < 0 || v[k] > UINT16_MAX) return bad_row(source, &c[k], row, v[k], "0 to 65535", error);
+    e->x = (uint16_t)v[TD_H5_X];
+    e->y = (uint16_t)v[TD_H5_Y];
+    e->polarity = v[TD_H5_P] > 0 ? 1 : -1;
+    return TIDES_OK;
+}
+
+/* `*got` of `count` rows: invalid ones may be left out, where a stream says so. */
+static tides_status convert_rows(const td_event_source *source, td_event_stream *stream, uint64_t first, size_t count,
+                                 tides_event *events, size_t *got, tides_error *error) {
+    for (size_t i = 0; i < count; i++) {
+        int64_t stored[TD_H5_COLUMNS];
+        for (int c = 0; c < TD_H5_COLUMNS; c++) stored[c] = source->scratch[(size_t)c * TD_EVENT_CHUNK + i];
+        tides_status status = take_row(source, first + i, stored, &events[*got], error);
+        const int whole = status == TIDES_OK;
+        if (!whole && stream) status = td_event_invalid(stream, status, error);
+        if (status != TIDES_OK) return status;
+        *got += (size_t)whole;
     }
     return TIDES_OK;
 }
 
-static tides_status read_block(td_event_source *source, uint64_t first, size_t count, tides_event *events, tides_error *error) {
-    int64_t *columns[TD_H5_COLUMNS];
-    for (int c = 0; c < TD_H5_COLUMNS; c++) {
-        columns[c] = source->scratch + (size_t)c * TD_EVENT_CHUNK;
-        tides_status status = read_column(source, &source->columns[c], first, count, columns[c], error);
-        if (status == TIDES_OK)
-            status = round_column(source, &source->columns[c], c == TD_H5_T, first, count, columns[c], error);
-        if (status != TIDES_OK) return status;
-    }
-    return convert_rows(source, first, count, columns, events, error);
-}
-
-tides_status td_h5_source_read(td_event_source *source, uint64_t first, size_t count, tides_event *events, tides_error *error) {
+tides_status td_h5_source_read(td_event_source *source, td_event_stream *stream, uint64_t first, size_t count,
+                               tides_event *events, size_t *got, tides_error *error) {
     tides_status status = TIDES_OK;
+    *got = 0;
     for (size_t done = 0; done < count && status == TIDES_OK;) {
         /* Blocks end on chunk borders: a chunk is decompressed once. */
         size_t block = TD_EVENT_CHUNK - (size_t)((first + done) % TD_EVENT_CHUNK);
         if (block > count - done) block = count - done;
-        status = read_block(source, first + done, block, events + done, error);
+        for (int c = 0; c < TD_H5_COLUMNS && status == TIDES_OK; c++)
+            status = read_column(source, &source->columns[c], first + done, block, source->scratch + (size_t)c * TD_EVENT_CHUNK,
+                                 error);
+        if (status == TIDES_OK) status = convert_rows(source, stream, first + done, block, events, got, error);
         done += block;
     }
     return status;
@@ -122,7 +144,7 @@ int td_h5_detect(const td_event_probe *probe) { return probe->bytes >= 8 && memc
 tides_status td_h5_open(td_event_stream *stream, tides_error *error) {
     td_event_source *source = td_alloc(1, sizeof *source, error);
     stream->state = source;
-    return source ? td_h5_source_open(source, stream->input.path, &stream->facts, error) : TIDES_NO_MEMORY;
+    return source ? td_h5_source_open(source, stream->input.path, &stream->reading, &stream->facts, error) : TIDES_NO_MEMORY;
 }
 
 tides_status td_h5_read_from(td_event_stream *stream, uint64_t first, size_t count, tides_event *events, size_t *got,
@@ -130,15 +152,17 @@ tides_status td_h5_read_from(td_event_stream *stream, uint64_t first, size_t cou
     td_event_source *source = stream->state;
     uint64_t there = first < source->count ? source->count - first : 0;
     if (there < count) count = (size_t)there;
-    tides_status status = td_h5_source_read(source, first, count, events, error);
-    if (status == TIDES_OK) *got = count;
-    return status;
+    return td_h5_source_read(source, stream, first, count, events, got, error);
 }
 
+/* What is left of a block may be nothing: 0 events are the end alone. */
 tides_status td_h5_read(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got, tides_error *error) {
     td_event_source *source = stream->state;
-    tides_status status = td_h5_read_from(stream, source->next, capacity, events, got, error);
-    source->next += *got;
+    tides_status status = TIDES_OK;
+    while (status == TIDES_OK && *got == 0 && source->next < source->count) {
+        status = td_h5_read_from(stream, source->next, capacity, events, got, error);
+        source->next += capacity < source->count - source->next ? capacity : source->count - source->next;
+    }
     return status;
 }
 

@@ -4,6 +4,7 @@
 #include "td_event_h5.h"
 #include "td_folder.h"
 #include "td_kinds.h"
+#include "td_struct.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -14,6 +15,9 @@ enum { BATCH = 4096 }; /* events that a format is asked for at once; every forma
 struct tides_event_reader {
     const td_event_format *format;
     td_event_stream stream;
+    char *texts[3]; /* our copies of what the reading names: columns, unit, stream */
+    int64_t shift;  /* [ns] added to all times, once `placed` */
+    int32_t placed;
     tides_error failure; /* the first: told again by every later call */
     size_t held, taken;  /* events in batch; handed out */
     tides_event batch[BATCH];
@@ -21,16 +25,34 @@ struct tides_event_reader {
 
 /* ---- opening ---- */
 
-static tides_status choose(tides_event_reader *reader, const char *path, const char *name, tides_error *error) {
+static tides_status choose(tides_event_reader *reader, const char *path, tides_error *error) {
     const td_event_format **format = &reader->format;
-    tides_status status = name ? td_event_format_named(name, format, error) : td_event_format_detect(path, format, error);
+    const tides_event_reading *how = &reader->stream.reading;
+    tides_status status =
+        how->format ? td_event_format_named(how->format, format, error) : td_event_format_detect(path, how, format, error);
     if (status != TIDES_OK) return status;
     if (!(*format)->read)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: files of the format \"%s\" are only written", path, (*format)->name);
-    if (name && td_is_folder(path)) {
+    if (how->format && td_is_folder(path)) {
         reader->stream.named = *format;
         *format = &td_format_folder;
     }
+    return TIDES_OK;
+}
+
+/* What is said of a file has to have a meaning for it: else it would be ignored in silence. */
+static tides_status check_use(const td_event_format *format, const char *path, const tides_event_reading *how,
+                              tides_error *error) {
+    const struct {
+        int32_t flag;
+        const char *given, *what;
+    } all[] = {{TD_TAKES_COLUMNS, how->columns, "columns (--columns) are"},
+               {TD_TAKES_UNIT, how->unit, "a unit of times (--unit) is"},
+               {TD_TAKES_STREAM, how->stream, "a stream's name (--stream) is"}};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        if (all[i].given && !(format->takes & all[i].flag))
+            return td_fail(error, TIDES_BAD_ARGUMENT, "%s: is %s, for which %s of no use: leave it out", path, format->name,
+                           all[i].what);
     return TIDES_OK;
 }
 
@@ -49,14 +71,37 @@ static tides_status open_stream(tides_event_reader *reader, const char *path, ti
     return status;
 }
 
-tides_status tides_event_reader_open(const char *path, const char *format, tides_event_reader **reader, tides_error *error) {
+void tides_event_reading_defaults(tides_event_reading *reading) { *reading = (tides_event_reading){.size = sizeof *reading}; }
+
+/* The reading's texts are the caller's, and a folder asks for them until its last file. */
+static tides_status keep_reading(tides_event_reader *reader, const tides_event_reading *given, tides_error *error) {
+    tides_event_reading *how = &reader->stream.reading;
+    tides_event_reading_defaults(how);
+    tides_status status = given ? TD_TAKE_STRUCT(tides_event_reading, how, given, error) : TIDES_OK;
+    if (status == TIDES_OK && ((how->rebase | 1) != 1 || (how->drop_invalid | 1) != 1))
+        status = td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_reading: rebase = %d, drop_invalid = %d: should be 0 or 1",
+                         how->rebase, how->drop_invalid);
+    const char **const texts[3] = {&how->columns, &how->unit, &how->stream};
+    for (int i = 0; i < 3 && status == TIDES_OK; i++) {
+        if (!*texts[i]) continue;
+        *texts[i] = reader->texts[i] = td_strdup(*texts[i], error);
+        if (!reader->texts[i]) status = TIDES_NO_MEMORY;
+    }
+    return status;
+}
+
+tides_status tides_event_reader_open_as(const char *path, const tides_event_reading *reading, tides_event_reader **reader,
+                                        tides_error *error) {
     if (!path || !reader) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_reader_open: an argument is NULL");
     tides_event_reader *made = td_alloc(1, sizeof *made, error);
     if (!made) return TIDES_NO_MEMORY;
-    tides_status status = choose(made, path, format, error);
+    tides_status status = keep_reading(made, reading, error);
+    if (status == TIDES_OK) status = choose(made, path, error);
+    if (status == TIDES_OK) status = check_use(made->format, path, &made->stream.reading, error);
     char *kept = status == TIDES_OK ? td_strdup(path, error) : NULL;
     if (status == TIDES_OK) status = kept ? open_stream(made, kept, error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK) {
+        made->stream.reading.format = NULL; /* the caller's, and no longer asked for */
         *reader = made;
         return TIDES_OK;
     }
@@ -64,6 +109,13 @@ tides_status tides_event_reader_open(const char *path, const char *format, tides
     if (!kept) made->format = NULL; /* nothing was opened */
     tides_event_reader_close(made);
     return td_kind_judge(path, TD_WANTS_EVENTS, status, error); /* a ZIP may hold anything */
+}
+
+tides_status tides_event_reader_open(const char *path, const char *format, tides_event_reader **reader, tides_error *error) {
+    tides_event_reading reading;
+    tides_event_reading_defaults(&reading);
+    reading.format = format;
+    return tides_event_reader_open_as(path, &reading, reader, error);
 }
 
 void tides_event_reader_close(tides_event_reader *reader) {
@@ -76,44 +128,98 @@ void tides_event_reader_close(tides_event_reader *reader) {
         td_h5_quiet_end(&quiet);
         td_input_close(&reader->stream.input);
     }
+    for (int i = 0; i < 3; i++) free(reader->texts[i]);
     free((char *)(uintptr_t)path); /* our copy */
     free(reader);
 }
 
-void tides_event_reader_facts(const tides_event_reader *reader, tides_event_facts *facts) { *facts = reader->stream.facts; }
+/* Adds two times; 0 where 64 bits don't hold them. */
+static int add_time(int64_t a, int64_t b, int64_t *sum) {
+    if (b > 0 ? a > INT64_MAX - b : a < INT64_MIN - b) return 0;
+    *sum = a + b;
+    return 1;
+}
+
+/* What is to be added to the file's times; 0 where 64 bits don't hold it. */
+static int find_shift(const td_event_stream *stream, int64_t *shift) {
+    const tides_event_reading *how = &stream->reading;
+    if (how->rebase && stream->facts.zero_ns == INT64_MIN) return 0;
+    return add_time(how->offset_ns, how->rebase ? -stream->facts.zero_ns : 0, shift);
+}
+
+void tides_event_reader_facts(const tides_event_reader *reader, tides_event_facts *facts) {
+    const td_event_stream *stream = &reader->stream;
+    *facts = stream->facts;
+    int64_t shift = 0;
+    if (facts->start_ns == facts->stop_ns) return;
+    if (!find_shift(stream, &shift) || !add_time(facts->start_ns, shift, &facts->start_ns) ||
+        !add_time(facts->stop_ns, shift, &facts->stop_ns))
+        facts->start_ns = facts->stop_ns = 0;
+}
 
 /* ---- reading ---- */
 
-/* Formats give what they find; whether it fits the sensor that the file itself names is the same question for all. */
-static tides_status check_batch(const tides_event_reader *reader, size_t count, tides_error *error) {
-    const tides_event_facts *facts = &reader->stream.facts;
-    if (facts->width == 0) return TIDES_OK;
-    for (size_t i = 0; i < count; i++) {
+/* Formats give what they find; whether it fits the sensor that the file itself names is the same question for all. `*good`
+ * events come before the first that doesn't, unless such are left out. */
+static tides_status check_batch(tides_event_reader *reader, size_t count, size_t *good, tides_error *error) {
+    td_event_stream *stream = &reader->stream;
+    const tides_event_facts *facts = &stream->facts;
+    size_t kept = 0;
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) {
         const tides_event *e = &reader->batch[i];
-        if (e->x < facts->width && e->y < facts->height) continue;
-        return td_fail(error, TIDES_BAD_FILE,
-                       "%s: event %" PRIu64 " at (%u, %u) lies outside the %d x %d px that the file itself says",
-                       reader->stream.input.path, reader->stream.done + i, e->x, e->y, facts->width, facts->height);
+        if (facts->width == 0 || (e->x < facts->width && e->y < facts->height)) {
+            reader->batch[kept++] = *e;
+            continue;
+        }
+        status = td_fail(error, TIDES_BAD_FILE,
+                         "%s: event %" PRIu64 " at (%u, %u) lies outside the %d x %d px that the file itself says",
+                         stream->input.path, td_event_number(stream, kept), e->x, e->y, facts->width, facts->height);
+        status = td_event_invalid(stream, status, error);
     }
-    return TIDES_OK;
+    *good = kept;
+    return status;
 }
 
-/* Events before a failure are handed out first. */
-static void fill_batch(tides_event_reader *reader) {
-    size_t got = 0;
+/* To the clock that was asked for: the first event is known now, if that is the zero. */
+static tides_status place(tides_event_reader *reader, size_t count, tides_error *error) {
+    td_event_stream *stream = &reader->stream;
+    int fits = 1;
+    if (!reader->placed && count) {
+        if (stream->facts.zero == TIDES_ZERO_EVENT) stream->facts.zero_ns = reader->batch[0].t;
+        fits = find_shift(stream, &reader->shift);
+        reader->placed = 1;
+    }
+    for (size_t i = 0; i < count && reader->shift && fits; i++)
+        fits = add_time(reader->batch[i].t, reader->shift, &reader->batch[i].t);
+    return fits ? TIDES_OK : td_fail(error, TIDES_BAD_FILE, "%s: spans more than 292 years", stream->input.path);
+}
+
+/* The format's next events; those before a failure come with it. */
+static tides_status ask_format(tides_event_reader *reader, size_t *got, tides_error *error) {
     td_h5_quiet quiet;
     if (reader->format->library) td_h5_quiet_begin(&quiet);
-    tides_status status = reader->format->read(&reader->stream, reader->batch, BATCH, &got, &reader->failure);
+    tides_status status = reader->format->read(&reader->stream, reader->batch, BATCH, got, error);
     if (reader->format->library) td_h5_quiet_end(&quiet);
-    if (status == TIDES_OK) reader->failure.status = TIDES_OK;
-    tides_error outside = {TIDES_OK, ""};
-    if (check_batch(reader, got, &outside) != TIDES_OK) {
-        reader->failure = outside;
-        for (got = 0; reader->batch[got].x < reader->stream.facts.width && reader->batch[got].y < reader->stream.facts.height;)
-            got++;
-    }
-    reader->stream.done += got;
-    reader->held = got;
+    return status;
+}
+
+/* Events before a failure are handed out first. Batches of which nothing is left aren't the end. */
+static void fill_batch(tides_event_reader *reader) {
+    size_t got = 0, good = 0;
+    tides_status status = TIDES_OK;
+    do {
+        got = good = 0;
+        status = ask_format(reader, &got, &reader->failure);
+        if (status == TIDES_OK) reader->failure.status = TIDES_OK;
+        tides_error outside = {TIDES_OK, ""};
+        tides_status checked = check_batch(reader, got, &good, &outside);
+        if (checked == TIDES_OK) checked = place(reader, good, &outside);
+        if (checked != TIDES_OK) reader->failure = outside;
+        if (checked != TIDES_OK) status = checked;
+        reader->stream.done += good;
+    } while (status == TIDES_OK && got && !good);
+    reader->held = good;
     reader->taken = 0;
 }
 
@@ -167,21 +273,27 @@ static tides_status summarise(tides_event_reader *reader, tides_event_summary *s
     }
 }
 
-tides_status tides_events_summary(const char *path, tides_event_summary *summary, tides_error *error) {
-    if (!path || !summary) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_events_summary: an argument is NULL");
-    tides_event_reader *reader = NULL;
+tides_status tides_event_reader_summary(tides_event_reader *reader, tides_event_summary *summary, tides_error *error) {
+    if (!reader || !summary) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_reader_summary: an argument is NULL");
     tides_event_summary made = {0};
-    tides_status status = tides_event_reader_open(path, NULL, &reader, error);
+    tides_status status = summarise(reader, &made, error);
     if (status != TIDES_OK) return status;
-    const tides_event_facts *facts = &reader->stream.facts;
+    const tides_event_facts *facts = &reader->stream.facts; /* some formats know the size only once they are read */
     made.width = facts->width;
     made.height = facts->height;
     made.labels = facts->labels;
     memcpy(made.layout, facts->format, sizeof made.layout);
     memcpy(made.version, facts->version, sizeof made.version);
-    status = summarise(reader, &made, error);
+    *summary = made;
+    return TIDES_OK;
+}
+
+tides_status tides_events_summary(const char *path, tides_event_summary *summary, tides_error *error) {
+    if (!path || !summary) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_events_summary: an argument is NULL");
+    tides_event_reader *reader = NULL;
+    tides_status status = tides_event_reader_open(path, NULL, &reader, error);
+    if (status == TIDES_OK) status = tides_event_reader_summary(reader, summary, error);
     tides_event_reader_close(reader);
-    if (status == TIDES_OK) *summary = made;
     return status;
 }
 
@@ -211,11 +323,13 @@ tides_status tides_events_read(const char *path, uint64_t first, size_t count, t
     tides_status status = tides_event_reader_open(path, NULL, &reader, error);
     if (status != TIDES_OK) return status;
     td_h5_quiet quiet;
+    size_t some = 0;
     td_h5_quiet_begin(&quiet);
     if (reader->format == &td_format_hdf5)
-        status = td_h5_read_from(&reader->stream, first, count, events, got, error);
+        status = td_h5_read_from(&reader->stream, first, count, events, &some, error);
     else
-        status = read_on(reader, first, count, events, got, error);
+        status = read_on(reader, first, count, events, &some, error);
+    if (status == TIDES_OK) *got = some;
     td_h5_quiet_end(&quiet);
     tides_event_reader_close(reader);
     return status;

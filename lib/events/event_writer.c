@@ -244,7 +244,9 @@ static tides_status check_event(const td_event_format *format, const td_event_si
         return refuse(event, index, TIDES_BAD_ARGUMENT, "has no polarity: give +1 or -1", error);
     if (event->t < 0 && !format->negative)
         return refuse(event, index, TIDES_BAD_ARGUMENT,
-                      "lies before time 0: write HDF5 (.h5), or count from the first event (--rebase)", error);
+                      "lies before time 0: write HDF5 (.h5), count from the recording's zero (--rebase), or shift it "
+                      "(--offset)",
+                      error);
     if (previous && before(event, previous))
         return refuse(event, index, TIDES_BAD_ARGUMENT, "comes before the one ahead of it: sort by t, y, x, polarity", error);
     const char *why = why_not_after(format, sink, event, previous);

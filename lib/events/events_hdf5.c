@@ -316,6 +316,7 @@ static void abandon_hdf5(td_event_sink *sink) {
 }
 
 const td_event_format td_format_hdf5 = {
+    .takes = TD_TAKES_COLUMNS | TD_TAKES_UNIT | TD_TAKES_STREAM,
     .name = "hdf5",
     .endings = ".h5 .hdf5",
     .summary = "HDF5: DSEC's layout with nanoseconds; reads EDS, MVSEC, M3ED, RVT, v2e and TimoStoff's too",

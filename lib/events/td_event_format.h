@@ -46,18 +46,29 @@ void td_input_skip(td_event_input *input, size_t bytes);
 tides_status td_input_copy(td_event_input *input, void *out, size_t bytes, tides_error *error);
 
 /* The next line without its end, NUL-terminated, in the caller's buffer; `*got` is 0 at the end of the file. Lines of `size`
- * bytes or more are TIDES_BAD_FILE. */
+ * bytes or more are TIDES_BAD_FILE. _peek leaves it unread: `bytes` are to be passed over. */
 tides_status td_input_line(td_event_input *input, char *line, size_t size, int *got, tides_error *error);
+tides_status td_input_peek(td_event_input *input, char *line, size_t size, int *got, size_t *bytes, tides_error *error);
 
 /* ---- a file being read ---- */
 
 typedef struct td_event_stream {
     td_event_input input; /* not opened for formats with `library` */
     tides_event_facts facts;
+    tides_event_reading reading;         /* its texts live as long as the stream */
     uint64_t done;                       /* events handed out before this call of read */
     const struct td_event_format *named; /* a folder's files are of this format; NULL: what they hold says */
     void *state;                         /* the format's; freed by its close */
 } td_event_stream;
+
+/* Number of the event that comes `behind` those that were handed out before: what was left out counts too. */
+static inline uint64_t td_event_number(const td_event_stream *stream, size_t behind) {
+    return stream->done + stream->facts.dropped + behind;
+}
+
+/* What becomes of an event that can't be: TIDES_OK, and counted, where such are to be left out; else its error, with what lets
+ * it be left out. */
+tides_status td_event_invalid(td_event_stream *stream, tides_status status, tides_error *error);
 
 /* ---- a file being written ---- */
 
@@ -107,6 +118,8 @@ void td_sink_patch(td_event_sink *sink, uint64_t at, const void *data, size_t by
 
 /* ---- the class ---- */
 
+enum { TD_TAKES_COLUMNS = 1, TD_TAKES_UNIT = 2, TD_TAKES_STREAM = 4 };
+
 typedef struct td_event_format {
     const char *name;    /* of --from and --to: "evt3" */
     const char *endings; /* ".raw .evt3": of files to write; NULL: only by name */
@@ -117,6 +130,7 @@ typedef struct td_event_format {
     int32_t labels;      /* it has a place for them */
     int32_t negative;    /* times before 0 have a place in it */
     int32_t patches;     /* its writer goes back (td_sink_patch): not into devices and FIFOs */
+    int32_t takes;       /* TD_TAKES_*: what of a tides_event_reading it has a use for */
 
     /* Formats that write something for time without events, from 0 on, take only so much of it at once; 0: any. And why an
      * event or the start of a recording that lies further off can't be stored, and what to do. */
@@ -164,8 +178,9 @@ tides_status td_event_format_named(const char *name, const td_event_format **for
 /* Folders of data sets (event_folder.c); not in the table: it takes no file, and its name is that of the files within. */
 extern const td_event_format td_format_folder;
 
-/* By what the file holds; TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE. */
-tides_status td_event_format_detect(const char *path, const td_event_format **format, tides_error *error);
+/* By what the file holds, and what is said of it; TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE. */
+tides_status td_event_format_detect(const char *path, const tides_event_reading *how, const td_event_format **format,
+                                    tides_error *error);
 
 /* Of a file to write, by its ending; HDF5 where it has none. */
 tides_status td_event_format_for(const char *path, const td_event_format **format, tides_error *error);

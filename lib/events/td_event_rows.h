@@ -1,39 +1,39 @@
-/* Internal: text files of one event per line, which differ in what separates the columns and what they mean. */
+/* Internal: text files of one event per line, whatever separates the columns and whatever order they have. */
 #ifndef TD_EVENT_ROWS_H
 #define TD_EVENT_ROWS_H
 
 #include "td_event_format.h"
+#include "td_event_table.h"
 
-enum { TD_ROW_T, TD_ROW_X, TD_ROW_Y, TD_ROW_P, TD_ROW_FIELDS, TD_ROW_COLUMNS_MAX = 16, TD_ROW_LINE = 1024 };
+enum { TD_ROW_LINE = 1024 };
 
-/* Where a line's columns are: the number of each field's column, how many there are, and 10^digits = nanoseconds per unit of
- * time. */
+/* Where a line's columns are, and how many there are; what a format that is named says of them, before that. */
 typedef struct td_event_rows {
-    int column[TD_ROW_FIELDS];
+    td_table_meaning meaning; /* digits -1: as the header or the values say */
     int columns;
-    int digits;
-    char separator; /* ',' or ' ' for blanks */
-    uint64_t line;  /* number of the last line read */
+    char separator;   /* ',' ';' or ' ' for blanks */
+    int32_t by_order; /* 1: of a named format whose order is fixed; 0: by header or values */
+    int32_t sized;    /* 1: a line with the sensor's width and height comes before the events (E2VID) */
+    uint64_t line;    /* number of the last line read */
 } td_event_rows;
 
-/* Splits a line in place: at most TD_ROW_COLUMNS_MAX words, without blanks around them; their number. */
-int td_event_split(char *line, char separator, char *words[TD_ROW_COLUMNS_MAX]);
+/* What a file's beginning is, as far as its text shows. */
+enum { TD_TEXT_NONE = 0, TD_TEXT_HEADER, TD_TEXT_GEOMETRY, TD_TEXT_COMMAS, TD_TEXT_SIZED, TD_TEXT_BLANKS };
+int td_event_text_kind(const td_event_probe *probe);
 
-/* The next line that isn't empty or a comment ('#'). */
-tides_status td_event_rows_line(td_event_stream *stream, td_event_rows *rows, char line[TD_ROW_LINE], int *got,
-                                tides_error *error);
-
-/* One event of a line; fails with the line's number and what is wrong. */
-tides_status td_event_rows_parse(const td_event_stream *stream, const td_event_rows *rows, char *line, tides_event *event,
-                                 tides_error *error);
+/* The open of all of them: header, columns, unit. `fixed`: what the format says where it was named. */
+tides_status td_event_rows_open(td_event_stream *stream, const td_event_rows *fixed, tides_error *error);
 
 /* The read of formats whose state is a td_event_rows. */
 tides_status td_event_rows_read(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got, tides_error *error);
 
-/* Allocates the state with these columns. */
-tides_status td_event_rows_begin(td_event_stream *stream, const td_event_rows *rows, tides_error *error);
+/* Splits a line in place: at most TD_TABLE_COLUMNS_MAX words, without blanks and quotes around them; their number. */
+int td_event_split(char *line, char separator, char *words[TD_TABLE_COLUMNS_MAX]);
 
-/* Whether a line of text has `columns` columns, all of them numbers. */
-int td_event_rows_numeric(const char *line, size_t length, char separator, int columns);
+/* A comment or an empty line. */
+int td_event_is_aside(const char *line);
+
+/* A whole number or decimals of a row, as a value; 0 where it is none. `*decimals` as td_table_add's. */
+int td_event_value(const char *word, double *value, int *decimals);
 
 #endif

@@ -1,6 +1,7 @@
 /* When frames were taken: a text file, a rate, or what the array file says. */
 #include "td_frames.h"
 
+#include "td_columns.h"
 #include "td_folder.h"
 #include "td_kinds.h"
 #include "td_text.h"
@@ -12,44 +13,114 @@
 /* A page of text per thousand frames; more than this is another kind of file. */
 #define TIMES_BYTES_MAX ((size_t)1 << 28)
 
-double td_frame_unit(const tides_frames_options *options, const char *file) {
-    static const double seconds[] =
-        {[TIDES_TIME_S] = 1, [TIDES_TIME_MS] = 1e-3, [TIDES_TIME_US] = 1e-6, [TIDES_TIME_NS] = 1e-9};
-    if (options->unit != TIDES_TIME_AUTO) return seconds[options->unit];
-    return strstr(file, "image_timestamps") ? 1e-6 : 1.0;
+/* -- text ----------------------------------------------------------------------------------------------------------------- */
+
+enum { COLUMNS = 8, WORD = 64, LINE = 1024 };
+
+/* What the lines of a list of times have, column by column. */
+typedef struct times_text {
+    size_t rows, numbers[COLUMNS], counting[COLUMNS]; /* of the rows: those with a number there, and with the row's own */
+    double first[COLUMNS];
+    int column; /* of the times, by a header or by what columns are; -1: there is none */
+    int digits; /* 10^digits [ns] are their unit, where the header says it; -1: it doesn't */
+} times_text;
+
+/* The next line, without its end (LF, CR LF or CR); one that is too long comes in pieces, and isn't a list's. */
+static int next_line(const char **at, char line[LINE]) {
+    size_t length = strcspn(*at, "\r\n");
+    if (!**at) return 0;
+    if (length >= LINE) length = LINE - 1;
+    memcpy(line, *at, length);
+    line[length] = '\0';
+    *at += length;
+    if (**at == '\r' && (*at)[1] == '\n') ++*at;
+    if (**at == '\r' || **at == '\n') ++*at;
+    return 1;
 }
 
-/* A number divided by a power of ten where it is whole: 1e-6 itself isn't a double, 1e6 is. */
-static double in_seconds(double value, double unit) { return unit < 1 ? value / round(1 / unit) : value; }
-
-/* The number of one line: alone, or beside a name (ECD's "time name", DVS-Voltmeter's "name time"). */
-static int read_line(char *line, double *value) {
-    char *rest = NULL;
-    for (char *word = strtok_r(line, " \t\r,;", &rest); word; word = strtok_r(NULL, " \t\r,;", &rest)) {
-        char *end = NULL;
-        *value = strtod(word, &end);
-        if (end != word && !*end && isfinite(*value)) return 1;
+/* Word number `column` of a line; 1 where it is a number. */
+static int take_number(const char *line, int column, double *value) {
+    static const char between[] = " \t,;\"'";
+    char word[WORD], *end = NULL;
+    for (line += strspn(line, between); column > 0 && *line; column--) {
+        line += strcspn(line, between);
+        line += strspn(line, between);
     }
-    return 0;
+    const size_t length = strcspn(line, between);
+    if (length == 0 || length >= sizeof word) return 0;
+    memcpy(word, line, length);
+    word[length] = '\0';
+    *value = strtod(word, &end);
+    return !*end && isfinite(*value);
 }
 
-static tides_status read_lines(tides_frames *frames, const char *file, char *text, tides_error *error) {
-    double unit = td_frame_unit(&frames->options, file);
-    size_t count = 0, number = 0;
-    for (char *line = text; line;) {
-        char *end = strchr(line, '\n');
-        if (end) *end = '\0';
-        number++;
-        size_t blank = strspn(line, " \t\r");
+/* A header that names the times; `*digits` is -1 where it has no unit. */
+static int header_column(const char *line, int *digits) {
+    td_columns named;
+    if (!td_columns_parse(line, &named)) return -1;
+    const int column = td_columns_time(&named, "t|time|timestamp|ts|times|timestamps|stamp|start|*timestamp", digits);
+    return column < COLUMNS ? column : -1;
+}
+
+static int is_aside(const char *line) {
+    line += strspn(line, " \t");
+    return !*line || *line == '#' || *line == '%';
+}
+
+static void take_row(times_text *t, const char *line) {
+    for (int c = 0; c < COLUMNS; c++) {
+        double value;
+        if (!take_number(line, c, &value)) continue;
+        if (t->numbers[c]++ == 0) t->first[c] = value;
+        t->counting[c] += (t->first[c] == 0 || t->first[c] == 1) && value == t->first[c] + (double)t->rows;
+    }
+    t->rows++;
+}
+
+/* The first column of numbers; one that counts 0, 1, 2 is an index where there is another. */
+static void choose_column(times_text *t) {
+    int index = -1;
+    for (int c = 0; c < COLUMNS && t->column < 0; c++) {
+        if (t->numbers[c] != t->rows) continue;
+        if (t->counting[c] == t->rows && t->rows > 1 && index < 0)
+            index = c;
+        else
+            t->column = c;
+    }
+    if (t->column < 0) t->column = index;
+}
+
+static void look_through(times_text *t, const char *text) {
+    char line[LINE];
+    *t = (times_text){.column = -1, .digits = -1};
+    while (next_line(&text, line)) {
+        int digits;
+        const int found = t->rows == 0 ? header_column(line, &digits) : -1;
+        if (found >= 0) {
+            t->column = found;
+            t->digits = digits;
+        } else if (!is_aside(line))
+            take_row(t, line);
+    }
+    if (t->column < 0) choose_column(t);
+}
+
+static tides_status read_lines(tides_frames *frames, const char *file, const char *text, const times_text *t,
+                               tides_error *error) {
+    size_t count = 0;
+    char line[LINE];
+    for (size_t number = 1; next_line(&text, line); number++) {
         double value = 0;
-        if (line[blank] && line[blank] != '#') {
-            if (!read_line(line, &value))
-                return td_fail(error, TIDES_BAD_FILE, "%s:%zu: there is no time in this line; write one number per line", file,
-                               number);
-            if (count < frames->count) frames->times[count] = in_seconds(value, unit);
-            count++;
-        }
-        line = end ? end + 1 : NULL;
+        int digits;
+        if (is_aside(line) || (count == 0 && header_column(line, &digits) >= 0)) continue;
+        /* Without a column that all rows have, each has its own: the error is then that of the first that has none. */
+        int column = t->column < 0 ? 0 : t->column;
+        while (t->column < 0 && column < COLUMNS && !take_number(line, column, &value)) column++;
+        if (!take_number(line, column, &value))
+            return td_fail(error, TIDES_BAD_FILE, "%s:%zu: there is no time in this line; write one number per line", file,
+                           number);
+        if (count < frames->count) frames->times[count] = value;
+        count++;
     }
     if (count == frames->count) return TIDES_OK;
     return td_fail(error, TIDES_BAD_FILE, "%s: has %zu times, but %s has %zu frames", file, count, frames->path, frames->count);
@@ -63,7 +134,12 @@ static tides_status read_file(tides_frames *frames, const char *file, tides_erro
     td_plain_numbers numbers;
     status = td_plain_begin(&numbers, file, error);
     if (status == TIDES_OK) {
-        status = td_kind_judge(file, TD_WANTS_TEXT, read_lines(frames, file, text, error), error);
+        times_text t;
+        const char *start = strncmp(text, "\xEF\xBB\xBF", 3) == 0 ? text + 3 : text;
+        look_through(&t, start);
+        status = td_kind_judge(file, TD_WANTS_TEXT, read_lines(frames, file, start, &t, error), error);
+        frames->digits = t.digits < 0 && strstr(td_base_name(file), "image_timestamps") ? 3 : t.digits; /* DSEC's */
+        frames->stored = 1;
         td_plain_end(&numbers);
     }
     free(text);
@@ -95,6 +171,7 @@ static tides_status fill(tides_frames *frames, tides_error *error) {
     if (o->timestamps) return read_file(frames, o->timestamps, error);
     if (o->frames_per_second > 0) {
         for (size_t k = 0; k < frames->count; k++) frames->times[k] = (double)k / o->frames_per_second;
+        frames->stored = 0;
         return TIDES_OK;
     }
     if (own) return TIDES_OK;
@@ -110,10 +187,28 @@ static tides_status fill(tides_frames *frames, tides_error *error) {
     return status;
 }
 
+/* Digits of the unit that was said, or of the header's, or of what frames that come 1 to 1000 times a second would have. */
+static int unit_digits(const tides_frames *frames) {
+    static const int digits[] = {[TIDES_TIME_S] = 9, [TIDES_TIME_MS] = 6, [TIDES_TIME_US] = 3, [TIDES_TIME_NS] = 0};
+    const size_t count = frames->count;
+    if (frames->options.unit != TIDES_TIME_AUTO) return digits[frames->options.unit];
+    if (frames->digits >= 0) return frames->digits;
+    const double first = frames->times[0], last = frames->times[count - 1];
+    return td_likely_digits(fmax(fabs(first), fabs(last)), count > 1 ? (last - first) / (double)(count - 1) : 0);
+}
+
+/* A number divided by a power of ten where it is whole: 1e-6 itself isn't a double, 1e6 is. */
+static void to_seconds(tides_frames *frames) {
+    const double per_second = round(pow(10, 9 - unit_digits(frames)));
+    for (size_t k = 0; k < frames->count; k++) frames->times[k] /= per_second;
+}
+
 tides_status td_frames_times(tides_frames *frames, tides_error *error) {
+    frames->digits = -1;
     tides_status status = fill(frames, error);
     if (status != TIDES_OK) return status;
-    const double first = frames->options.rebase ? frames->times[0] : 0;
+    if (frames->stored) to_seconds(frames);
+    const double first = (frames->options.rebase ? frames->times[0] : 0) - frames->options.offset_s;
     for (size_t k = 0; k < frames->count; k++) {
         if (!isfinite(frames->times[k]) || (k > 0 && !(frames->times[k] - first > frames->times[k - 1])))
             return td_fail(error, TIDES_BAD_FILE, "%s: frame %zu is at %.15g s, which isn't after the one before", frames->path,

@@ -69,11 +69,10 @@ static tides_status read_times(tides_frames *frames, hid_t data, tides_error *er
     if (shape_of(data, shape) != 1 || shape[0] != frames->count)
         return td_fail(error, TIDES_BAD_FILE, "%s: its times aren't one number for each of %zu frames", frames->path,
                        frames->count);
-    double unit = td_frame_unit(&frames->options, "");
     if (!(frames->times = td_alloc(frames->count, sizeof *frames->times, error))) return TIDES_NO_MEMORY;
     if (H5Dread(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, frames->times) < 0)
         return td_fail(error, TIDES_BAD_FILE, "%s: its times can't be read", frames->path);
-    for (size_t k = 0; unit < 1 && k < frames->count; k++) frames->times[k] /= round(1 / unit);
+    frames->stored = 1;
     return TIDES_OK;
 }
 

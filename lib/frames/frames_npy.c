@@ -49,13 +49,13 @@ static tides_status read_times(tides_frames *frames, td_npz *npz, tides_error *e
     if (array->ndim != 1 || array->count != frames->count)
         return td_fail(error, TIDES_BAD_FILE, "%s: %s has %zu values, but there are %zu frames", frames->path, name,
                        array->count, frames->count);
-    double unit = td_frame_unit(&frames->options, ""), *times = td_alloc(frames->count, sizeof *times, error);
+    double *times = td_alloc(frames->count, sizeof *times, error);
     if (!times) return TIDES_NO_MEMORY;
     frames->times = times;
+    frames->stored = 1;
     for (size_t k = 0; k < frames->count; k++) {
         if (!td_npy_number(array, td_npy_find_field(array, ""), k, &times[k]))
             return td_fail(error, TIDES_BAD_FILE, "%s: %s holds %s, not times", frames->path, name, array->dtype);
-        times[k] = unit < 1 ? times[k] / round(1 / unit) : times[k];
     }
     return TIDES_OK;
 }

@@ -22,7 +22,9 @@ struct tides_frames {
     tides_frames_options options;
     size_t count;
     int32_t width, height;
-    double *times; /* [s] (count) */
+    double *times;  /* [s] (count); as they are stored until td_frames_times */
+    int32_t stored; /* 1: they are a file's own numbers, whose unit is to be found */
+    int32_t digits; /* 10^digits [ns] are that unit, where the file says it; -1: it doesn't */
 };
 
 /* One file's values, as stored but for their scale: integers in [0, 1]. */
@@ -55,9 +57,6 @@ tides_status td_frames_times(tides_frames *frames, tides_error *error);
 
 /* `names` of arrays that hold frames, and times; both end in NULL. */
 extern const char *const td_frame_arrays[], *const td_frame_time_arrays[];
-
-/* Seconds per unit of an array's or file's times; `file` settles TIDES_TIME_AUTO. */
-double td_frame_unit(const tides_frames_options *options, const char *file);
 
 /* "(frames, height, width)" as sizes: TIDES_BAD_FILE where a side is 0 or too long. */
 tides_status td_frames_take_shape(tides_frames *frames, const char *what, size_t count, size_t height, size_t width,

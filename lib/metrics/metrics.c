@@ -35,6 +35,18 @@ static tides_status set_region(td_compare *c, const td_extent *a, const td_exten
     return TIDES_OK;
 }
 
+/* Recordings of two clocks would be compared with nothing, event for event, and their counts still agree. */
+static tides_status check_clocks(const td_compare *c, const td_extent *a, size_t count_a, const td_extent *b, size_t count_b) {
+    const int given = c->options->start_ns != c->options->stop_ns;
+    if (given || !count_a || !count_b || (a->first_ns <= b->last_ns && b->first_ns <= a->last_ns)) return TIDES_OK;
+    return td_fail(c->error, TIDES_BAD_ARGUMENT,
+                   "the reference lasts from %.15g to %.15g s and the simulated stream from %.15g to %.15g s, which share no "
+                   "time: "
+                   "count both from their recording's zero (--rebase), shift one (--offset), or give the interval",
+                   1e-9 * (double)a->first_ns, 1e-9 * (double)a->last_ns, 1e-9 * (double)b->first_ns,
+                   1e-9 * (double)b->last_ns);
+}
+
 static void set_interval(td_compare *c, const td_extent *a, size_t count_a, const td_extent *b, size_t count_b) {
     const tides_metrics_options *o = c->options;
     const int64_t tick = o->tick_ns > 0 ? o->tick_ns : 1;
@@ -154,6 +166,7 @@ tides_status tides_metrics_compare(const tides_event *reference, size_t referenc
     td_compare c = {.options = options, .progress = progress, .user = user, .metrics = &made, .error = error};
     status = td_stream_check(reference, reference_count, "reference", options, &a, error);
     if (status == TIDES_OK) status = td_stream_check(simulated, simulated_count, "simulated", options, &b, error);
+    if (status == TIDES_OK) status = check_clocks(&c, &a, reference_count, &b, simulated_count);
     if (status == TIDES_OK) status = set_region(&c, &a, &b);
     if (status != TIDES_OK) return status;
     set_interval(&c, &a, reference_count, &b, simulated_count);

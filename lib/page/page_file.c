@@ -3,6 +3,7 @@
 #include "td_base.h"
 #include "td_folder.h"
 #include "td_page.h"
+#include "td_struct.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -14,13 +15,17 @@ typedef struct source {
     tides_event_reader *reader;
     tides_event_facts facts;
     tides_event *events;
-    tides_event_truth *truth; /* NULL: the file has none */
+    tides_event_truth *truth;  /* NULL: the file has none */
+    int64_t first_ns, last_ns; /* of the events that were read */
 } source;
 
-static tides_status open_source(source *s, const char *format, tides_error *error) {
+static tides_status open_source(source *s, const tides_page_options *options, tides_error *error) {
+    tides_event_reading how;
+    tides_event_reading_defaults(&how);
+    how.format = options->format;
     s->events = td_alloc(BATCH, sizeof *s->events, error);
     if (!s->events) return TIDES_NO_MEMORY;
-    tides_status status = tides_event_reader_open(s->path, format, &s->reader, error);
+    tides_status status = tides_event_reader_open_as(s->path, options->reading ? options->reading : &how, &s->reader, error);
     if (status != TIDES_OK) return status;
     tides_event_reader_facts(s->reader, &s->facts);
     tides_error no_truth;
@@ -44,11 +49,30 @@ static int any_shown(const source *s, size_t count, const tides_page_options *o)
     return 0;
 }
 
+static void add_stretch(source *s, uint64_t row, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        const int64_t t = s->events[i].t;
+        if (row + i == 0 || t < s->first_ns) s->first_ns = t;
+        if (row + i == 0 || t > s->last_ns) s->last_ns = t;
+    }
+}
+
+/* A page of nothing, of a recording that has something: the stretch was meant on another clock. */
+static tides_status check_stretch(const source *s, const td_page *page, uint64_t rows, tides_error *error) {
+    const tides_page_options *o = &page->options;
+    if (rows == 0 || page->report.events) return TIDES_OK;
+    const int known = s->facts.start_ns < s->facts.stop_ns;
+    const int64_t first = known && s->facts.start_ns < s->first_ns ? s->facts.start_ns : s->first_ns;
+    const int64_t end = known && s->facts.stop_ns > s->last_ns ? s->facts.stop_ns : s->last_ns + 1;
+    return tides_event_stretch_check(s->path, first, end, o->start_ns, o->stop_ns, o->reading && o->reading->rebase, error);
+}
+
 static tides_status pump(source *s, td_page *page, tides_progress progress, void *user, tides_error *error) {
     tides_status status = TIDES_OK;
     uint64_t row = 0;
     for (size_t got = 1; got && status == TIDES_OK && !page->report.ended; row += got) {
         status = tides_event_reader_read(s->reader, s->events, BATCH, &got, error);
+        if (status == TIDES_OK) add_stretch(s, row, got);
         const int shown = status == TIDES_OK && any_shown(s, got, &page->options);
         if (shown && s->facts.labels & TIDES_LABEL_CAUSE)
             status = tides_events_labels(s->path, row, got, s->events, NULL, error);
@@ -57,7 +81,7 @@ static tides_status pump(source *s, td_page *page, tides_progress progress, void
         if (status == TIDES_OK && progress && progress(user, td_event_reader_part(s->reader), "events"))
             status = td_fail(error, TIDES_CANCELLED, "%s: stopped on request", page->text.path);
     }
-    return status;
+    return status == TIDES_OK ? check_stretch(s, page, row, error) : status;
 }
 
 /* What the options leave open, the file says. */
@@ -76,7 +100,10 @@ tides_status tides_page_write_file(const char *events, const char *path, const t
     if (!path || !events) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_page_write_file: an argument is NULL");
     source s = {.path = events};
     td_page page;
-    tides_status status = open_source(&s, options ? options->format : NULL, error);
+    tides_page_options given;
+    tides_page_options_defaults(&given);
+    tides_status status = options ? TD_TAKE_STRUCT(tides_page_options, &given, options, error) : TIDES_OK;
+    if (status == TIDES_OK) status = open_source(&s, &given, error);
     if (status != TIDES_OK) {
         close_source(&s);
         return status;

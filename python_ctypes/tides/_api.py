@@ -36,6 +36,9 @@ TIDES_TRANSFER_SRGB = 1
 TIDES_LABEL_CAUSE = 1
 TIDES_LABEL_FIRED = 2
 TIDES_LABEL_FRONTEND = 4
+TIDES_ZERO_EVENT = 0
+TIDES_ZERO_START = 1
+TIDES_ZERO_FRAME = 2
 TIDES_READOUT_TILES = 0
 TIDES_READOUT_ROWS = 1
 TIDES_READOUT_BOTTLENECK = 2
@@ -309,10 +312,11 @@ class tides_frames_options(Structure):
     int32_t unit; /* TIDES_TIME_* of timestamp files and of arrays with times; AUTO: microseconds in
     image_timestamps.txt (DSEC), seconds in any other */
     int32_t rebase; /* 1: the first frame's time becomes 0 */
-    const char *timestamps; /* text file with one time per line, or NULL */
+    const char *timestamps; /* text file with one time per line, beside names or an index, with a header or not; or NULL */
     double frames_per_second; /* [Hz]: frame k is at k / rate; 0: not given */
     double luminance[3]; /* weights of r, g, b */
     int32_t planes; /* 1: luminance; more: arrays of so many values per pixel, taken as they are (voxel grids) */
+    double offset_s; /* [s] added to all times, after `rebase` */
     """
 
     size: int
@@ -323,6 +327,7 @@ class tides_frames_options(Structure):
     frames_per_second: float
     luminance: Any
     planes: int
+    offset_s: float
 
     _fields_ = [
         ("size", c_uint32),
@@ -333,6 +338,7 @@ class tides_frames_options(Structure):
         ("frames_per_second", c_double),
         ("luminance", c_double * 3),
         ("planes", c_int32),
+        ("offset_s", c_double),
     ]
 
 
@@ -422,8 +428,11 @@ class tides_event_facts(Structure):
     int32_t counted; /* 1: count is known without reading the file */
     uint64_t count; /* events; where `counted` */
     int32_t labels; /* TIDES_LABEL_* that the file has, for tides_events_labels */
-    int32_t reserved;
+    int32_t zero; /* TIDES_ZERO_* */
     int64_t start_ns, stop_ns; /* the recording's stretch; both 0: the file doesn't say. Our HDF5 does once it is complete */
+    int64_t zero_ns; /* the recording's zero on the file's clock; with TIDES_ZERO_EVENT 0 until an event was read */
+    uint64_t dropped; /* events that were left out so far (drop_invalid) */
+    char read_as[160]; /* how columns and unit were decided where the format leaves them open, else "" */
     """
 
     format: Any
@@ -433,9 +442,12 @@ class tides_event_facts(Structure):
     counted: int
     count: int
     labels: int
-    reserved: int
+    zero: int
     start_ns: int
     stop_ns: int
+    zero_ns: int
+    dropped: int
+    read_as: Any
 
     _fields_ = [
         ("format", c_char * 32),
@@ -445,9 +457,49 @@ class tides_event_facts(Structure):
         ("counted", c_int32),
         ("count", c_uint64),
         ("labels", c_int32),
-        ("reserved", c_int32),
+        ("zero", c_int32),
         ("start_ns", c_int64),
         ("stop_ns", c_int64),
+        ("zero_ns", c_int64),
+        ("dropped", c_uint64),
+        ("read_as", c_char * 160),
+    ]
+
+
+class tides_event_reading(Structure):
+    """uint32_t size; /* sizeof this struct */
+    int32_t drop_invalid; /* 1: events that can't be (outside the sensor, a polarity that is none, NaN) are left out and counted
+    in the facts; 0: the first of them fails */
+    const char *format; /* a name; NULL: by content */
+    const char *columns; /* of text and tables: "t,x,y,p", "-,x,y,p,t" ("-" isn't read); NULL: as their header says, else as
+    their values can only be meant */
+    const char *unit; /* of the times: "s", "ms", "us", "ns"; NULL: as format or header say, else as values can be meant */
+    const char *stream; /* which of a file's streams of events, by a name that the error lists; NULL: the only one */
+    int64_t offset_ns; /* added to all times, after `rebase` */
+    int32_t rebase; /* 1: times count from the recording's zero (tides_event_facts.zero_ns) */
+    int32_t reserved;
+    """
+
+    size: int
+    drop_invalid: int
+    format: bytes | None
+    columns: bytes | None
+    unit: bytes | None
+    stream: bytes | None
+    offset_ns: int
+    rebase: int
+    reserved: int
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("drop_invalid", c_int32),
+        ("format", c_char_p),
+        ("columns", c_char_p),
+        ("unit", c_char_p),
+        ("stream", c_char_p),
+        ("offset_ns", c_int64),
+        ("rebase", c_int32),
+        ("reserved", c_int32),
     ]
 
 
@@ -496,7 +548,10 @@ class tides_event_conversion(Structure):
     int32_t width, height; /* of the sensor [px]; 0: what the file says, else what its events reach */
     int64_t start_ns, stop_ns; /* events with start <= t < stop are kept */
     int32_t x, y, cut_width, cut_height; /* and those in this window, which becomes the sensor; cut_width 0: all */
-    int32_t rebase; /* 1: times count from the file's first event, those of start and stop too */
+    int32_t rebase; /* as tides_event_reading; start_ns and stop_ns are times after it */
+    int32_t drop_invalid; /* as tides_event_reading; `width` and `height` bound the sensor too */
+    const char *columns, *unit, *stream; /* as tides_event_reading */
+    int64_t offset_ns; /* as tides_event_reading; start_ns and stop_ns are times after it */
     """
 
     to: bytes | None
@@ -509,6 +564,11 @@ class tides_event_conversion(Structure):
     cut_width: int
     cut_height: int
     rebase: int
+    drop_invalid: int
+    columns: bytes | None
+    unit: bytes | None
+    stream: bytes | None
+    offset_ns: int
 
     _fields_ = [
         ("from", c_char_p),
@@ -522,6 +582,11 @@ class tides_event_conversion(Structure):
         ("cut_width", c_int32),
         ("cut_height", c_int32),
         ("rebase", c_int32),
+        ("drop_invalid", c_int32),
+        ("columns", c_char_p),
+        ("unit", c_char_p),
+        ("stream", c_char_p),
+        ("offset_ns", c_int64),
     ]
 
 
@@ -533,6 +598,10 @@ class tides_event_conversion_report(Structure):
     int32_t width, height; /* [px] of the sensor as written */
     char from[32], to[32]; /* names of formats */
     int32_t labels; /* TIDES_LABEL_* of the file, which aren't kept */
+    int32_t zero; /* with `rebase`: TIDES_ZERO_* */
+    int64_t zero_ns; /* with `rebase`: what became time 0, on the file's clock */
+    uint64_t dropped; /* invalid events that were left out */
+    char read_as[160]; /* as tides_event_facts */
     """
 
     read: int
@@ -545,6 +614,10 @@ class tides_event_conversion_report(Structure):
     height: int
     to: Any
     labels: int
+    zero: int
+    zero_ns: int
+    dropped: int
+    read_as: Any
 
     _fields_ = [
         ("read", c_uint64),
@@ -558,6 +631,10 @@ class tides_event_conversion_report(Structure):
         ("from", c_char * 32),
         ("to", c_char * 32),
         ("labels", c_int32),
+        ("zero", c_int32),
+        ("zero_ns", c_int64),
+        ("dropped", c_uint64),
+        ("read_as", c_char * 160),
     ]
 
 
@@ -2696,7 +2773,8 @@ class tides_metrics_options(Structure):
     uint32_t wanted; /* TIDES_METRIC_* */
     int32_t width, height; /* sensor [px]; 0, 0: as large as the events need */
     int32_t roi[4]; /* x, y, width, height [px]: only events in it, coordinates from its corner; width 0: all */
-    int64_t start_ns, stop_ns; /* only events in [start, stop); equal: from the first event of both to the last, whole ticks */
+    int64_t start_ns, stop_ns; /* only events in [start, stop); equal: from the first event of both to the last, whole ticks;
+    streams that share no time are then TIDES_BAD_ARGUMENT */
     int64_t tick_ns; /* times are floored to this clock (but for `match`); 0: as they are */
     double isi_floor_s; /* shorter intervals count as this, > 0 */
     double clock_s; /* ISI spike: period of a known clock; 0: find the spikes */
@@ -2972,6 +3050,7 @@ class tides_page_options(Structure):
     uint64_t most; /* events at most: the page ends where there are more, and the report and the page say so */
     const char *title; /* NULL: the name of the file that is read */
     const char *format; /* of the file that is read; NULL: by content */
+    const struct tides_event_reading *reading; /* how it is read; NULL: as `format` says */
     """
 
     size: int
@@ -2983,6 +3062,7 @@ class tides_page_options(Structure):
     most: int
     title: bytes | None
     format: bytes | None
+    reading: Any
 
     _fields_ = [
         ("size", c_uint32),
@@ -2994,6 +3074,7 @@ class tides_page_options(Structure):
         ("most", c_uint64),
         ("title", c_char_p),
         ("format", c_char_p),
+        ("reading", P(tides_event_reading)),
     ]
 
 
@@ -3283,11 +3364,28 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_event_reader_open": (c_int32, [
         c_char_p, c_char_p, P(P(tides_event_reader)), P(tides_error)
     ], "path format reader error"),
+    # tides_status tides_event_reader_open_as(const char *path, const tides_event_reading *reading, tides_event_reader
+    # **reader, tides_error *error)
+    "tides_event_reader_open_as": (c_int32, [
+        c_char_p, P(tides_event_reading), P(P(tides_event_reader)), P(tides_error)
+    ], "path reading reader error"),
     # tides_status tides_event_reader_read(tides_event_reader *reader, tides_event *events, size_t capacity, size_t
     # *got, tides_error *error)
     "tides_event_reader_read": (c_int32, [
         P(tides_event_reader), P(tides_event), c_size_t, P(c_size_t), P(tides_error)
     ], "reader events capacity got error"),
+    # tides_status tides_event_reader_summary(tides_event_reader *reader, tides_event_summary *summary, tides_error
+    # *error)
+    "tides_event_reader_summary": (c_int32, [
+        P(tides_event_reader), P(tides_event_summary), P(tides_error)
+    ], "reader summary error"),
+    # void tides_event_reading_defaults(tides_event_reading *reading)
+    "tides_event_reading_defaults": (None, [P(tides_event_reading)], "reading"),
+    # tides_status tides_event_stretch_check(const char *file, int64_t first_ns, int64_t end_ns, int64_t start_ns,
+    # int64_t stop_ns, int32_t rebased, tides_error *error)
+    "tides_event_stretch_check": (c_int32, [
+        c_char_p, c_int64, c_int64, c_int64, c_int64, c_int32, P(tides_error)
+    ], "file first_ns end_ns start_ns stop_ns rebased error"),
     # void tides_event_writer_abandon(tides_event_writer *writer)
     "tides_event_writer_abandon": (None, [P(tides_event_writer)], "writer"),
     # tides_status tides_event_writer_append(tides_event_writer *writer, const tides_event *events, size_t count,
@@ -4043,12 +4141,12 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
 
 STRUCTS = (
     tides_error, tides_frames_options, tides_event, tides_event_file, tides_event_format, tides_event_facts,
-    tides_event_summary, tides_event_conversion, tides_event_conversion_report, tides_readout, tides_readout_stats,
-    tides_pose_sample, tides_pose, tides_orbit, tides_dolly, tides_handheld, tides_lens, tides_intrinsics,
-    tides_path_options, tides_path, tides_device_info, tides_polynomial_motion, tides_rotor_motion,
-    tides_keyframes_motion, tides_theta, tides_callback_motion, tides_gaussians, tides_scene_options, tides_object,
-    tides_circuit, tides_sensor, tides_smoothing, tides_image_params, tides_frame, tides_render_stats, tides_risk,
-    tides_stepping, tides_stats, tides_stat, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params,
+    tides_event_reading, tides_event_summary, tides_event_conversion, tides_event_conversion_report, tides_readout,
+    tides_readout_stats, tides_pose_sample, tides_pose, tides_orbit, tides_dolly, tides_handheld, tides_lens,
+    tides_intrinsics, tides_path_options, tides_path, tides_device_info, tides_polynomial_motion, tides_rotor_motion,
+    tides_keyframes_motion, tides_theta, tides_callback_motion, tides_gaussians, tides_object, tides_circuit,
+    tides_sensor, tides_smoothing, tides_image_params, tides_frame, tides_render_stats, tides_risk, tides_stepping,
+    tides_stats, tides_stat, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params,
     tides_baseline_params, tides_frame_supply, tides_exposure, tides_exposed, tides_imu, tides_imu_sample, tides_param,
     tides_run_values, tides_rig_camera, tides_session_facts, tides_session_taken, tides_recording, tides_recorded,
     tides_dataset_layout, tides_dataset_report, tides_generator, tides_generate_options, tides_world, tides_channel,

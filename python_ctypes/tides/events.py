@@ -84,6 +84,20 @@ def _records(events: np.ndarray) -> Any:
     return cast(events.ctypes.data, POINTER(_api.tides_event)) if len(events) else None
 
 
+def _texts(fields: dict[str, Any]) -> dict[str, Any]:
+    """Keyword arguments as C takes them."""
+    return {name: encoded(value) if isinstance(value, str) else value for name, value in fields.items()}
+
+
+def _in_order(events: np.ndarray) -> np.ndarray:
+    """The events sorted by (t, y, x, p), as files have them: themselves where they are."""
+    place = events["y"].astype(np.int64) << 32 | events["x"].astype(np.int64) << 8 | (events["p"] > 0)
+    step = np.diff(events["t"])
+    if np.all((step > 0) | ((step == 0) & (np.diff(place) >= 0))):
+        return events
+    return events[np.lexsort((place, events["t"]))]
+
+
 # -- files ----------------------------------------------------------------------------------------------------------------
 def event_formats() -> list[Facts]:
     """The formats: name, summary, endings, reads, writes (bool), tick_ns (times are floored to it on writing)."""
@@ -95,31 +109,60 @@ def event_formats() -> list[Facts]:
     return formats
 
 
-def events_summary(file: str | os.PathLike[str]) -> Facts:
-    """Reads a whole event file: count, count_on, disorder, first_ns, last_ns, width, height, right, bottom, layout, version,
-    labels (LABELS it has, added)."""
+def events_summary(file: str | os.PathLike[str], **reading: Any) -> Facts:
+    """Reads a whole event file, as `reading`, the fields of Reading, say: count, count_on, disorder, first_ns, last_ns, width,
+    height, right, bottom, layout, version, labels (LABELS it has, added)."""
     summary = _api.tides_event_summary()
-    call("tides_events_summary", path(file), summary)
+    if not reading:
+        call("tides_events_summary", path(file), summary)
+        return plain(summary)
+    with EventReader(file, **reading) as reader:
+        call("tides_event_reader_summary", reader._pointer, summary)
     return plain(summary)
+
+
+class Reading(Value, _api.tides_event_reading):
+    """How an event file is read: format; columns of text and tables ("t,x,y,p", - for others); unit of times ("s", "ms", "us",
+    "ns"); stream, where a file holds several; drop_invalid; rebase to the recording's zero, and offset_ns added then."""
+
+    _defaults = "tides_event_reading_defaults"
+
+
+def check_stretch(
+    first_ns: int, end_ns: int, start_ns: int, stop_ns: int, file: str | None = None, rebased: bool = False
+) -> None:
+    """BadArgument where [start_ns, stop_ns) can't be meant of a recording that lasts from first_ns to end_ns: it misses it, or
+    begins long before."""
+    call("tides_event_stretch_check", encoded(file), first_ns, end_ns, start_ns, stop_ns, rebased)
 
 
 class EventReader(Handle):
     """An event file of any format, read in stretches: `for packet in EventReader(file)` gives arrays of EVENT (at most
-    `packet` events each), in the file's order, t in nanoseconds on the file's clock. `facts`: format, version, width,
-    height, count (None where it isn't known without reading), labels (LABELS it has, added; `read_labelled` reads them)."""
+    `packet` events each), in the file's order, t in nanoseconds on the file's clock. `reading` are the fields of Reading.
+    `facts`: format, version, width, height, count (None where it isn't known without reading), labels (LABELS it has, added;
+    `read_labelled` reads them), read_as (how columns and unit were told), zero_ns and dropped, as far as it was read."""
 
     _destroy = "tides_event_reader_close"
 
-    def __init__(self, file: str | os.PathLike[str], format: str | None = None, packet: int = 65536):
+    def __init__(self, file: str | os.PathLike[str], format: str | None = None, packet: int = 65536, **reading: Any):
         made = POINTER(_api.tides_event_reader)()
-        call("tides_event_reader_open", path(file), encoded(format), byref(made))
+        if reading:
+            how = Reading(format=encoded(format), **_texts(reading))
+            call("tides_event_reader_open_as", path(file), how, byref(made))
+        else:
+            call("tides_event_reader_open", path(file), encoded(format), byref(made))
         super().__init__(made)
         self.packet = packet
+
+    @property
+    def facts(self) -> Facts:
+        """What the file says of itself, and what reading found since."""
         facts = _api.tides_event_facts()
-        lib.tides_event_reader_facts(made, byref(facts))
-        self.facts = plain(facts)
-        if not self.facts.pop("counted"):
-            self.facts["count"] = None
+        lib.tides_event_reader_facts(self._pointer, byref(facts))
+        told = plain(facts)
+        if not told.pop("counted"):
+            told["count"] = None
+        return told
 
     def read(self, capacity: int) -> np.ndarray:
         """The next events, at most `capacity`; none at the end."""
@@ -219,10 +262,16 @@ def can_resume(file: str | os.PathLike[str]) -> bool:
     return bool(lib.tides_event_writer_can_resume(path(file)))
 
 
-def read_events(file: str | os.PathLike[str], first: int = 0, count: int | None = None) -> np.ndarray:
+def read_events(
+    file: str | os.PathLike[str], first: int = 0, count: int | None = None, **reading: Any
+) -> np.ndarray:
     """Events [first, first + count) of a file of any format, as EVENT (n), in the file's order, with cause and frontend where
-    it has them."""
-    return read_labelled(file, first, count)[0]
+    it has them. With `reading`, the fields of Reading, without these."""
+    if not reading:
+        return read_labelled(file, first, count)[0]
+    with EventReader(file, **reading) as reader:
+        events = np.concatenate([np.empty(0, EVENT), *reader])
+    return events[first : None if count is None else first + count]
 
 
 def read_labelled(
@@ -252,9 +301,9 @@ def write_events(
     format: str | None = None,
     stop_ns: int | None = None,
 ) -> int:
-    """Writes EVENT (n), sorted, to a file of any writable format. Returns how many events collapsed into another's tick. A
-    write that fails leaves the folder as it was: the events are still here, and nobody goes on with their .part."""
-    events, part = as_events(events), part_name(file)
+    """Writes EVENT (n) to a file of any writable format, in order of (t, y, x, p). Returns how many events collapsed into
+    another's tick. A write that fails leaves the folder as it was: the events are still here, and nobody goes on with their .part."""
+    events, part = _in_order(as_events(events)), part_name(file)
     writer = EventWriter(file, width, height, format)  # from here on the .part is ours
     try:
         with writer:
@@ -269,8 +318,8 @@ def write_events(
 
 
 class Conversion(Value, _api.tides_event_conversion):
-    """What of a file is kept: start_ns, stop_ns; the window x, y, cut_width, cut_height; rebase; width, height of the
-    sensor."""
+    """What of a file is kept: start_ns, stop_ns; the window x, y, cut_width, cut_height; width, height of the sensor; and how it
+    is read, as Reading has it: rebase, offset_ns, drop_invalid, columns, unit, stream."""
 
     _defaults = "tides_event_conversion_defaults"
 
@@ -285,7 +334,7 @@ def convert_events(
 ) -> Facts:
     """Converts and cuts an event file, streamed. `kept` are the fields of Conversion. Returns read, written, disorder,
     collapsed, first_ns, last_ns, width, height, from, to."""
-    conversion = Conversion(**{"from": encoded(source_format), "to": encoded(format), **kept})
+    conversion = Conversion(**{"from": encoded(source_format), "to": encoded(format), **_texts(kept)})
     report = _api.tides_event_conversion_report()
     with Reporter(progress) as step:
         call("tides_events_convert", path(file), path(out), conversion, step, None, report)

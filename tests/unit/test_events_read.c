@@ -135,7 +135,7 @@ static void test_bad_columns(void **state) {
     expect_bad_column(path, "/events/y", H5T_STD_I16LE, negative, 3, "events/y of event 1 is -2");
     expect_bad_column(path, "/events/t", H5T_STD_I64LE, late, 3, "events/t of event 2");
     expect_bad_column(path, "/events/t", H5T_STD_I64LE, four, 4, "4 rows");
-    expect_bad_column(path, "/events/t", H5T_IEEE_F64LE, some_t, 3, "integers");
+    expect_bad_column(path, "/events/x", H5T_IEEE_F64LE, some_x, 3, "integers");
     expect_bad_column(path, "/events/x", H5T_STD_I64LE, some_x, 0, "one-dimensional");
     const char *const names[] = {"/events/p", "/events/t", "/events/x", "/events/y"};
     for (size_t c = 0; c < 4; c++) {

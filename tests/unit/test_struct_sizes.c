@@ -156,6 +156,11 @@ static tides_status take_scene(const fixture *f, const void *options, tides_erro
     tides_scene_destroy(scene);
     return status;
 }
+static tides_status take_reading(const fixture *f, const void *options, tides_error *error) {
+    tides_event_reader *reader = NULL;
+    (void)f;
+    return tides_event_reader_open_as("no/such/folder/a.h5", options, &reader, error);
+}
 static int stop_at_once(void *user, double fraction, const char *stage) {
     (void)user;
     (void)stage;
@@ -229,6 +234,7 @@ typedef union given {
     tides_live_options live;
     tides_page_options page;
     tides_scene_options scene;
+    tides_event_reading reading;
 } given;
 
 #define FILL(member, function) \
@@ -250,6 +256,7 @@ FILL(imu, tides_imu_defaults)
 FILL(live, tides_live_options_defaults)
 FILL(page, tides_page_options_defaults)
 FILL(scene, tides_scene_options_defaults)
+FILL(reading, tides_event_reading_defaults)
 
 static const struct row {
     const char *name;
@@ -278,6 +285,7 @@ static const struct row {
     {"tides_live_options", sizeof(tides_live_options), fill_live, take_live, TIDES_UNSUPPORTED}, /* of frames */
     {"tides_scene_options", sizeof(tides_scene_options), fill_scene, take_scene, TIDES_FILE_NOT_FOUND},
     {"tides_page_options", sizeof(tides_page_options), fill_page, take_page, TIDES_WRITE_FAILED},
+    {"tides_event_reading", sizeof(tides_event_reading), fill_reading, take_reading, TIDES_FILE_NOT_FOUND},
 };
 enum { ROWS = sizeof rows / sizeof *rows };
 

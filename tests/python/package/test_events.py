@@ -103,9 +103,11 @@ def test_writer(tmp_path):
     with tides.EventWriter(tmp_path / "b.h5", *SIZE, resume=1200) as writer:
         writer.append(events[1200:])
     assert np.array_equal(tides.read_events(tmp_path / "b.h5"), events)
-    for ending in ("h5", "npy", "csv", "raw"):  # sorted is what each wants
-        with pytest.raises(tides.errors.BadArgument):
-            tides.write_events(tmp_path / f"unsorted.{ending}", events[::-1], *SIZE)
+    for ending in ("h5", "npy", "csv", "raw"):  # what was read in a foreign file's order is put in order, as convert does
+        tides.write_events(tmp_path / f"turned.{ending}", events[::-1], *SIZE)
+        tides.write_events(tmp_path / f"straight.{ending}", events, *SIZE)
+        turned, straight = (tides.read_events(tmp_path / f"{name}.{ending}") for name in ("turned", "straight"))
+        assert np.array_equal(turned, straight)
     with pytest.raises(ValueError, match="events"):
         tides.write_events(tmp_path / "unsorted.h5", [1, 2], *SIZE)
     assert not list(tmp_path.glob("unsorted*"))  # nor a .part

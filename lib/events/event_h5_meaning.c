@@ -1,0 +1,102 @@
+/* What the columns of an HDF5 file of events mean, where its layout doesn't settle it: the order of a table's columns, and the
+ * unit of times. */
+#include "td_base.h"
+#include "td_event_h5_source.h"
+#include "td_event_table.h"
+
+#include <math.h>
+#include <string.h>
+
+static const int fields[TD_H5_COLUMNS] =
+    {[TD_H5_P] = TD_ROW_P, [TD_H5_T] = TD_ROW_T, [TD_H5_X] = TD_ROW_X, [TD_H5_Y] = TD_ROW_Y};
+
+/* The first values of a column; those that stand for -1 in an unsigned one count as that. */
+static herr_t sample(const td_event_source *source, const td_h5_column *c, td_table_column *facts, int *wrapped) {
+    const size_t count = source->count < TD_TABLE_SAMPLE ? (size_t)source->count : TD_TABLE_SAMPLE;
+    memset(facts, 0, sizeof *facts);
+    if (count && td_h5_column_rows(c, 0, count, source->scratch) < 0) return -1;
+    for (size_t i = 0; i < count; i++) {
+        double value = (double)source->scratch[i];
+        if (c->real) memcpy(&value, &source->scratch[i], sizeof value);
+        const int is_wrapped = c->wrapped && source->scratch[i] == c->wrapped;
+        if (wrapped) *wrapped |= is_wrapped;
+        if (isfinite(value)) td_table_add(facts, is_wrapped ? -1 : value, 0);
+    }
+    return 0;
+}
+
+/* An unsigned column that has 1 and what -1 becomes there, but no 0, has -1 for OFF (v2e writes so). */
+static void find_wraps(td_event_source *source, char told[160]) {
+    const td_h5_column *p = &source->columns[TD_H5_P];
+    td_table_column facts;
+    int wrapped = 0;
+    if (!p->wrapped || sample(source, p, &facts, &wrapped) < 0 || !wrapped || facts.zeros) return;
+    source->wraps = 1;
+    snprintf(told, 160, "%s of p are -1, OFF", p->wrapped == INT64_MAX ? "2^64 - 1" : "4294967295");
+}
+
+static tides_status set_order(td_event_source *source, const td_table_meaning *meaning) {
+    for (int c = 0; c < TD_H5_COLUMNS; c++) source->columns[c].column = meaning->column[fields[c]];
+    return TIDES_OK;
+}
+
+static tides_status said_order(td_event_source *source, const char *columns, tides_error *error) {
+    td_columns list;
+    td_table_meaning meaning;
+    tides_error reason = {TIDES_OK, ""};
+    td_columns_parse(columns, &list);
+    if (list.count == TD_ROW_FIELDS && td_table_named(&list, &meaning, &reason) == TIDES_OK) return set_order(source, &meaning);
+    return td_fail(error, TIDES_BAD_ARGUMENT, "%s: --columns (columns) %s: should say what four columns are, as t,x,y,p",
+                   source->path, columns);
+}
+
+/* By somebody's word, by values, or where those leave more than one order, by the layout's. */
+static tides_status find_order(td_event_source *source, const tides_event_reading *how, int known, char told[160],
+                               tides_error *error) {
+    td_table_column facts[TD_ROW_FIELDS];
+    td_table_meaning meaning;
+    tides_error reason = {TIDES_OK, ""};
+    char order[16];
+    if (how->columns) return said_order(source, how->columns, error);
+    for (int c = 0; c < TD_ROW_FIELDS; c++) {
+        td_h5_column one = source->columns[0];
+        one.column = c;
+        if (sample(source, &one, &facts[c], NULL) < 0) return TIDES_OK; /* its turn to be told comes when it is read */
+    }
+    const int guessed = td_table_guess(facts, TD_ROW_FIELDS, &meaning, order, &reason) == TIDES_OK;
+    if (!guessed && known) return TIDES_OK;
+    if (!guessed) return td_fail(error, TIDES_BAD_FILE, "%s: %s %s", source->path, source->columns[0].name, reason.text);
+    int same = 1;
+    for (int c = 0; c < TD_H5_COLUMNS; c++) same = same && source->columns[c].column == meaning.column[fields[c]];
+    if (!same || !known) snprintf(told, 160, "columns %s, told apart by their values", order);
+    return set_order(source, &meaning);
+}
+
+/* `layout`: 1 where the place is a known layout's: whole numbers are microseconds there, however seldom events are. */
+static tides_status find_unit(td_event_source *source, const tides_event_reading *how, int known, int layout,
+                              tides_error *error) {
+    td_table_column facts;
+    tides_error reason = {TIDES_OK, ""};
+    source->digits = source->nanoseconds ? 0 : known;
+    if (how->unit) return td_table_unit_named(how->unit, &source->digits, error);
+    if (source->nanoseconds || known >= 0 || (source->digits = source->place.digits) >= 0) return TIDES_OK;
+    source->digits = 3;
+    if (sample(source, &source->columns[TD_H5_T], &facts, NULL) < 0) return TIDES_OK;
+    if (td_table_unit(&facts, 1, &source->digits, &reason) == TIDES_OK) return TIDES_OK;
+    if (layout && source->digits == 3) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_FILE, "%s: %s", source->path, reason.text);
+}
+
+tides_status td_h5_find_meaning(td_event_source *source, const tides_event_reading *how, int known_digits, int known_order,
+                                char told[160], tides_error *error) {
+    const int table = source->columns[0].column >= 0;
+    if (how->columns && !table)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "%s: its columns have names: leave --columns (columns) out", source->path);
+    tides_status status = table ? find_order(source, how, known_order, told, error) : TIDES_OK;
+    if (status == TIDES_OK) status = find_unit(source, how, known_digits, known_order, error);
+    if (status != TIDES_OK) return status;
+    find_wraps(source, told);
+    if (source->digits == 0 && known_digits < 0 && !source->nanoseconds && !how->unit && source->place.digits < 0)
+        snprintf(told, 160, "times taken as nanoseconds, being beyond 10^17: --unit says another");
+    return TIDES_OK;
+}

@@ -1,0 +1,278 @@
+/* Opening text files of events: what stands before the events (comments, a header, a sensor's size), what separates columns,
+ * which column is what, and in which unit times are (event_table.c decides where nobody says). */
+#include "td_event_rows.h"
+
+#include "td_base.h"
+
+#include <string.h>
+
+static const char geometry[] = "%geometry:";
+
+/* ---- looking ahead ---- */
+
+/* Lines of a text in memory, one after the other; any of LF, CR LF and CR ends them. */
+typedef struct scan {
+    const char *at, *end;
+    int whole; /* the text ends at `end`: else the last line may be cut */
+} scan;
+
+/* The next line, copied without its end; 0 where there is none, or a longer one than any of an event file. */
+static int next_line(scan *s, char line[TD_ROW_LINE]) {
+    const char *stop = s->at;
+    while (stop < s->end && *stop != '\n' && *stop != '\r') stop++;
+    const size_t length = (size_t)(stop - s->at);
+    if ((stop == s->end && (!s->whole || length == 0)) || length >= TD_ROW_LINE) return 0;
+    memcpy(line, s->at, length);
+    line[length] = '\0';
+    s->at = stop == s->end ? stop : stop + (stop[0] == '\r' && stop + 1 < s->end && stop[1] == '\n' ? 2 : 1);
+    return 1;
+}
+
+static char separator_of(const char *line) {
+    const char *found = strpbrk(line, ",;");
+    return found ? *found : ' ';
+}
+
+/* The number of a line's columns where all of them are numbers, which `facts` (nullable) are told; else 0. */
+static int number_columns(char *line, char separator, td_table_column *facts) {
+    char *words[TD_TABLE_COLUMNS_MAX];
+    double values[TD_TABLE_COLUMNS_MAX];
+    int decimals[TD_TABLE_COLUMNS_MAX];
+    const int count = td_event_split(line, separator, words);
+    for (int i = 0; i < count; i++)
+        if (!td_event_value(words[i], &values[i], &decimals[i])) return 0;
+    for (int i = 0; facts && i < count; i++) td_table_add(&facts[i], values[i], decimals[i]);
+    return count;
+}
+
+/* What the rows from here on hold, of the first one's number of columns; that number. */
+static int take_sample(scan s, char separator, td_table_column facts[TD_TABLE_COLUMNS_MAX]) {
+    char line[TD_ROW_LINE], copy[TD_ROW_LINE];
+    int columns = 0;
+    memset(facts, 0, TD_TABLE_COLUMNS_MAX * sizeof *facts);
+    for (int rows = 0; rows < TD_TABLE_SAMPLE && next_line(&s, line);) {
+        if (td_event_is_aside(line)) continue;
+        memcpy(copy, line, sizeof copy);
+        const int count = number_columns(copy, separator, NULL);
+        if (count == 0 || (columns && count != columns)) continue; /* its turn to be refused comes when it is read */
+        columns = number_columns(line, separator, facts);
+        rows++;
+    }
+    return columns;
+}
+
+/* ---- what a file is ---- */
+
+/* Numbers in rows are events where there are four of them, or where more can only be meant so. */
+static int rows_kind(scan s, char separator, int columns) {
+    td_table_column facts[TD_TABLE_COLUMNS_MAX];
+    td_table_meaning meaning;
+    char order[16];
+    if (columns > TD_ROW_FIELDS &&
+        (take_sample(s, separator, facts) != columns || td_table_guess(facts, columns, &meaning, order, NULL) != TIDES_OK))
+        return TD_TEXT_NONE;
+    return columns < TD_ROW_FIELDS ? TD_TEXT_NONE : separator == ' ' ? TD_TEXT_BLANKS : TD_TEXT_COMMAS;
+}
+
+/* Two numbers, and then nothing or an event. */
+static int is_sized(scan s, char separator) {
+    char line[TD_ROW_LINE];
+    while (next_line(&s, line))
+        if (!td_event_is_aside(line)) return number_columns(line, separator, NULL) == TD_ROW_FIELDS;
+    return s.at == s.end || !s.whole;
+}
+
+static int line_kind(scan before, scan behind, char *line) {
+    td_columns named;
+    if (strncmp(line, geometry, sizeof geometry - 1) == 0) return TD_TEXT_GEOMETRY;
+    if (td_columns_parse(line, &named)) return td_table_is_events(&named) ? TD_TEXT_HEADER : TD_TEXT_NONE;
+    if (td_event_is_aside(line)) return TD_TEXT_NONE;
+    const char separator = separator_of(line);
+    const int columns = number_columns(line, separator, NULL);
+    if (columns == 2 && separator == ' ' && is_sized(behind, separator)) return TD_TEXT_SIZED;
+    return rows_kind(before, separator, columns);
+}
+
+int td_event_text_kind(const td_event_probe *probe) {
+    char line[TD_ROW_LINE];
+    scan s = {probe->head + (strncmp(probe->head, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0), probe->head + probe->bytes,
+              probe->bytes < TD_EVENT_HEAD};
+    if (memchr(probe->head, '\0', probe->bytes)) return TD_TEXT_NONE;
+    for (scan before = s; next_line(&s, line); before = s) {
+        const int aside = td_event_is_aside(line), kind = line_kind(before, s, line);
+        if (kind != TD_TEXT_NONE || !aside) return kind;
+    }
+    return TD_TEXT_NONE;
+}
+
+/* ---- what stands before the events ---- */
+
+typedef struct front {
+    td_columns named;
+    int has_names;
+} front;
+
+static void set_size(td_event_stream *stream, int64_t width, int64_t height) {
+    stream->facts.width = width > 0 && height > 0 ? (int32_t)width : 0;
+    stream->facts.height = width > 0 && height > 0 ? (int32_t)height : 0;
+}
+
+static tides_status take_size(td_event_stream *stream, char *text, char separator, const char *should, tides_error *error) {
+    char *words[TD_TABLE_COLUMNS_MAX];
+    int64_t size[2] = {0, 0};
+    if (td_event_split(text, separator, words) != 2 || !td_decimal_whole(words[0], strlen(words[0]), 1, 65536, &size[0]) ||
+        !td_decimal_whole(words[1], strlen(words[1]), 1, 65536, &size[1]))
+        return td_fail(error, TIDES_BAD_FILE, "%s: its first line should be %s", stream->input.path, should);
+    set_size(stream, size[0], size[1]);
+    return TIDES_OK;
+}
+
+/* A header names events' columns. Comments do so or not; another line of words is one that somebody must explain. */
+static tides_status take_names(td_event_stream *stream, const char *line, front *f, int *taken, tides_error *error) {
+    td_columns named;
+    td_table_meaning meaning;
+    *taken = td_event_is_aside(line);
+    if (!td_columns_parse(line, &named)) return TIDES_OK;
+    tides_error reason = {TIDES_OK, ""};
+    const int known = td_table_named(&named, &meaning, &reason) == TIDES_OK;
+    if (known || td_table_is_events(&named)) {
+        f->named = named;
+        f->has_names = 1;
+    }
+    if (*taken || known || stream->reading.columns) {
+        *taken = 1;
+        return TIDES_OK;
+    }
+    return td_fail(error, TIDES_BAD_FILE, "%s: its header %s", stream->input.path, reason.text);
+}
+
+/* Passes over what comes before the first event, whose line stays unread. */
+static tides_status take_front(td_event_stream *stream, td_event_rows *rows, front *f, tides_error *error) {
+    td_event_input *input = &stream->input;
+    int sized = rows->sized;
+    for (;;) {
+        char text[TD_ROW_LINE];
+        size_t bytes = 0;
+        int got = 0, taken = 1;
+        tides_status status = td_input_peek(input, text, sizeof text, &got, &bytes, error);
+        if (status != TIDES_OK || !got) return status;
+        if (strncmp(text, geometry, sizeof geometry - 1) == 0)
+            status = take_size(stream, text + sizeof geometry - 1, ',', "%geometry:WIDTH,HEIGHT", error);
+        else
+            status = take_names(stream, text, f, &taken, error);
+        if (status == TIDES_OK && !taken && sized) {
+            status = take_size(stream, text, ' ', "the sensor's width and height", error);
+            taken = 1;
+            sized = 0;
+        }
+        if (status != TIDES_OK || !taken) return status;
+        td_input_skip(input, bytes);
+        rows->line++;
+    }
+}
+
+/* ---- what the columns are ---- */
+
+static void tell(td_event_stream *stream, const char *format, const char *one, const char *two) {
+    char *text = stream->facts.read_as;
+    const size_t length = strlen(text);
+    snprintf(text + length, sizeof stream->facts.read_as - length, length ? "; " : "%s", "");
+    const size_t from = strlen(text);
+    snprintf(text + from, sizeof stream->facts.read_as - from, format, one, two);
+}
+
+static tides_status fail_front(const td_event_stream *stream, tides_status status, const char *who, tides_error *error) {
+    const tides_error told = error ? *error : (tides_error){TIDES_OK, ""};
+    return td_fail(error, status, "%s: %s%s", stream->input.path, who, told.text);
+}
+
+/* Somebody's list, the header, a format that was named, or the values. */
+static tides_status find_columns(td_event_stream *stream, td_event_rows *rows, const front *f, const td_table_column *facts,
+                                 tides_error *error) {
+    td_columns list;
+    char order[16] = "";
+    if (stream->reading.columns) {
+        td_columns_parse(stream->reading.columns, &list);
+        tides_status status = td_table_named(&list, &rows->meaning, error);
+        if (status != TIDES_OK) return fail_front(stream, TIDES_BAD_ARGUMENT, "--columns (columns) ", error);
+        if (rows->columns && list.count != rows->columns)
+            return td_fail(error, TIDES_BAD_ARGUMENT, "%s: has %d columns, and --columns (columns) %s tells of %d",
+                           stream->input.path, rows->columns, stream->reading.columns, list.count);
+        rows->columns = list.count;
+        return TIDES_OK;
+    }
+    if (f->has_names && !rows->by_order) {
+        tides_status status = td_table_named(&f->named, &rows->meaning, error);
+        rows->columns = f->named.count;
+        return status == TIDES_OK ? status : fail_front(stream, status, "its header ", error);
+    }
+    if (rows->by_order || rows->columns == 0) return TIDES_OK; /* without rows there is nothing to tell apart */
+    tides_status status = td_table_guess(facts, rows->columns, &rows->meaning, order, error);
+    if (status != TIDES_OK) return fail_front(stream, status, "", error);
+    const int usual = rows->columns == TD_ROW_FIELDS && strcmp(order, rows->separator == ' ' ? "t x y p" : "x y p t") == 0;
+    if (!usual && rows->separator != ' ') snprintf(stream->facts.format, sizeof stream->facts.format, "csv");
+    if (!usual) tell(stream, "columns %s, told apart by their values%s", order, "");
+    return TIDES_OK;
+}
+
+/* Faery's header has sizes, Prophesee's a geometry: whole numbers are microseconds there. */
+static int is_dialect(const td_event_rows *rows, const front *f) {
+    if (!f->has_names) return rows->by_order;
+    return f->named.column[rows->meaning.column[TD_ROW_X]].size > 0;
+}
+
+/* Times of the usual form of a format need no word. */
+static tides_status find_unit(td_event_stream *stream, td_event_rows *rows, const front *f, const td_table_column *facts,
+                              int fixed, tides_error *error) {
+    td_table_meaning *m = &rows->meaning;
+    const td_table_column *t = &facts[m->column[TD_ROW_T]], *x = &facts[m->column[TD_ROW_X]];
+    tides_status status = TIDES_OK;
+    if (stream->reading.unit) {
+        status = td_table_unit_named(stream->reading.unit, &m->digits, error);
+    } else if (m->digits < 0) {
+        if (fixed < 0 && is_dialect(rows, f) && !t->dotted) fixed = 3;
+        m->digits = fixed;
+        if (fixed < 0 && rows->columns) status = td_table_unit(t, x->dotted, &m->digits, error);
+        if (m->digits < 0) m->digits = 9;
+        if (fixed < 0 && rows->columns && status == TIDES_OK &&
+            (m->digits == 0 || (m->digits == 3) != (rows->separator != ' ')))
+            tell(stream, "times taken as %s, %s: --unit says another", td_table_unit_word(m->digits),
+                 m->digits == 9 ? "since they have decimals"
+                 : m->digits    ? "being whole numbers"
+                                : "being beyond 10^17");
+    }
+    return status == TIDES_OK ? status : fail_front(stream, status, "", error);
+}
+
+tides_status td_event_rows_open(td_event_stream *stream, const td_event_rows *fixed, tides_error *error) {
+    td_event_rows *rows = td_alloc(1, sizeof *rows, error);
+    td_table_column facts[TD_TABLE_COLUMNS_MAX];
+    front f = {.has_names = 0};
+    char line[TD_ROW_LINE];
+    int got = 0;
+    size_t bytes = 0;
+    stream->state = rows;
+    if (!rows) return TIDES_NO_MEMORY;
+    *rows = *fixed;
+    const int digits = fixed->meaning.digits;
+    rows->meaning.digits = -1;
+    tides_status status = td_input_fill(&stream->input, TD_EVENT_BUFFER, error);
+    if (status == TIDES_OK && stream->input.ready >= 3 && memcmp(stream->input.data, "\xEF\xBB\xBF", 3) == 0)
+        td_input_skip(&stream->input, 3);
+    if (status == TIDES_OK) status = take_front(stream, rows, &f, error);
+    if (status == TIDES_OK) status = td_input_peek(&stream->input, line, sizeof line, &got, &bytes, error);
+    if (status != TIDES_OK) return status;
+    rows->separator = got ? separator_of(line) : ',';
+    const td_event_input *input = &stream->input;
+    const scan rest = {(const char *)input->data, (const char *)input->data + input->ready,
+                       input->at + input->ready == input->size};
+    const int columns = take_sample(rest, rows->separator, facts);
+    rows->columns = columns;
+    status = find_columns(stream, rows, &f, facts, error);
+    if (status == TIDES_OK) status = find_unit(stream, rows, &f, facts, digits, error);
+    if (rows->columns == 0) rows->columns = TD_ROW_FIELDS;
+    if (status == TIDES_OK && f.has_names && !rows->by_order && !stream->reading.columns)
+        set_size(stream, f.named.column[rows->meaning.column[TD_ROW_X]].size,
+                 f.named.column[rows->meaning.column[TD_ROW_Y]].size);
+    return status;
+}
