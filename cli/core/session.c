@@ -17,6 +17,7 @@ tides_status cli_session_open(const char *file, const cli_list *sets, const cli_
     tides_session_get(*session, &s);
     cli_tell_lines(common, tides_run_notes(s.run));
     if (s.frames) {
+        cli_tell_lines(common, tides_frames_note(s.frames));
         cli_note(common, "%zu frames, %dx%d px", tides_frames_count(s.frames), s.intrinsics.width, s.intrinsics.height);
     } else {
         if (!s.info.fused) cli_tell_lines(common, UNFUSED);

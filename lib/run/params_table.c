@@ -102,7 +102,7 @@ const td_param td_params[] = {
 
     {NUMBER("time.start", start, "s", -LAST_SECOND, LAST_SECOND,
             "where the run begins; pixels rest at the signal of this moment")},
-    {NUMBER("time.stop", stop, "s", -LAST_SECOND, LAST_SECOND, "where the run ends")},
+    {NUMBER("time.stop", stop, "s", -LAST_SECOND, LAST_SECOND, "where the run ends; of frames, unless given, with the last")},
 
     {CHOICE("image.rules", image.rules, "smooth|inria|gsplat", "whose cutoffs form the image; smooth has no jumps in time")},
     {BOOLEAN("image.antialias", image.antialias,
@@ -227,6 +227,9 @@ const td_param td_params[] = {
             "frame k is at k / rate; null where frames have times"),
      .fallback = "null"},
     {CHOICE("frames.transfer", frames.transfer, "linear|srgb", "srgb: values are decoded to linear light first")},
+    {NUMBER("frames.full_scale", frames.full_scale, "", 1e-9, 1e19,
+            "stored value that is light 1; null: integers' largest, floats' 1, or as their values tell"),
+     .fallback = "null"},
     {BOOLEAN("frames.rebase", frames.rebase, "put the first frame at time 0")},
 
     {CHOICE("exposure.shutter", exposure.shutter, "global|rolling",

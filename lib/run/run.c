@@ -54,7 +54,7 @@ static tides_status check_whole(const tides_run *run, tides_error *error) {
         return td_fail(error, TIDES_BAD_CONFIG,
                        "%s: method \"ldati\" takes voxel grids: name their .npy, .npz or .h5 in frames.file", run->origin);
     double start = td_run_number(run, "time.start"), stop = td_run_number(run, "time.stop");
-    if (stop <= start)
+    if (stop <= start && !(frames && !tides_run_gives(run, "time.stop"))) /* then they say when it ends */
         return td_fail(error, TIDES_BAD_CONFIG, "%s: time.stop = %.15g s is not after time.start = %.15g s", run->origin, stop,
                        start);
     const char *mode = run_text(run, "stepping.mode"), *model = run_text(run, "stepping.model");
