@@ -3,11 +3,19 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* [s] of wall time: what a crash may cost at most, at well below a percent of a run's time. */
 #define DEFAULT_CHECKPOINT_S 30.0
 
-/* Without an operand: what --set names alone, a video (frames.file) or a scene, which leaves the list. NULL: nothing. */
+/* What can stand for a run of frames: a video, an array, a folder. */
+static int32_t is_frames(const char *file) {
+    struct stat facts;
+    return strcmp(file, "-") == 0 || cli_ends_in(file, ".y4m") || cli_ends_in(file, ".npy") || cli_ends_in(file, ".npz") ||
+           (stat(file, &facts) == 0 && S_ISDIR(facts.st_mode));
+}
+
+/* Without an operand: what --set names alone, frames (frames.file) or a scene, which leaves the list. NULL: nothing. */
 static const char *operand_of(cli_list *sets) {
     static const char *const keys[] = {"frames.file=", "scene.file="};
     const char *operand = NULL;
@@ -17,7 +25,7 @@ static const char *operand_of(cli_list *sets) {
         for (size_t i = 0; i < sets->count; i++) {
             const char *value = sets->items[i] + length;
             const int32_t is_key = strncmp(sets->items[i], keys[k], length) == 0;
-            if (is_key && (k ? tides_scene_is_file(value) : strcmp(value, "-") == 0 || cli_ends_in(value, ".y4m")))
+            if (is_key && (k ? tides_scene_is_file(value) : is_frames(value)))
                 operand = value; /* the last one, as of any key */
             else
                 sets->items[kept++] = sets->items[i];

@@ -171,7 +171,24 @@ static char *run_of_video(const char *file, tides_error *error) {
     return print_run(root, ok, file, error);
 }
 
+/* The run that an array or a folder of pictures is: it ends with them, and keys say the rest. */
+static char *run_of_frames(const char *file, tides_error *error) {
+    cJSON *root = cJSON_CreateObject(), *frames = root ? cJSON_AddObjectToObject(root, "frames") : NULL;
+    return print_run(root, frames && cJSON_AddStringToObject(frames, "file", td_base_name(file)), file, error);
+}
+
 int32_t td_run_is_video(const char *file) { return strcmp(file, "-") == 0 || td_ends_in(file, ".y4m"); }
+
+/* Whether frames in arrays, or a folder that has pictures, are given in place of a run file. */
+static int32_t is_frames(const char *file) {
+    td_folder pictures = {0};
+    int32_t found = td_is_file(file) && (td_ends_in(file, ".npy") || td_ends_in(file, ".npz"));
+    if (td_is_folder(file))
+        found = (td_folder_list(&pictures, file, ".png", NULL) == TIDES_OK && pictures.count > 0) ||
+                (td_folder_list(&pictures, file, ".exr", NULL) == TIDES_OK && pictures.count > 0);
+    td_folder_free(&pictures);
+    return found;
+}
 
 static tides_status note_scene(tides_run *run, tides_error *error) {
     char line[400];
@@ -188,15 +205,15 @@ tides_status tides_run_load(const char *file, const char *const *overrides, size
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_load: file, run or overrides is NULL");
     char *text = NULL, *plain = NULL, *directory = NULL;
     size_t bytes = 0;
-    const int32_t video = td_run_is_video(file), scene = !video && is_scene(file);
+    const int32_t video = td_run_is_video(file), scene = !video && is_scene(file), array = !video && !scene && is_frames(file);
     tides_status status = TIDES_OK;
     if (!(plain = td_plain_path(file, error)) || !(directory = td_folder_prefix(plain, error)))
         status = TIDES_NO_MEMORY;
-    else if (!scene && !video)
+    else if (!scene && !video && !array)
         status = td_read_file(file, RUN_FILE_LIMIT, &text, &bytes, error);
-    else if (!(text = scene ? run_of_scene(plain, error) : run_of_video(file, error)))
+    else if (!(text = scene ? run_of_scene(plain, error) : video ? run_of_video(file, error) : run_of_frames(plain, error)))
         status = TIDES_NO_MEMORY;
-    if (scene || video) bytes = text ? strlen(text) : 0;
+    if (scene || video || array) bytes = text ? strlen(text) : 0;
     if (status == TIDES_OK) status = parse(text, bytes, file, directory, overrides, count, run, error);
     if (status == TIDES_OK && scene) status = note_scene(*run, error);
     free(directory);

@@ -292,6 +292,7 @@ class tides_frames_options(Structure):
     double frames_per_second; /* [Hz]: frame k is at k / rate; 0: not given */
     double luminance[3]; /* weights of r, g, b */
     int32_t planes; /* 1: luminance; more: arrays of so many values per pixel, taken as they are (voxel grids) */
+    double full_scale; /* the stored value that is light 1; 0: as above */
     """
 
     size: int
@@ -302,6 +303,7 @@ class tides_frames_options(Structure):
     frames_per_second: float
     luminance: Any
     planes: int
+    full_scale: float
 
     _fields_ = [
         ("size", c_uint32),
@@ -312,6 +314,7 @@ class tides_frames_options(Structure):
         ("frames_per_second", c_double),
         ("luminance", c_double * 3),
         ("planes", c_int32),
+        ("full_scale", c_double),
     ]
 
 
@@ -3340,6 +3343,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_frames_from_memory": (c_int32, [
         P(c_double), P(c_double), c_size_t, c_int32, c_int32, P(P(tides_frames)), P(tides_error)
     ], "Y times count width height frames error"),
+    # const char *tides_frames_note(const tides_frames *frames)
+    "tides_frames_note": (c_char_p, [P(tides_frames)], "frames"),
     # tides_status tides_frames_open(const char *path, const tides_frames_options *options, tides_frames **frames,
     # tides_error *error)
     "tides_frames_open": (c_int32, [

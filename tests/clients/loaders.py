@@ -81,6 +81,26 @@ def evimo(folder):
     return events, planes, np.load(folder / "dataset_info.npz", allow_pickle=True)
 
 
+# -- BlinkFlow ------------------------------------------------------------------------------------------------------------
+def blinkflow(folder):
+    """Of each flow the events beside it: fps and duration from config.yaml, else 10 and 1; windows by the index of the events'
+    own milliseconds."""
+    file = folder / "config.yaml"
+    config = dict(line.split(": ") for line in file.read_text().splitlines()) if file.exists() else {}
+    fps, duration = float(config.get("fps", 10)), float(config.get("duration", 1.0))
+    with readers.import_client("h5py").File(folder / "events_left/events.h5") as file:
+        columns, index = {name: file[f"events/{name}"][()] for name in "txyp"}, file["ms_to_idx"][()]
+    pairs = []
+    for k in range(round(fps * duration)):
+        start, end = (round(1e6 * (k + one) / fps) for one in (0, 1))
+        assert end // 1000 < len(index)
+        first, last = (np.searchsorted(columns["t"], us) for us in (start, end))
+        assert index[start // 1000] <= first
+        pairs.append((np.load(folder / f"forward_flow/{k:06d}.npy"), {name: columns[name][first:last] for name in "txyp"}))
+    assert len(list((folder / "forward_flow").iterdir())) == len(pairs)
+    return pairs
+
+
 # -- Kubric ---------------------------------------------------------------------------------------------------------------
 def kubric(folder):
     """As EventKubric's: tracks by frame, and where they are seen; queries are where each is seen first."""

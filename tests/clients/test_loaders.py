@@ -140,13 +140,18 @@ def test_evimo(of, name):
 
 @every_world
 def test_blinkflow(of, name):
-    h5py, world = readers.import_client("h5py"), of(name)
+    """A flow is put beside the events of its own time, which its file and config.yaml count from one zero."""
+    world = of(name)
     for side in world.sides:
-        with h5py.File(worlds.camera_folder(world, "blinkflow", side) / "events_left/events.h5") as file:
-            t, *rest = (file[f"events/{column}"][()].astype(np.int64) for column in "txyp")
-            check_events(t + int(file["t_offset"][()]), *rest, world.events[side])
+        pairs = loaders.blinkflow(worlds.camera_folder(world, "blinkflow", side))
+        assert len(pairs) == len(world.forward)
+        for k, (_, got) in enumerate(pairs):
+            us = world.events[side]["t"] // 1000
+            inside = world.events[side][(us >= world.us[k]) & (us < world.us[k + 1])]
+            check_events(got["t"].astype(np.int64) + world.us[0], got["x"], got["y"], got["p"], inside)
+    pairs = loaders.blinkflow(worlds.camera_folder(world, "blinkflow", "left"))
     for k, move in enumerate(world.forward):
-        flow = np.load(worlds.camera_folder(world, "blinkflow", "left") / f"forward_flow/{k:06d}.npy")
+        flow = pairs[k][0]
         u, v, known = np.moveaxis(flow, -1, 0)
         assert flow.dtype == np.float32 and np.array_equal(known == 1, np.isfinite(move["u"]))
         assert np.array_equal(u, np.nan_to_num(move["u"]).astype(np.float32))
