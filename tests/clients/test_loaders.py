@@ -109,17 +109,20 @@ def test_evimo(of, name):
         events, planes, info = loaders.evimo(worlds.camera_folder(world, "evimo", side))
         assert np.array_equal(events[:, 0], world.events[side]["t"] / 1e9)
         check_events(world.events[side]["t"] // 1000, *events[:, 1:].T, world.events[side])
-        assert list(planes["classical"]) == [0, 1, 2, 3, 4] and list(planes["depth"]) == [0, 2, 4]
+        assert [key for key in planes["classical"] if isinstance(key, int)] == [0, 1, 2] == list(planes["depth"])
+        assert planes["classical"]["t"].tolist() == world.times
+        assert planes["classical"]["t_between"].tolist() == [(world.us[0] + 25000 * k) / 1e6 for k in (1, 3)]
         assert np.array_equal(info["K"][:2, 2], [world.lens.cx - 0.5, world.lens.cy - 0.5])
     _, planes, info = loaders.evimo(worlds.camera_folder(world, "evimo", "left"))
     for k, wanted in enumerate(world.truth):
-        assert np.array_equal(planes["depth"][2 * k], np.round(1000 * METRES * wanted["depth_median"]))
-        assert np.array_equal(planes["mask"][2 * k] // 1000, wanted["instance"] + 1)
+        assert np.array_equal(planes["depth"][k], np.round(1000 * METRES * wanted["depth_median"]))
+        assert np.array_equal(planes["mask"][k] // 1000, wanted["instance"] + 1)
     for k, move in enumerate(world.forward):
-        assert np.array_equal(planes["flow"][2 * k], np.stack([move["u"], move["v"]], -1).astype(np.float32), equal_nan=True)
+        assert np.array_equal(planes["flow"][k], np.stack([move["u"], move["v"]], -1).astype(np.float32), equal_nan=True)
         assert (planes["flow"]["t"][k], planes["flow"]["t_end"][k]) == (world.times[k], world.times[k + 1])
     meta, metres = info["meta"].item(), worlds.METRES
-    assert [frame["id"] for frame in meta["frames"]] == [0, 2, 4] == [key for key in planes["mask"]]
+    assert [frame["id"] for frame in meta["frames"]] == [0, 1, 2] == [key for key in planes["mask"]]
+    assert [frame["classical_frame"] for frame in meta["frames"]] == [f"img_{k}.png" for k in range(3)]
     for frame, t, pose in zip(meta["frames"], world.times, world.poses):
         place, turn = frame["cam"]["pos"]["t"], frame["cam"]["pos"]["q"]
         assert frame["ts"] == frame["cam"]["ts"] == t
@@ -132,10 +135,28 @@ def test_evimo(of, name):
     assert [one["ts"] for one in meta["full_trajectory"]] == [(world.us[0] + 5000 * k) / 1e6 for k in range(21)]
     (samples,) = meta["imu"].values()
     assert set(samples[0]) == {"ts", "angular_velocity", "linear_acceleration"} and samples[0]["ts"] == world.times[0]
-    sizes = {"res_x": world.lens.width, "res_y": world.lens.height, "num_frames": 3, "fx": world.lens.fx}
+    sizes = {"res_x": world.lens.width, "res_y": world.lens.height, "num_frames": 3, "fx": world.lens.fx, "ros_time_offset": 0}
     assert {key: meta["meta"][key] for key in sizes} == sizes
     lens = world.lens.lens
-    assert info["D"][:4].tolist() == [lens.k1, lens.k2, lens.p1, lens.p2]
+    assert info["D"][:4].tolist() == [lens.k1, lens.k2, lens.p1, lens.p2] == [meta["meta"][key] for key in ("k1", "k2", "p1", "p2")]
+    assert (meta["meta"]["k3"], meta["meta"]["k4"], meta["meta"]["dist_model"]) == (0, 0, "radtan")
+
+
+@every_world
+def test_evimo_flow_by_poses(of, name):
+    """What evimo_flow and ETAP make of depth, masks and objects' poses is the displacement that the layout has."""
+    world = of(name)
+    at = worlds.camera_folder(world, "evimo", "left")
+    flows = loaders.evimo(at)[1]["flow"]
+    for first in (0, 1):
+        for k, mask, moved in loaders.evimo_tracks(at, first):
+            if k != first + 1:
+                continue
+            y, x = np.indices(mask.shape)
+            gone = moved - np.stack([x, y], -1)
+            known = np.isfinite(flows[first]).all(-1)
+            assert known.any() and np.array_equal(known & (mask > 0), known) and np.isfinite(gone[known]).all()
+            assert np.median(np.abs(gone - flows[first])[known]) < 0.02 and np.abs(gone - flows[first])[known].max() < 0.3
 
 
 @every_world

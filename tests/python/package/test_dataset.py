@@ -184,10 +184,10 @@ def test_blinkflow_and_tum(world):
     assert np.array_equal(flow[..., 0], np.nan_to_num(u).astype(np.float32))
     read = tides.image.read_truth(world["all"] / "blinkflow/one/forward_flow/000000.npy")
     assert np.array_equal(read["displacement_u"], u.astype(np.float32), equal_nan=True)
-    same_events(
-        [tides.read_events(world["all"] / "blinkflow/two/events_left/events.h5")[name] for name in ("t", "x", "y", "p")],
-        world["events"][1],
-    )
+    t, *rest = (tides.read_events(world["all"] / "blinkflow/two/events_left/events.h5")[name] for name in ("t", "x", "y", "p"))
+    config = dict(line.split(": ") for line in (world["all"] / "blinkflow/two/config.yaml").read_text().splitlines())
+    assert {key: float(value) for key, value in config.items()} == {"fps": 10, "duration": 0.2, "start": 1}
+    same_events([t + 10**9, *rest], world["events"][1])  # from the first ground truth on
     root = world["all"] / "tum/one"
     rows = [line.split() for line in (root / "depth.txt").read_text().splitlines()[1:]]
     assert [row[0] for row in rows] == ["1.000000", "1.100000", "1.200000"]
