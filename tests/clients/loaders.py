@@ -91,7 +91,7 @@ def evimo_poses(meta):
 def matrix(pos):
     w, *v = (pos["q"][k] for k in "wxyz")
     made = np.eye(4)
-    made[:3, :3] = (2 * w * w - 1) * np.eye(3) + 2 * np.outer(v, v) + 2 * w * np.cross(np.eye(3), v).T
+    made[:3, :3] = (2 * w * w - 1) * np.eye(3) + 2 * np.outer(v, v) + 2 * w * np.cross(np.eye(3), v)
     made[:3, 3] = [pos["t"][k] for k in "xyz"]
     return made
 
