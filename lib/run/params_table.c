@@ -246,7 +246,7 @@ const td_param td_params[] = {
     {NUMBER("exposure.gamma", exposure.gamma, "", 0.1, 10, "linear: values go as light^(1 / gamma)")},
     {NUMBER("exposure.gain", exposure.gain, "", 1e-9, 1e9, "values are at full scale where light times this is 1")},
     {NUMBER("exposure.full_well_e", exposure.full_well_e, "e-", 0, 1e9,
-            "electrons at full scale, for shot noise; 0: no noise")},
+            "electrons at full scale, for shot noise (Poisson's below 100 e-, a rounded normal from there); 0: no noise")},
     {NUMBER("exposure.read_noise_e", exposure.read_noise_e, "e-", 0, 1e9, "electrons, rms, that reading adds")},
 
     {NUMBER("imu.rate_hz", imu.rate_hz, "Hz", 1e-3, 1e6, "samples a second that tides imu writes")},

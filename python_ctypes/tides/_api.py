@@ -1953,7 +1953,7 @@ class tides_exposure(Structure):
     int32_t reserved;
     double gamma; /* with TIDES_TRANSFER_LINEAR: values go as light^(1 / gamma), 1 being full scale */
     double gain; /* values are at full scale where light times gain is 1 */
-    double full_well_e; /* electrons at full scale, whose number is Poisson's: shot noise; 0: none */
+    double full_well_e; /* electrons at full scale, for shot noise; 0: none */
     double read_noise_e; /* electrons, rms, added to each value; asks for full_well_e */
     uint64_t seed; /* of noise */
     """
