@@ -65,8 +65,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_expose(tides_renderer *re
                                                               tides_exposed *done, tides_error *error);
 
 /* Light to values (height x width x planes, r, g and b together): gain, shot noise, read noise, clipping, transfer, rounding.
- * Noise is of the seed, the pixel and the frame's `index` alone. Of less than 100 electrons expected the number is drawn from
- * Poisson's law; from 100 on it is a rounded normal number of the same mean and variance, whose skewness, at most 0.1, is lost. */
+ * Noise is of the seed, the pixel and the frame's `index` alone. Where less than 100 electrons are expected their
+ * number is drawn from Poisson's law. From 100 on it is a rounded normal number of the same mean and variance: a skewness of at
+ * most 0.1 is lost. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_exposure_values(const tides_exposure *exposure, int32_t width, int32_t height,
                                                               size_t index, const double *light, uint16_t *values,
                                                               tides_error *error);

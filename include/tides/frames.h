@@ -54,7 +54,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_frames_open(const char *path, cons
 /* A line on how values were taken, where that was decided by their look; "" else. Lives as long as the frames. */
 TIDES_API const char *tides_frames_note(const tides_frames *frames);
 
-/* Frames in memory: luminance, 1 at full scale (count x height x width) and times [s] (count), which must outlive the object. */
+/* Frames in memory: luminance (count x height x width), 1 at full scale, and times [s] (count), which must outlive the
+ * object. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_frames_from_memory(const double *Y, const double *times, size_t count,
                                                                  int32_t width, int32_t height, tides_frames **frames,
                                                                  tides_error *error);

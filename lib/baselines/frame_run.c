@@ -19,7 +19,7 @@ typedef struct frame_run {
     double *Y;      /* one frame, of all planes */
     double *speeds; /* L_dot or Z of it, where ESIM samples by brightness or by motion (pixels) */
     uint64_t frames;
-    int32_t cut;                /* 1: frames before the start or after the stop are seen, and events there left out */
+    int32_t cut;               /* 1: frames before the start or after the stop are seen, and events there left out */
     int64_t start_ns, stop_ns; /* the run's */
     tides_stats stats;
 } frame_run;
@@ -66,8 +66,7 @@ static tides_status fail_outside(const frame_run *r, double from, double to, tid
                    "frames last from %.15g to %.15g s, and nothing of that lies within time.start = %.15g and time.stop = "
                    "%.15g s%s",
                    from, to, supply->start, supply->stop,
-                   from >= supply->stop ? ": set them to what is there, or frames.rebase to true, which puts the first frame at 0"
-                                        : "");
+                   from >= supply->stop ? ": set them to that, or frames.rebase to true, which puts the first frame at 0" : "");
 }
 
 /* The frames from *first to before *end bound all intervals of which a part lies within the run. A run that begins or ends
@@ -78,7 +77,8 @@ static tides_status find_frames(frame_run *r, double lasts, double rounding, siz
     const double from = tides_frames_time(supply->frames, 0), to = tides_frames_time(supply->frames, count - 1) + lasts;
     const size_t step = lasts > 0 ? 0 : 1; /* from an interval's first frame to its last */
     *first = 0, *end = count;
-    while (*first + step < count && tides_frames_time(supply->frames, *first + step) + lasts <= supply->start + rounding) ++*first;
+    while (*first + step < count && tides_frames_time(supply->frames, *first + step) + lasts <= supply->start + rounding)
+        ++*first;
     while (*end > *first + step && tides_frames_time(supply->frames, *end - 1 - step) >= supply->stop - rounding) --*end;
     if (*first + step >= *end) return fail_outside(r, from, to, error);
     r->start_ns = td_time_ns(supply->start);

@@ -156,12 +156,13 @@ void td_evimo_frame(td_evimo_meta *m, const td_writer *w, size_t id, const td_pl
 }
 
 tides_status td_evimo_end(td_evimo_meta *m, const td_writer *w, td_npy_writer *npy) {
-    static const char *const names[] = {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "k4", "p1", "p2", "ros_time_offset",
-                                        "res_x", "res_y", "num_frames"};
+    static const char *const names[] =
+        {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "k4", "p1", "p2", "ros_time_offset", "res_x", "res_y", "num_frames"};
     const tides_intrinsics *k = &w->camera->facts.intrinsics;
     const tides_lens *l = &k->lens;
-    const double values[] = {k->fx, k->fy, td_whole_cx(w->camera), td_whole_cy(w->camera), l->k1, l->k2, l->k3, l->k4,
-                             l->p1, l->p2, 0, k->width, k->height, (double)m->count};
+    const double values[] =
+        {k->fx,    k->fy,     td_whole_cx(w->camera), td_whole_cy(w->camera), l->k1, l->k2, l->k3, l->k4, l->p1, l->p2, 0,
+         k->width, k->height, (double)m->count};
     enum { REALS = 11, ALL = sizeof names / sizeof *names };
     td_pickler *p = &m->pickler;
     leave(m);

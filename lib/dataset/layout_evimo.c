@@ -50,7 +50,8 @@ static tides_status begin(td_writer *w, tides_error *error) {
     e->flow = e->plane ? td_alloc(2 * td_pixels(w->camera), sizeof *e->flow, error) : NULL;
     e->times = e->flow ? td_alloc(2 * w->set->truths, sizeof *e->times, error) : NULL;
     for (int i = 0; i < 2; i++) e->taken[i] = e->times ? td_alloc(w->set->pictures, sizeof(double), error) : NULL;
-    tides_status status = e->taken[0] && e->taken[1] ? td_text_in_folder(&e->poses, w->folder, "poses.txt", error) : TIDES_NO_MEMORY;
+    tides_status status = e->taken[0] && e->taken[1] ? TIDES_OK : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) status = td_text_in_folder(&e->poses, w->folder, "poses.txt", error);
     for (int i = 0; i < FILES && status == TIDES_OK; i++)
         if ((i > P || w->camera->event >= 0) && (i != CLASSICAL || w->camera->picture >= 0)) status = open_file(w, i, error);
     return status == TIDES_OK && e->file[T] ? begin_columns(e, error) : status;

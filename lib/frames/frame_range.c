@@ -69,8 +69,8 @@ tides_status td_frames_range(tides_frames *frames, tides_error *error) {
     if (frames->full > 0 && frames->most < 0)
         return td_fail(error, TIDES_BAD_CONFIG, "%s: a video says itself what its values are: leave out frames.full_scale",
                        frames->path);
-    if (frames->full > 0 || frames->options.planes > 1 || (!(frames->most > EIGHT_BITS) && (frames->most < 0 || frames->most > 0)))
-        return TIDES_OK;
+    const int floats = !(frames->most < 0 || frames->most > 0), told = !floats && !(frames->most > EIGHT_BITS);
+    if (frames->full > 0 || frames->options.planes > 1 || told) return TIDES_OK;
     frames->seen = (td_frame_seen){0, 1};
     const tides_status status = look(frames, error);
     if (status != TIDES_OK) return status;

@@ -17,7 +17,8 @@ void td_frame_luminance(tides_frames *frames, const float *values, double unit, 
     for (size_t i = 0; i < count; i++) {
         double sum = 0;
         for (int32_t c = 0; c < channels; c++) {
-            const double value = (double)values[i * (size_t)channels + (size_t)c], light = td_frame_light(frames, unit * value, value);
+            const double value = (double)values[i * (size_t)channels + (size_t)c];
+            const double light = td_frame_light(frames, unit * value, value);
             sum += channels == 1 ? light : frames->options.luminance[c] * light;
         }
         Y[i] = sum;

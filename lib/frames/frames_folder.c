@@ -77,9 +77,7 @@ static tides_status read_picture(const folder *f, size_t index, td_picture_value
 }
 
 /* The largest stored value; floats are stored as they are. */
-static double most_of(const td_picture_values *picture) {
-    return picture->bits == 16 ? 65535 : picture->bits ? 255 : 1;
-}
+static double most_of(const td_picture_values *picture) { return picture->bits == 16 ? 65535 : picture->bits ? 255 : 1; }
 
 static tides_status read_frame(tides_frames *frames, size_t index, double *Y, tides_error *error) {
     const folder *f = frames->state;

@@ -59,8 +59,7 @@ static tides_status read_frame(tides_frames *frames, size_t index, double *Y, ti
     H5E_BEGIN_TRY { status = read_slab(frames, index, Y, error); }
     H5E_END_TRY
     if (status != TIDES_OK) return status;
-    for (size_t i = 0, values = td_frames_values(frames); i < values; i++)
-        Y[i] = td_frame_light(frames, Y[i], f->scale * Y[i]);
+    for (size_t i = 0, values = td_frames_values(frames); i < values; i++) Y[i] = td_frame_light(frames, Y[i], f->scale * Y[i]);
     return TIDES_OK;
 }
 

@@ -51,7 +51,7 @@ tides_status td_frame_png(const char *path, td_picture_values *picture, tides_er
 double td_frame_light(tides_frames *frames, double stored, double value);
 void td_frame_luminance(tides_frames *frames, const float *values, double unit, int32_t channels, size_t count, double *Y);
 
-/* frame_range.c: decides what full scale is, by frames all over the sequence; and looks whether a frame that was read agrees. */
+/* frame_range.c: decides what full scale is, by frames all over the sequence; and whether a frame that was read agrees. */
 tides_status td_frames_range(tides_frames *frames, tides_error *error);
 tides_status td_frames_in_range(const tides_frames *frames, size_t index, tides_error *error);
 

@@ -228,7 +228,7 @@ const td_param td_params[] = {
      .fallback = "null"},
     {CHOICE("frames.transfer", frames.transfer, "linear|srgb", "srgb: values are decoded to linear light first")},
     {NUMBER("frames.full_scale", frames.full_scale, "", 1e-9, 1e19,
-            "stored value that is light 1; null: integers' largest, floats' 1, or as their values tell"),
+            "stored value that is light 1; null: integers' largest, floats' 1, or as values tell"),
      .fallback = "null"},
     {BOOLEAN("frames.rebase", frames.rebase, "put the first frame at time 0")},
 
@@ -246,7 +246,7 @@ const td_param td_params[] = {
     {NUMBER("exposure.gamma", exposure.gamma, "", 0.1, 10, "linear: values go as light^(1 / gamma)")},
     {NUMBER("exposure.gain", exposure.gain, "", 1e-9, 1e9, "values are at full scale where light times this is 1")},
     {NUMBER("exposure.full_well_e", exposure.full_well_e, "e-", 0, 1e9,
-            "electrons at full scale, for shot noise (Poisson's below 100 e-, a rounded normal from there); 0: no noise")},
+            "electrons at full scale, for shot noise: Poisson's, from 100 e- on a rounded normal; 0: none")},
     {NUMBER("exposure.read_noise_e", exposure.read_noise_e, "e-", 0, 1e9, "electrons, rms, that reading adds")},
 
     {NUMBER("imu.rate_hz", imu.rate_hz, "Hz", 1e-3, 1e6, "samples a second that tides imu writes")},

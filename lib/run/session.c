@@ -33,9 +33,8 @@ static tides_status take_span(tides_session_facts *facts, const tides_frames *fr
     if (!ends) v->stop = last;
     if (!tides_run_gives(facts->run, "time.start") && first < v->stop) v->start = first;
     if (v->start < v->stop) return TIDES_OK;
-    return td_fail(error, TIDES_BAD_CONFIG,
-                   "%s: time.start = %.15g s is not before %s at %.15g s; %s", facts->run->origin, v->start,
-                   ends ? "time.stop" : "the last frame,", v->stop,
+    return td_fail(error, TIDES_BAD_CONFIG, "%s: time.start = %.15g s is not before %s at %.15g s; %s", facts->run->origin,
+                   v->start, ends ? "time.stop" : "the last frame,", v->stop,
                    ends ? "frames begin later, too" : "there must be two frames, and time.start before the last");
 }
 

@@ -339,11 +339,12 @@ static void floats_say_their_scale(void **state) {
             double most, full;
             int whole;
             const char *note;
-        } taken[] = {{1, 1, 0, ""}, {1, 1, 1, ""}, {3.5, 1, 0, "full scale is taken to be 1"}, {200, 255, 1, "taken to be 255"}};
+        } taken[] = {{1, 1, 0, ""}, {1, 1, 1, ""}, {3.5, 1, 0, "is taken to be 1"}, {200, 255, 1, "taken to be 255"}};
         for (size_t i = 0; i < sizeof taken / sizeof *taken; i++) {
             tides_frames *frames = open_frames(write_floats(state, kind, taken[i].most, taken[i].whole), &options);
             brightest_is(frames, taken[i].most / taken[i].full);
-            assert_true(*taken[i].note ? strstr(tides_frames_note(frames), taken[i].note) != NULL : !*tides_frames_note(frames));
+            const char *note = tides_frames_note(frames);
+            assert_true(*taken[i].note ? strstr(note, taken[i].note) != NULL : !*note);
             tides_frames_close(frames);
         }
         refused(write_floats(state, kind, 254.5, 0), &options, TIDES_BAD_CONFIG, "frames.full_scale");
