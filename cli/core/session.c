@@ -22,6 +22,7 @@ tides_status cli_session_open(const char *file, const cli_list *sets, const cli_
     cli_tell_lines(common, tides_run_notes(s.run));
     cli_tell_lines(common, tides_session_notes(*session));
     if (s.frames) {
+        cli_tell_lines(common, tides_frames_note(s.frames));
         cli_note(common, "%zu frames, %dx%d px", tides_frames_count(s.frames), s.intrinsics.width, s.intrinsics.height);
     } else {
         if (!s.info.fused) cli_tell_lines(common, UNFUSED);

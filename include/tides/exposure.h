@@ -30,7 +30,7 @@ typedef struct tides_exposure {
     int32_t reserved;
     double gamma;        /* with TIDES_TRANSFER_LINEAR: values go as light^(1 / gamma), 1 being full scale */
     double gain;         /* values are at full scale where light times gain is 1 */
-    double full_well_e;  /* electrons at full scale, whose number is Poisson's: shot noise; 0: none */
+    double full_well_e;  /* electrons at full scale, for shot noise; 0: none */
     double read_noise_e; /* electrons, rms, added to each value; asks for full_well_e */
     uint64_t seed;       /* of noise */
 } tides_exposure;
@@ -66,7 +66,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_expose(tides_renderer *re
                                                               tides_exposed *done, tides_error *error);
 
 /* Light to values (height x width x planes, r, g and b together): gain, shot noise, read noise, clipping, transfer, rounding.
- * Noise is of the seed, the pixel and the frame's `index` alone. */
+ * Noise is of the seed, the pixel and the frame's `index` alone. Where less than 100 electrons are expected their
+ * number is drawn from Poisson's law. From 100 on it is a rounded normal number of the same mean and variance: a skewness of at
+ * most 0.1 is lost. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_exposure_values(const tides_exposure *exposure, int32_t width, int32_t height,
                                                               size_t index, const double *light, uint16_t *values,
                                                               tides_error *error);

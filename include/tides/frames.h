@@ -9,10 +9,14 @@ extern "C" {
 #endif
 
 /* How stored values become luminance. LINEAR: they are proportional to light. SRGB: they are sRGB-encoded, and decoded before
- * r, g and b are weighed. Integers count from 0 to 1 at their type's largest value; floats are taken as they are. */
+ * r, g and b are weighed. Which stored value is 1 is options->full_scale's to say. Without it integers count to their type's
+ * largest value, floats to 1, or to 255 where they are whole numbers beyond 16 up to there (tides_frames_note says so). What
+ * doesn't look like that, TIDES_BAD_CONFIG, wants the option: integers of 16 bits or more that fill less than a quarter of
+ * their range (10 bits, say), floats beyond 16, and whole ones from 2 to 16. */
 enum { TIDES_TRANSFER_LINEAR = 0, TIDES_TRANSFER_SRGB = 1 };
 
-/* Fill with tides_frames_options_defaults: no file, no rate, auto, linear, the weights of BT.709, luminance. */
+/* Fill with tides_frames_options_defaults: no file, no rate, auto, linear, the weights of BT.709, luminance, full scale as
+ * the values tell. */
 typedef struct tides_frames_options {
     uint32_t size;
     int32_t transfer;         /* TIDES_TRANSFER_* */
@@ -25,6 +29,7 @@ typedef struct tides_frames_options {
     double luminance[3];      /* weights of r, g, b */
     int32_t planes;           /* 1: luminance; more: arrays of so many values per pixel, taken as they are (voxel grids) */
     double offset_s;          /* [s] added to all times, after `rebase` */
+    double full_scale;        /* the stored value that is light 1; 0: as above */
 } tides_frames_options;
 TIDES_API void tides_frames_options_defaults(tides_frames_options *options);
 
@@ -46,7 +51,11 @@ typedef struct tides_frames tides_frames;
 TIDES_MUST_CHECK TIDES_API tides_status tides_frames_open(const char *path, const tides_frames_options *options,
                                                           tides_frames **frames, tides_error *error);
 
-/* Frames in memory: luminance (count x height x width) and times [s] (count), which must outlive the object. */
+/* A line on how values were taken, where that was decided by their look; "" else. Lives as long as the frames. */
+TIDES_API const char *tides_frames_note(const tides_frames *frames);
+
+/* Frames in memory: luminance (count x height x width), 1 at full scale, and times [s] (count), which must outlive the
+ * object. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_frames_from_memory(const double *Y, const double *times, size_t count,
                                                                  int32_t width, int32_t height, tides_frames **frames,
                                                                  tides_error *error);

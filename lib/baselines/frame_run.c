@@ -19,11 +19,19 @@ typedef struct frame_run {
     double *Y;      /* one frame, of all planes */
     double *speeds; /* L_dot or Z of it, where ESIM samples by brightness or by motion (pixels) */
     uint64_t frames;
+    int32_t cut;               /* 1: frames before the start or after the stop are seen, and events there left out */
+    int64_t start_ns, stop_ns; /* the run's */
     tides_stats stats;
 } frame_run;
 
+/* Events come by time: those within the run are in one piece. */
 static int take(void *user, const tides_event *events, size_t count) {
     frame_run *r = user;
+    if (r->cut) {
+        for (; count > 0 && events[0].t < r->start_ns; count--) events++;
+        while (count > 0 && events[count - 1].t > r->stop_ns) count--;
+        if (count == 0) return 0;
+    }
     for (size_t k = 0; k < count; k++) {
         if (events[k].polarity > 0)
             r->stats.events_on++;
@@ -52,11 +60,38 @@ static tides_status push(frame_run *r, double time, double offset, tides_error *
     return status;
 }
 
+static tides_status fail_outside(const frame_run *r, double from, double to, tides_error *error) {
+    const tides_frame_supply *supply = r->supply;
+    return td_fail(error, TIDES_BAD_ARGUMENT,
+                   "frames last from %.15g to %.15g s, and nothing of that lies within time.start = %.15g and time.stop = "
+                   "%.15g s%s",
+                   from, to, supply->start, supply->stop,
+                   from >= supply->stop ? ": set them to that, or frames.rebase to true, which puts the first frame at 0" : "");
+}
+
+/* The frames from *first to before *end bound all intervals of which a part lies within the run. A run that begins or ends
+ * within an interval sees all of it, and keeps the events of its part. */
+static tides_status find_frames(frame_run *r, double lasts, double rounding, size_t *first, size_t *end, tides_error *error) {
+    const tides_frame_supply *supply = r->supply;
+    const size_t count = tides_frames_count(supply->frames);
+    const double from = tides_frames_time(supply->frames, 0), to = tides_frames_time(supply->frames, count - 1) + lasts;
+    const size_t step = lasts > 0 ? 0 : 1; /* from an interval's first frame to its last */
+    *first = 0, *end = count;
+    while (*first + step < count && tides_frames_time(supply->frames, *first + step) + lasts <= supply->start + rounding)
+        ++*first;
+    while (*end > *first + step && tides_frames_time(supply->frames, *end - 1 - step) >= supply->stop - rounding) --*end;
+    if (*first + step >= *end) return fail_outside(r, from, to, error);
+    r->start_ns = td_time_ns(supply->start);
+    r->stop_ns = td_time_ns(supply->stop);
+    r->cut = tides_frames_time(supply->frames, *first) < supply->start ||
+             tides_frames_time(supply->frames, *end - 1) + lasts > supply->stop + rounding;
+    return TIDES_OK;
+}
+
 static tides_status run_sequence(frame_run *r, tides_error *error) {
     const tides_frame_supply *supply = r->supply;
     tides_frames *frames = supply->frames;
     int32_t width, height, planes = (int32_t)(td_baseline_values(r->baseline) / r->baseline->pixels);
-    size_t count = tides_frames_count(frames);
     tides_frames_size(frames, &width, &height);
     if (width != r->baseline->width || height != r->baseline->height)
         return td_fail(error, TIDES_BAD_ARGUMENT, "frames are %d x %d px, the pixels %d x %d", width, height,
@@ -64,26 +99,17 @@ static tides_status run_sequence(frame_run *r, tides_error *error) {
     if (tides_frames_planes(frames) != planes)
         return td_fail(error, TIDES_BAD_ARGUMENT, "frames have %d values per pixel; method %s takes %s",
                        tides_frames_planes(frames), r->baseline->method->name, planes > 1 ? "voxel grids" : "luminance");
-    tides_status status = TIDES_OK;
     const double lasts = td_baseline_lasts(r->baseline), rounding = planes > 1 ? 1e-9 : 0;
+    size_t first, end;
+    tides_status status = find_frames(r, lasts, rounding, &first, &end, error);
     double last = supply->start;
-    for (size_t k = 0; status == TIDES_OK && k < count; k++) {
-        double time = tides_frames_time(frames, k);
-        if (time < supply->start || time + lasts > supply->stop + rounding) continue;
+    for (size_t k = first; status == TIDES_OK && k < end; k++) {
+        const double time = tides_frames_time(frames, k);
         status = tides_frames_read(frames, k, r->Y, error);
         if (status == TIDES_OK) status = push(r, time, 0, error);
-        if (r->frames == 1) r->stats.simulated_s = -time;
-        last = time + lasts;
+        if (r->frames == 1) r->stats.simulated_s = -fmax(time, supply->start);
+        last = fmin(time + lasts, supply->stop);
     }
-    const uint64_t least = planes > 1 ? 1 : 2;
-    if (status == TIDES_OK && r->frames < least)
-        return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "%llu of the frames, which span [%.15g, %.15g] s, lie within time.start = %.15g and time.stop = %.15g "
-                       "s; "
-                       "at least %s must%s",
-                       (unsigned long long)r->frames, tides_frames_time(frames, 0),
-                       tides_frames_time(frames, count - 1) + lasts, supply->start, supply->stop, planes > 1 ? "one" : "two",
-                       tides_frames_time(frames, 0) > supply->stop ? "; frames.rebase puts the first at time 0" : "");
     r->stats.simulated_s += last;
     return status;
 }

@@ -1,13 +1,19 @@
 /* EVIMO2's `meta` in dataset_info.npz, which its readers take times, poses and the IMU from: a dict of
- *   frames           of each ground truth: id (the number in its planes' names), ts [s], cam, gt_frame
- *   full_trajectory  of each pose: id, ts, cam
+ *   frames           of each ground truth: id (the number in its planes' names, from 0 on), ts [s], cam, OBJECT ..., gt_frame,
+ *                    classical_frame
+ *   full_trajectory  of each pose: id, ts, cam, OBJECT ...
  *   imu              {"/CAMERA/imu": [{ts, angular_velocity, linear_acceleration}]}, where there is one
- *   meta             fx fy cx cy res_x res_y num_frames
- * cam is {ts, pos: {t: {x y z} [m], q: {w x y z}, rpy: {r p y}}}, the camera in the world. Objects' poses, which EVIMO
- * has beside it, aren't there. It is pickled as what it tells comes. */
+ *   meta             fx fy cx cy, k1 k2 k3 k4 p1 p2 of dist_model (radtan, equidistant), res_x res_y num_frames, and
+ *                    ros_time_offset: 0, for all times are the run's
+ * cam is {ts, pos: {t: {x y z} [m], q: {w x y z}, rpy: {r p y}}}, the camera in the world. OBJECT is its number in the masks as
+ * text, and the same of the object in the camera; what is at rest has one, too, for readers find flow by it. How an object's
+ * Gaussians move by themselves isn't in it. All is pickled as what it tells comes. */
 #include "td_evimo.h"
 
+#include "camera/td_rotation.h"
+
 #include <math.h>
+#include <string.h>
 
 static void put_named(td_pickler *p, const char *const *names, const double *values, int count) {
     td_pickler_dict(p);
@@ -37,16 +43,11 @@ static void put_time(td_pickler *p, double seconds) {
     td_pickler_number(p, seconds);
 }
 
-/* id, ts and cam of a dict that stays open. */
-static void begin_place(td_evimo_meta *m, const td_dataset *set, size_t id, const td_place_at *at) {
+/* Where `name` is: {ts, pos}. */
+static void put_place(td_pickler *p, const char *name, double scale, const td_place_at *at) {
     static const char *const quaternion[] = {"w", "x", "y", "z"};
-    const double metres[3] = {at->position[0] * set->metres, at->position[1] * set->metres, at->position[2] * set->metres};
-    td_pickler *p = &m->pickler;
-    td_pickler_dict(p);
-    td_pickler_text(p, "id");
-    td_pickler_integer(p, (int32_t)id);
-    put_time(p, td_seconds(at->us));
-    td_pickler_text(p, "cam");
+    const double metres[3] = {at->position[0] * scale, at->position[1] * scale, at->position[2] * scale};
+    td_pickler_text(p, name);
     td_pickler_dict(p);
     put_time(p, td_seconds(at->us));
     td_pickler_text(p, "pos");
@@ -57,6 +58,41 @@ static void begin_place(td_evimo_meta *m, const td_dataset *set, size_t id, cons
     put_angles(p, at->rotation);
     td_pickler_dict_end(p);
     td_pickler_dict_end(p);
+}
+
+/* Of an object in the camera: R_c^T R_o and R_c^T (t_o - t_c). */
+static tides_status find_object(const td_writer *w, int32_t index, const td_place_at *camera, td_place_at *place,
+                                tides_error *error) {
+    tides_object object;
+    tides_pose pose = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    tides_status status = tides_scene_object(w->camera->facts.scene, index, &object, error);
+    if (status == TIDES_OK && object.trajectory)
+        status = tides_trajectory_at(object.trajectory, td_seconds(camera->us), &pose, error);
+    *place = (td_place_at){.us = camera->us};
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            place->position[i] += camera->rotation[3 * k + i] * (pose.position[k] - camera->position[k]);
+            for (int j = 0; j < 3; j++) place->rotation[3 * i + j] += camera->rotation[3 * k + i] * pose.rotation[3 * k + j];
+        }
+    td_quaternion_from_rotation(place->rotation, place->quaternion);
+    return status;
+}
+
+/* id, ts, cam and objects of a dict that stays open. */
+static void begin_place(td_evimo_meta *m, const td_writer *w, size_t id, const td_place_at *at) {
+    td_pickler *p = &m->pickler;
+    td_pickler_dict(p);
+    td_pickler_text(p, "id");
+    td_pickler_integer(p, (int32_t)id);
+    put_time(p, td_seconds(at->us));
+    put_place(p, "cam", w->set->metres, at);
+    for (int32_t i = 0; i < tides_scene_objects(w->camera->facts.scene) && p->status == TIDES_OK; i++) {
+        char name[16];
+        td_place_at place;
+        p->status = find_object(w, i, at, &place, p->error);
+        snprintf(name, sizeof name, "%d", (int)i + 1);
+        put_place(p, name, w->set->metres, &place);
+    }
 }
 
 static void leave(td_evimo_meta *m) {
@@ -90,7 +126,7 @@ void td_evimo_begin(td_evimo_meta *m, tides_error *error) {
 
 void td_evimo_pose(td_evimo_meta *m, const td_writer *w, const td_place_at *at) {
     enter(m, TD_EVIMO_POSES, w->camera->name);
-    begin_place(m, w->set, m->count++, at);
+    begin_place(m, w, m->count++, at);
     td_pickler_dict_end(&m->pickler);
 }
 
@@ -103,23 +139,31 @@ void td_evimo_imu(td_evimo_meta *m, const td_writer *w, const tides_imu_sample *
     td_pickler_dict_end(&m->pickler);
 }
 
-void td_evimo_frame(td_evimo_meta *m, const td_writer *w, size_t id, const td_place_at *at) {
+void td_evimo_frame(td_evimo_meta *m, const td_writer *w, size_t id, const td_place_at *at, int32_t picture) {
     char name[32];
     enter(m, TD_EVIMO_FRAMES, w->camera->name);
-    begin_place(m, w->set, id, at);
+    begin_place(m, w, id, at);
     m->count++;
     snprintf(name, sizeof name, "depth_mask_%zu.png", id);
     td_pickler_text(&m->pickler, "gt_frame");
     td_pickler_text(&m->pickler, name);
+    if (picture) {
+        snprintf(name, sizeof name, "img_%zu.png", id);
+        td_pickler_text(&m->pickler, "classical_frame");
+        td_pickler_text(&m->pickler, name);
+    }
     td_pickler_dict_end(&m->pickler);
 }
 
 tides_status td_evimo_end(td_evimo_meta *m, const td_writer *w, td_npy_writer *npy) {
-    static const char *const names[] = {"fx", "fy", "cx", "cy", "res_x", "res_y", "num_frames"};
+    static const char *const names[] =
+        {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "k4", "p1", "p2", "ros_time_offset", "res_x", "res_y", "num_frames"};
     const tides_intrinsics *k = &w->camera->facts.intrinsics;
-    const double values[] = {k->fx,    k->fy,     td_whole_cx(w->camera), td_whole_cy(w->camera),
-                             k->width, k->height, (double)m->count};
-    enum { REALS = 4, ALL = sizeof names / sizeof *names };
+    const tides_lens *l = &k->lens;
+    const double values[] =
+        {k->fx,    k->fy,     td_whole_cx(w->camera), td_whole_cy(w->camera), l->k1, l->k2, l->k3, l->k4, l->p1, l->p2, 0,
+         k->width, k->height, (double)m->count};
+    enum { REALS = 11, ALL = sizeof names / sizeof *names };
     td_pickler *p = &m->pickler;
     leave(m);
     td_pickler_text(p, "meta");
@@ -131,6 +175,8 @@ tides_status td_evimo_end(td_evimo_meta *m, const td_writer *w, td_npy_writer *n
         else
             td_pickler_integer(p, (int32_t)values[i]);
     }
+    td_pickler_text(p, "dist_model");
+    td_pickler_text(p, l->model == TIDES_LENS_EQUIDISTANT ? "equidistant" : "radtan");
     td_pickler_dict_end(p);
     td_pickler_dict_end(p);
     return td_pickler_end(p, npy, "meta");

@@ -1,7 +1,10 @@
-/* BlinkFlow (Li et al. 2023), of each camera: events_left/events.h5 as DSEC has it, and forward_flow/%06d.npy, float32
- * (height, width, 3): the displacement to the next ground truth [px], and 1 where it is known. A point that is hidden there has
- * one, too. */
+/* BlinkFlow (Li et al. 2023), of each camera: events_left/events.h5 as DSEC has it, forward_flow/%06d.npy, float32 (height,
+ * width, 3): the displacement to the next ground truth [px], and 1 where it is known; and config.yaml. A point that is hidden
+ * there has one, too. Its loader puts flow K beside the events of [K, K + 1] / fps, with fps and duration from config.yaml (10
+ * and 1 s without it), counted from the events' own 0: that is the first ground truth's time; what fires before is left out.
+ * config.yaml's `start` is that time in the run [s]. */
 #include "archive/td_npy.h"
+#include "signal/td_step.h"
 #include "td_dataset.h"
 
 #include <math.h>
@@ -12,17 +15,55 @@ typedef struct blinkflow {
     float *flow;
 } blinkflow;
 
+static int64_t stop_of(const td_writer *w) { return td_time_ns(w->camera->facts.values.stop) - 1000 * w->set->start_us; }
+
+static tides_status write_config(const td_writer *w, tides_error *error) {
+    const td_dataset *set = w->set;
+    td_text text = {0};
+    tides_status status = td_text_in_folder(&text, w->folder, "config.yaml", error);
+    if (status != TIDES_OK) return status;
+    td_text_put(&text, NULL, "fps: %.17g\nduration: %.17g\nstart: %.6f\n", set->truth_hz,
+                (double)(set->truths - 1) / set->truth_hz, td_seconds(set->start_us));
+    return td_text_close(&text, status, error);
+}
+
+/* The file's 0 is the first ground truth. */
+static tides_status begin_events(const td_writer *w, char *path, tides_event_writer **events, tides_error *error) {
+    const tides_session_facts *f = &w->camera->facts;
+    const tides_event_file facts = {.width = f->intrinsics.width,
+                                    .height = f->intrinsics.height,
+                                    .run = f->values.json,
+                                    .seed = f->values.seed,
+                                    .stop_ns = stop_of(w)};
+    tides_status status = path ? td_make_parents(path, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) status = tides_event_writer_open_as(path, "hdf5", &facts, events, error);
+    free(path);
+    return status;
+}
+
 static tides_status begin(td_writer *w, tides_error *error) {
     blinkflow *b = w->state = td_alloc(1, sizeof *b, error);
     if (!b) return TIDES_NO_MEMORY;
     b->flow = td_alloc(3 * td_pixels(w->camera), sizeof *b->flow, error);
     if (!b->flow) return TIDES_NO_MEMORY;
-    if (w->camera->event < 0) return TIDES_OK;
-    return td_events_begin(w, td_in_folder(w->folder, error, "events_left/events.h5"), "hdf5", &b->events, error);
+    tides_status status = write_config(w, error);
+    if (w->camera->event < 0 || status != TIDES_OK) return status;
+    return begin_events(w, td_in_folder(w->folder, error, "events_left/events.h5"), &b->events, error);
 }
 
 static tides_status events(td_writer *w, const tides_event *list, size_t count, tides_error *error) {
-    return tides_event_writer_append(((blinkflow *)w->state)->events, list, count, error);
+    enum { TAKEN = 1024 };
+    tides_event moved[TAKEN];
+    tides_status status = TIDES_OK;
+    for (size_t i = 0, some = 0; i < count && status == TIDES_OK; i++) {
+        moved[some] = list[i];
+        moved[some].t -= 1000 * w->set->start_us;
+        some += moved[some].t >= 0;
+        if (some == 0 || (some < TAKEN && i + 1 < count)) continue;
+        status = tides_event_writer_append(((blinkflow *)w->state)->events, moved, some, error);
+        some = 0;
+    }
+    return status;
 }
 
 static tides_status write_flow(td_writer *w, const char *path, const float *flow, tides_error *error) {
@@ -62,7 +103,9 @@ static void drop(td_writer *w) {
 
 static tides_status end(td_writer *w, tides_error *error) {
     blinkflow *b = w->state;
-    const tides_status status = td_events_end(w, &b->events, error);
+    tides_event_writer *events = b->events;
+    b->events = NULL;
+    const tides_status status = events ? tides_event_writer_finish(events, stop_of(w), error) : TIDES_OK;
     drop(w);
     return status;
 }

@@ -1,8 +1,9 @@
 /* EVIMO2 v2, its npz form (Burner et al. 2022), of each camera: dataset_events_{t,xy,p}.npy [s, px, 0 or 1],
  * dataset_classical.npz (pictures), dataset_depth.npz [mm, 0: none], dataset_mask.npz (1000 times the object's number in the
  * scene plus one; 0: none), dataset_flow.npz (displacement to the next ground truth [px], NaN: unknown; and t, t_end), each
- * plane under KIND_NUMBER, the number of the picture at its time, and dataset_info.npz with K, D and meta (evimo_meta.c). Poses
- * are in poses.txt as well, `t px py pz qx qy qz qw` of the camera in the world [m]. */
+ * plane under KIND_NUMBER, the ground truth's number: 0, 1, 2 and so on, since readers walk them so. Pictures between are under
+ * between_NUMBER, of all pictures; t and t_between have the times of either kind. dataset_info.npz has K, D and meta
+ * (evimo_meta.c). Poses are in poses.txt as well, `t px py pz qx qy qz qw` of the camera in the world [m]. */
 #include "td_evimo.h"
 
 #include <math.h>
@@ -21,6 +22,8 @@ typedef struct evimo {
     float *flow;
     double *times; /* of the flow: from, to */
     size_t flows;
+    double *taken[2]; /* times of pictures at ground truths, and of those between */
+    size_t pictures[2];
     td_evimo_meta meta;
 } evimo;
 
@@ -46,7 +49,9 @@ static tides_status begin(td_writer *w, tides_error *error) {
     e->plane = td_alloc(td_pixels(w->camera), sizeof *e->plane, error);
     e->flow = e->plane ? td_alloc(2 * td_pixels(w->camera), sizeof *e->flow, error) : NULL;
     e->times = e->flow ? td_alloc(2 * w->set->truths, sizeof *e->times, error) : NULL;
-    tides_status status = e->times ? td_text_in_folder(&e->poses, w->folder, "poses.txt", error) : TIDES_NO_MEMORY;
+    for (int i = 0; i < 2; i++) e->taken[i] = e->times ? td_alloc(w->set->pictures, sizeof(double), error) : NULL;
+    tides_status status = e->taken[0] && e->taken[1] ? TIDES_OK : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) status = td_text_in_folder(&e->poses, w->folder, "poses.txt", error);
     for (int i = 0; i < FILES && status == TIDES_OK; i++)
         if ((i > P || w->camera->event >= 0) && (i != CLASSICAL || w->camera->picture >= 0)) status = open_file(w, i, error);
     return status == TIDES_OK && e->file[T] ? begin_columns(e, error) : status;
@@ -78,10 +83,16 @@ static tides_status put(td_writer *w, int which, const char *kind, size_t index,
 }
 
 static tides_status picture(td_writer *w, const td_picture *p, tides_error *error) {
-    return put(w, CLASSICAL, "classical", p->index, "'|u1'", 1, 3, p->rgb, error);
+    evimo *e = w->state;
+    const size_t each = td_pictures_per_truth(w->set), number = p->index / each;
+    const int between = p->index % each != 0 || number >= w->set->truths;
+    e->taken[between][e->pictures[between]++] = td_seconds(p->us);
+    return put(w, CLASSICAL, between ? "between" : "classical", between ? p->index : number, "'|u1'", 1, 3, p->rgb, error);
 }
 
-static size_t number_of(const td_writer *w, const td_truth *t) { return t->index * td_pictures_per_truth(w->set); }
+static tides_status put_times(evimo *e, int which, const char *name, const double *times, size_t count, tides_error *error) {
+    return td_npy_writer_put(e->file[which], name, "'<f8'", 8, 1, NULL, times, count, error);
+}
 
 static tides_status put_flow(td_writer *w, const td_truth *t, tides_error *error) {
     evimo *e = w->state;
@@ -91,7 +102,7 @@ static tides_status put_flow(td_writer *w, const td_truth *t, tides_error *error
     }
     e->times[e->flows] = td_seconds(t->us);
     e->times[w->set->truths + e->flows++] = td_seconds(t->next_us);
-    return put(w, FLOW, "flow", number_of(w, t), "'<f4'", 4, 2, e->flow, error);
+    return put(w, FLOW, "flow", t->index, "'<f4'", 4, 2, e->flow, error);
 }
 
 static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
@@ -99,12 +110,12 @@ static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
     td_place_at place;
     tides_status status = td_place(w->camera, t->us, &place, error);
     if (status != TIDES_OK) return status;
-    td_evimo_frame(&e->meta, w, number_of(w, t), &place);
+    td_evimo_frame(&e->meta, w, t->index, &place, w->camera->picture >= 0);
     td_depth_16(w->set, w->camera, t->depth, 1000, e->plane);
-    status = put(w, DEPTH, "depth", number_of(w, t), "'<u2'", 2, 0, e->plane, error);
+    status = put(w, DEPTH, "depth", t->index, "'<u2'", 2, 0, e->plane, error);
     for (size_t i = 0; i < td_pixels(w->camera); i++)
         e->plane[i] = t->instance[i] >= 0 && t->instance[i] < 65 ? (uint16_t)(1000 * (int)(t->instance[i] + 1)) : 0;
-    if (status == TIDES_OK) status = put(w, MASK, "mask", number_of(w, t), "'<u2'", 2, 0, e->plane, error);
+    if (status == TIDES_OK) status = put(w, MASK, "mask", t->index, "'<u2'", 2, 0, e->plane, error);
     return status == TIDES_OK && t->next_u ? put_flow(w, t, error) : status;
 }
 
@@ -143,6 +154,8 @@ static void drop(td_writer *w) {
     for (int i = 0; i < FILES; i++) td_npy_writer_discard(e->file[i]);
     td_text_drop(&e->poses);
     td_pickler_drop(&e->meta.pickler);
+    free(e->taken[0]);
+    free(e->taken[1]);
     free(e->times);
     free(e->flow);
     free(e->plane);
@@ -152,9 +165,11 @@ static void drop(td_writer *w) {
 
 static tides_status end(td_writer *w, tides_error *error) {
     evimo *e = w->state;
-    tides_status status = td_npy_writer_put(e->file[FLOW], "t", "'<f8'", 8, 1, NULL, e->times, e->flows, error);
-    if (status == TIDES_OK)
-        status = td_npy_writer_put(e->file[FLOW], "t_end", "'<f8'", 8, 1, NULL, e->times + w->set->truths, e->flows, error);
+    tides_status status = put_times(e, FLOW, "t", e->times, e->flows, error);
+    if (status == TIDES_OK) status = put_times(e, FLOW, "t_end", e->times + w->set->truths, e->flows, error);
+    if (status == TIDES_OK && e->file[CLASSICAL]) status = put_times(e, CLASSICAL, "t", e->taken[0], e->pictures[0], error);
+    if (status == TIDES_OK && e->file[CLASSICAL])
+        status = put_times(e, CLASSICAL, "t_between", e->taken[1], e->pictures[1], error);
     for (int i = 0; i < FILES && status == TIDES_OK; i++) {
         if (e->file[i]) status = td_npy_writer_close(e->file[i], error);
         e->file[i] = NULL;

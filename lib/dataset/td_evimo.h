@@ -14,9 +14,10 @@ typedef struct td_evimo_meta {
 } td_evimo_meta;
 
 void td_evimo_begin(td_evimo_meta *meta, tides_error *error);
+/* Of the camera and, in its axes, of all objects. `picture`: whether there is one of the same number. */
 void td_evimo_pose(td_evimo_meta *meta, const td_writer *w, const td_place_at *at);
 void td_evimo_imu(td_evimo_meta *meta, const td_writer *w, const tides_imu_sample *sample);
-void td_evimo_frame(td_evimo_meta *meta, const td_writer *w, size_t id, const td_place_at *at);
+void td_evimo_frame(td_evimo_meta *meta, const td_writer *w, size_t id, const td_place_at *at, int32_t picture);
 
 /* Into `npy` as "meta"; all is freed. The status of all since the beginning. */
 tides_status td_evimo_end(td_evimo_meta *meta, const td_writer *w, td_npy_writer *npy);

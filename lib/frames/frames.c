@@ -89,6 +89,9 @@ static tides_status check_options(const tides_frames_options *o, tides_error *er
     if (!(o->frames_per_second >= 0 && o->frames_per_second <= 1e9))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_frames_open: frames_per_second = %.9g; it must lie in [0, 1e9]",
                        o->frames_per_second);
+    if (!(o->full_scale >= 0 && o->full_scale <= 1e19))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_frames_open: full_scale = %.9g; it must lie in [0, 1e19]",
+                       o->full_scale);
     return TIDES_OK;
 }
 
@@ -107,6 +110,7 @@ tides_status tides_frames_open(const char *path, const tides_frames_options *opt
     made->path = td_strdup(path, error);
     status = made->path ? td_kind_judge(path, TD_WANTS_FRAMES, open_source(made, error), error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK) status = td_frames_times(made, error);
+    if (status == TIDES_OK) status = td_frames_range(made, error);
     made->options.timestamps = NULL; /* the caller's; read by now */
     if (status == TIDES_OK)
         *frames = made;
@@ -144,6 +148,7 @@ tides_status tides_frames_from_memory(const double *Y, const double *times, size
     if (!made) return TIDES_NO_MEMORY;
     tides_frames_options_defaults(&made->options);
     made->source = &memory;
+    made->bound = INFINITY;
     made->path = td_strdup("frames in memory", error);
     made->times = td_alloc(count, sizeof *made->times, error);
     const double **state = td_alloc(1, sizeof *state, error);
@@ -184,7 +189,9 @@ tides_status tides_frames_read(tides_frames *frames, size_t index, double *Y, ti
     if (index >= frames->count)
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: there is no frame %zu; it has %zu, from 0 on", frames->path, index,
                        frames->count);
+    frames->seen = (td_frame_seen){0, 0};
     tides_status status = frames->source->read(frames, index, Y, error);
+    if (status == TIDES_OK) status = td_frames_in_range(frames, index, error);
     size_t pixels = (size_t)frames->width * (size_t)frames->height, values = td_frames_values(frames);
     for (size_t i = 0; status == TIDES_OK && i < values; i++)
         if (!(Y[i] >= 0) || isinf(Y[i]))

@@ -95,14 +95,17 @@ static tides_status read_picture(const folder *f, size_t index, td_picture_value
     return f->exr ? read_exr(f->list.files[index], picture, error) : td_frame_png(f->list.files[index], picture, error);
 }
 
+/* The largest stored value; floats are stored as they are. */
+static double most_of(const td_picture_values *picture) { return picture->bits == 16 ? 65535 : picture->bits ? 255 : 1; }
+
 static tides_status read_frame(tides_frames *frames, size_t index, double *Y, tides_error *error) {
     const folder *f = frames->state;
     td_picture_values picture = {.values = NULL};
     tides_status status = read_picture(f, index, &picture, error);
     if (status != TIDES_OK) return status;
     if (picture.width == frames->width && picture.height == frames->height)
-        td_frame_luminance(&frames->options, picture.values, picture.channels, (size_t)picture.width * (size_t)picture.height,
-                           Y);
+        td_frame_luminance(frames, picture.values, most_of(&picture), picture.channels,
+                           (size_t)picture.width * (size_t)picture.height, Y);
     else
         status = td_fail(error, TIDES_BAD_FILE, "%s: is %d x %d px, but the first frame is %d x %d", f->list.files[index],
                          picture.width, picture.height, frames->width, frames->height);
@@ -122,6 +125,7 @@ tides_status td_frames_folder(tides_frames *frames, tides_error *error) {
     if (status == TIDES_OK)
         status =
             td_frames_take_shape(frames, f->list.files[0], f->list.count, (size_t)first.height, (size_t)first.width, error);
+    if (status == TIDES_OK && first.bits) frames->most = most_of(&first);
     free(first.values);
     return status;
 }

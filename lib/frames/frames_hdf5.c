@@ -59,8 +59,7 @@ static tides_status read_frame(tides_frames *frames, size_t index, double *Y, ti
     H5E_BEGIN_TRY { status = read_slab(frames, index, Y, error); }
     H5E_END_TRY
     if (status != TIDES_OK) return status;
-    for (size_t i = 0, values = td_frames_values(frames); i < values; i++)
-        Y[i] = td_frame_decode(&frames->options, f->scale * Y[i]);
+    for (size_t i = 0, values = td_frames_values(frames); i < values; i++) Y[i] = td_frame_light(frames, Y[i], f->scale * Y[i]);
     return TIDES_OK;
 }
 
@@ -76,15 +75,16 @@ static tides_status read_times(tides_frames *frames, hid_t data, tides_error *er
     return TIDES_OK;
 }
 
-/* Integers count to 1 at their type's largest value; 0 where the values are no numbers. */
-static double scale_of(hid_t data) {
+/* Integers count to 1 at their type's largest value, `most`; 0 where the values are no numbers. */
+static double scale_of(hid_t data, double *most) {
     hid_t type = H5Dget_type(data);
     double scale = 0;
     H5T_class_t class = type >= 0 ? H5Tget_class(type) : H5T_NO_CLASS;
     if (class == H5T_FLOAT) scale = 1;
     if (class == H5T_INTEGER) {
         int bits = (int)(8 * H5Tget_size(type)) - (H5Tget_sign(type) == H5T_SGN_2);
-        scale = 1.0 / (ldexp(1.0, bits) - 1.0);
+        *most = ldexp(1.0, bits) - 1.0;
+        scale = 1.0 / *most;
     }
     if (type >= 0) H5Tclose(type);
     return scale;
@@ -104,7 +104,7 @@ static tides_status open_data(tides_frames *frames, hdf5_file *f, tides_error *e
     if (f->file < 0) return td_fail(error, TIDES_BAD_FILE, "%s: isn't an HDF5 file, or is damaged", frames->path);
     f->data = open_first(f->file, td_frame_arrays);
     if (f->data < 0) return td_fail(error, TIDES_BAD_FILE, "%s: has no dataset Y, frames, images or voxels", frames->path);
-    f->scale = scale_of(f->data);
+    f->scale = scale_of(f->data, &frames->most);
     const int rank = shape_of(f->data, shape);
     if (rank < 0 || !(f->scale > 0))
         return td_fail(error, TIDES_BAD_FILE, "%s: its frames aren't an array of numbers", frames->path);

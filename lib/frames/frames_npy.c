@@ -34,7 +34,7 @@ static tides_status read_frame(tides_frames *frames, size_t index, double *Y, ti
         double value = 0;
         if (!td_npy_number(f->array, field, index * values + i, &value))
             return td_fail(error, TIDES_BAD_FILE, "%s: frames of %s aren't numbers", frames->path, f->array->dtype);
-        Y[i] = td_frame_decode(&frames->options, f->scale * value);
+        Y[i] = td_frame_light(frames, value, f->scale * value);
     }
     return TIDES_OK;
 }
@@ -60,11 +60,13 @@ static tides_status read_times(tides_frames *frames, td_npz *npz, tides_error *e
     return TIDES_OK;
 }
 
-/* Integers count to 1 at their type's largest value. */
-static double scale_of(const td_npy_array *array) {
+/* Integers count to 1 at their type's largest value, `most`, and what is true or false to 1. */
+static double scale_of(const td_npy_array *array, double *most) {
     const td_npy_field *field = td_npy_find_field(array, "");
+    if (field && field->kind == 'b') *most = 1;
     if (!field || !strchr("iu", field->kind)) return 1.0;
-    return 1.0 / (ldexp(1.0, (int)(8 * field->bytes) - (field->kind == 'i')) - 1.0);
+    *most = ldexp(1.0, (int)(8 * field->bytes) - (field->kind == 'i')) - 1.0;
+    return 1.0 / *most;
 }
 
 tides_status td_frames_npy(tides_frames *frames, tides_error *error) {
@@ -80,6 +82,6 @@ tides_status td_frames_npy(tides_frames *frames, tides_error *error) {
     status = td_npz_get(f->npz, name, &f->array, error);
     if (status == TIDES_OK) status = td_frames_take_dims(frames, frames->path, f->array->shape, f->array->ndim, error);
     if (status != TIDES_OK) return status;
-    f->scale = frames->options.planes > 1 ? 1 : scale_of(f->array); /* of voxels integers are counts */
+    f->scale = frames->options.planes > 1 ? 1 : scale_of(f->array, &frames->most); /* of voxels integers are counts */
     return read_times(frames, f->npz, error);
 }

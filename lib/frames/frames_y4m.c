@@ -191,7 +191,7 @@ static tides_status read_frame(tides_frames *frames, size_t index, double *Y, ti
     if (fseeko(v->file, v->at[index], SEEK_SET) != 0 || fread(v->samples, 1, v->bytes, v->file) != v->bytes)
         return td_fail(error, TIDES_BAD_FILE, "%s: frame %zu can't be read", name_of(frames), index);
     to_values(v);
-    td_frame_luminance(&frames->options, v->values, v->is_mono ? 1 : 3, (size_t)v->width * (size_t)v->height, Y);
+    td_frame_luminance(frames, v->values, 1, v->is_mono ? 1 : 3, (size_t)v->width * (size_t)v->height, Y);
     return TIDES_OK;
 }
 
@@ -231,6 +231,7 @@ tides_status td_frames_y4m(tides_frames *frames, tides_error *error) {
     struct stat facts;
     video *v = td_alloc(1, sizeof *v, error);
     if (!v) return TIDES_NO_MEMORY;
+    frames->most = -1; /* the header says bits and range */
     frames->source = &source;
     frames->state = v;
     v->is_own = strcmp(frames->path, "-") != 0;

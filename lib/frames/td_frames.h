@@ -9,6 +9,12 @@
 /* A side in pixels is at most this: events have 16 bits, and cameras are smaller. */
 enum { TD_FRAME_SIDE_MAX = 16384, TD_FRAME_PLANES_MAX = 4096, TD_FRAME_DIMS_MAX = 6 };
 
+/* What stored values were, of the frames read since it was cleared. */
+typedef struct td_frame_seen {
+    double largest;
+    int32_t whole; /* 1: all were whole numbers */
+} td_frame_seen;
+
 /* Where pixels come from. */
 typedef struct td_frame_source {
     tides_status (*read)(tides_frames *frames, size_t index, double *Y, tides_error *error);
@@ -25,6 +31,11 @@ struct tides_frames {
     double *times;  /* [s] (count); as they are stored until td_frames_times */
     int32_t stored; /* 1: they are a file's own numbers, whose unit is to be found */
     int32_t digits; /* 10^digits [ns] are that unit, where the file says it; -1: it doesn't */
+    double most;    /* largest value of the stored type; 0: floats; negative: the format itself says what 1 is */
+    double full;    /* the stored value that is light 1; 0: the type's largest, floats' 1 */
+    double bound;   /* a stored value beyond it contradicts what was decided */
+    td_frame_seen seen;
+    char note[400];
 };
 
 /* One file's values, as stored but for their scale: integers in [0, 1]. */
@@ -42,9 +53,14 @@ tides_status td_frame_png(const char *path, td_picture_values *picture, tides_er
 int td_frames_is(const char *path);
 int td_frames_is_video(const char *path); /* .y4m, or "-" for one from a pipe */
 
-/* frame_values.c: one stored value to linear light; stored values (count x channels) to luminance. */
-double td_frame_decode(const tides_frames_options *options, double value);
-void td_frame_luminance(const tides_frames_options *options, const float *values, int32_t channels, size_t count, double *Y);
+/* frame_values.c: one value as stored, and with 1 at its type's largest, to linear light; the same of a picture (count x
+ * channels), whose type's largest is `unit`, to luminance. */
+double td_frame_light(tides_frames *frames, double stored, double value);
+void td_frame_luminance(tides_frames *frames, const float *values, double unit, int32_t channels, size_t count, double *Y);
+
+/* frame_range.c: decides what full scale is, by frames all over the sequence; and whether a frame that was read agrees. */
+tides_status td_frames_range(tides_frames *frames, tides_error *error);
+tides_status td_frames_in_range(const tides_frames *frames, size_t index, tides_error *error);
 
 /* The sources fill count, size and state of `frames`, and times where the file has them; each checks what it reads. */
 tides_status td_frames_folder(tides_frames *frames, tides_error *error); /* frames_folder.c */

@@ -115,7 +115,7 @@ const td_param td_params[] = {
 
     {NUMBER("time.start", start, "s", -LAST_SECOND, LAST_SECOND,
             "where the run begins; pixels rest at the signal of this moment")},
-    {NUMBER("time.stop", stop, "s", -LAST_SECOND, LAST_SECOND, "where the run ends")},
+    {NUMBER("time.stop", stop, "s", -LAST_SECOND, LAST_SECOND, "where the run ends; of frames, unless given, with the last")},
 
     {CHOICE("image.rules", image.rules, "smooth|inria|gsplat", "whose cutoffs form the image; smooth has no jumps in time")},
     {CHOICE("image.antialias", image.antialias, "file|true|false",
@@ -241,6 +241,9 @@ const td_param td_params[] = {
             "frame k is at k / rate; null where frames have times"),
      .fallback = "null"},
     {CHOICE("frames.transfer", frames.transfer, "linear|srgb", "srgb: values are decoded to linear light first")},
+    {NUMBER("frames.full_scale", frames.full_scale, "", 1e-9, 1e19,
+            "stored value that is light 1; null: integers' largest, floats' 1, or as values tell"),
+     .fallback = "null"},
     {BOOLEAN("frames.rebase", frames.rebase, "put the first frame at time 0")},
     {NUMBER("frames.offset_s", frames.offset_s, "s", -1e10, 1e10, "add this to the frames' times, after frames.rebase")},
 
@@ -258,7 +261,7 @@ const td_param td_params[] = {
     {NUMBER("exposure.gamma", exposure.gamma, "", 0.1, 10, "linear: values go as light^(1 / gamma)")},
     {NUMBER("exposure.gain", exposure.gain, "", 1e-9, 1e9, "values are at full scale where light times this is 1")},
     {NUMBER("exposure.full_well_e", exposure.full_well_e, "e-", 0, 1e9,
-            "electrons at full scale, for shot noise; 0: no noise")},
+            "electrons at full scale, for shot noise: Poisson's, from 100 e- on a rounded normal; 0: none")},
     {NUMBER("exposure.read_noise_e", exposure.read_noise_e, "e-", 0, 1e9, "electrons, rms, that reading adds")},
 
     {NUMBER("imu.rate_hz", imu.rate_hz, "Hz", 1e-3, 1e6, "samples a second that tides imu writes")},

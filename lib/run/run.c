@@ -57,7 +57,7 @@ static tides_status check_whole(const tides_run *run, tides_error *error) {
         return td_fail(error, TIDES_BAD_CONFIG,
                        "%s: method \"ldati\" takes voxel grids: name their .npy, .npz or .h5 in frames.file", run->origin);
     double start = td_run_number(run, "time.start"), stop = td_run_number(run, "time.stop");
-    if (stop <= start)
+    if (stop <= start && !(frames && !tides_run_gives(run, "time.stop"))) /* then they say when it ends */
         return td_fail(error, TIDES_BAD_CONFIG, "%s: time.stop = %.15g s is not after time.start = %.15g s", run->origin, stop,
                        start);
     const char *mode = run_text(run, "stepping.mode"), *model = run_text(run, "stepping.model");
@@ -250,21 +250,17 @@ tides_status tides_run_parse(const char *text, const char *directory, const char
     return parse(text, strlen(text), "run", directory ? directory : "", overrides, count, run, error);
 }
 
-tides_status td_note(char **notes, tides_error *error, const char *format, ...) {
+tides_status td_add_note(char **notes, tides_error *error, const char *format, ...) {
     char line[2048];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(line, sizeof line, format, arguments);
     va_end(arguments);
-    char *made = td_format(error, "%s%s%s", *notes ? *notes : "", *notes ? "\n" : "", line);
-    if (!made) return TIDES_NO_MEMORY;
-    free(*notes);
-    *notes = made;
-    return TIDES_OK;
+    return td_note(notes, line, error);
 }
 
 tides_status td_run_note(tides_run *run, const char *line, tides_error *error) {
-    return td_note(&run->notes, error, "%s", line);
+    return td_add_note(&run->notes, error, "%s", line);
 }
 
 const char *tides_run_notes(const tides_run *run) { return run && run->notes ? run->notes : ""; }

@@ -28,11 +28,19 @@ void tides_session_close(tides_session *session) {
 
 /* -- opening  */
 
-/* A video's run ends with it, unless its file says when. */
-static void end_with_video(tides_session_facts *facts, const tides_frames *frames) {
-    if (!frames || !td_run_is_video(facts->values.frames_file) || tides_run_gives(facts->run, "time.stop")) return;
-    const double last = tides_frames_time(frames, tides_frames_count(frames) - 1);
-    if (last > facts->values.start) facts->values.stop = last;
+/* A run of frames begins and ends with them, unless its file says when. */
+static tides_status take_span(tides_session_facts *facts, const tides_frames *frames, tides_error *error) {
+    if (!frames) return TIDES_OK;
+    tides_run_values *v = &facts->values;
+    const double lasts = tides_frames_planes(frames) > 1 ? 1 / v->baseline.ldati.fps : 0; /* of a voxel grid */
+    const double first = tides_frames_time(frames, 0), last = tides_frames_time(frames, tides_frames_count(frames) - 1) + lasts;
+    const int32_t ends = tides_run_gives(facts->run, "time.stop");
+    if (!ends) v->stop = last;
+    if (!tides_run_gives(facts->run, "time.start") && first < v->stop) v->start = first;
+    if (v->start < v->stop) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_CONFIG, "%s: time.start = %.15g s is not before %s at %.15g s; %s", facts->run->origin,
+                   v->start, ends ? "time.stop" : "the last frame,", v->stop,
+                   ends ? "frames begin later, too" : "there must be two frames, and time.start before the last");
 }
 
 static tides_status open_frames(tides_session *s, tides_error *error) {
@@ -40,9 +48,8 @@ static tides_status open_frames(tides_session *s, tides_error *error) {
     tides_status status = tides_run_open_frames(facts->run, &s->frames, error);
     if (status != TIDES_OK) return status;
     tides_frames_size(s->frames, &facts->intrinsics.width, &facts->intrinsics.height);
-    end_with_video(facts, s->frames);
     snprintf(facts->info.name, sizeof facts->info.name, "none: frames from %s", facts->values.frames_file);
-    return TIDES_OK;
+    return take_span(facts, s->frames, error);
 }
 
 /* `spec` wins over the run file, which wins over TIDES_DEVICE; "auto" is what a run file says to leave it open. */
@@ -175,7 +182,11 @@ tides_status tides_session_vary(const tides_session *base, const char *const *ov
     made->facts.camera = made->camera;
     made->facts.run = made->run;
     tides_run_get(made->run, &made->facts.values);
-    end_with_video(&made->facts, made->frames);
+    status = take_span(&made->facts, made->frames, error);
+    if (status != TIDES_OK) {
+        tides_session_close(made);
+        return status;
+    }
     made->facts.sees_frames = made->frames || made->facts.values.baseline.method != TIDES_METHOD_TIDES;
     *session = made;
     return TIDES_OK;

@@ -309,14 +309,16 @@ tides_progress = CFUNCTYPE(c_int, c_void_p, c_double, c_char_p)
 class tides_frames_options(Structure):
     """uint32_t size;
     int32_t transfer; /* TIDES_TRANSFER_* */
-    int32_t unit; /* TIDES_TIME_* of timestamp files and of arrays with times; AUTO: microseconds in
-    image_timestamps.txt (DSEC), seconds in any other */
+    int32_t unit; /* TIDES_TIME_* of timestamp files and of arrays with times; AUTO: as its header says, else
+    microseconds in image_timestamps.txt (DSEC), else the unit in which frames come 1 to 1000
+    times a second, or count from 1970 */
     int32_t rebase; /* 1: the first frame's time becomes 0 */
     const char *timestamps; /* text file with one time per line, beside names or an index, with a header or not; or NULL */
     double frames_per_second; /* [Hz]: frame k is at k / rate; 0: not given */
     double luminance[3]; /* weights of r, g, b */
     int32_t planes; /* 1: luminance; more: arrays of so many values per pixel, taken as they are (voxel grids) */
     double offset_s; /* [s] added to all times, after `rebase` */
+    double full_scale; /* the stored value that is light 1; 0: as above */
     """
 
     size: int
@@ -328,6 +330,7 @@ class tides_frames_options(Structure):
     luminance: Any
     planes: int
     offset_s: float
+    full_scale: float
 
     _fields_ = [
         ("size", c_uint32),
@@ -339,6 +342,7 @@ class tides_frames_options(Structure):
         ("luminance", c_double * 3),
         ("planes", c_int32),
         ("offset_s", c_double),
+        ("full_scale", c_double),
     ]
 
 
@@ -2105,7 +2109,7 @@ class tides_exposure(Structure):
     int32_t reserved;
     double gamma; /* with TIDES_TRANSFER_LINEAR: values go as light^(1 / gamma), 1 being full scale */
     double gain; /* values are at full scale where light times gain is 1 */
-    double full_well_e; /* electrons at full scale, whose number is Poisson's: shot noise; 0: none */
+    double full_well_e; /* electrons at full scale, for shot noise; 0: none */
     double read_noise_e; /* electrons, rms, added to each value; asks for full_well_e */
     uint64_t seed; /* of noise */
     """
@@ -3529,6 +3533,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_frames_from_memory": (c_int32, [
         P(c_double), P(c_double), c_size_t, c_int32, c_int32, P(P(tides_frames)), P(tides_error)
     ], "Y times count width height frames error"),
+    # const char *tides_frames_note(const tides_frames *frames)
+    "tides_frames_note": (c_char_p, [P(tides_frames)], "frames"),
     # tides_status tides_frames_open(const char *path, const tides_frames_options *options, tides_frames **frames,
     # tides_error *error)
     "tides_frames_open": (c_int32, [
@@ -4144,9 +4150,9 @@ STRUCTS = (
     tides_event_reading, tides_event_summary, tides_event_conversion, tides_event_conversion_report, tides_readout,
     tides_readout_stats, tides_pose_sample, tides_pose, tides_orbit, tides_dolly, tides_handheld, tides_lens,
     tides_intrinsics, tides_path_options, tides_path, tides_device_info, tides_polynomial_motion, tides_rotor_motion,
-    tides_keyframes_motion, tides_theta, tides_callback_motion, tides_gaussians, tides_object, tides_circuit,
-    tides_sensor, tides_smoothing, tides_image_params, tides_frame, tides_render_stats, tides_risk, tides_stepping,
-    tides_stats, tides_stat, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params,
+    tides_keyframes_motion, tides_theta, tides_callback_motion, tides_gaussians, tides_scene_options, tides_object,
+    tides_circuit, tides_sensor, tides_smoothing, tides_image_params, tides_frame, tides_render_stats, tides_risk,
+    tides_stepping, tides_stats, tides_stat, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params,
     tides_baseline_params, tides_frame_supply, tides_exposure, tides_exposed, tides_imu, tides_imu_sample, tides_param,
     tides_run_values, tides_rig_camera, tides_session_facts, tides_session_taken, tides_recording, tides_recorded,
     tides_dataset_layout, tides_dataset_report, tides_generator, tides_generate_options, tides_world, tides_channel,

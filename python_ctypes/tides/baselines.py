@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from . import _api
-from ._call import array, call, kept, path, pointer
+from ._call import array, call, kept, path, pointer, text
 from ._handle import Handle
 from ._library import lib
 from ._progress import Progress, Reporter
@@ -19,9 +19,13 @@ from .render import Renderer
 from .simulate import _Collector
 
 
+# As lib/frames/frame_range.c has it: floats beyond that aren't of a scale of 1.
+_BRIGHT = 16
+
+
 class FramesOptions(Value, _api.tides_frames_options):
     """transfer ("linear", "srgb"), unit ("auto", "s", "ms", "us", "ns"), rebase, timestamps (a file), frames_per_second [Hz],
-    luminance (3), planes (1; 20: voxel grids of LDATI)."""
+    luminance (3), planes (1; 20: voxel grids of LDATI), full_scale (the stored value that is light 1; 0: by type and values)."""
 
     _defaults, _groups = "tides_frames_options_defaults", ("frames.",)
     _words = {"transfer": "TIDES_TRANSFER_", "unit": "TIDES_TIME_"}
@@ -46,6 +50,11 @@ class Frames(Handle):
         lib.tides_frames_size(made, byref(width), byref(height))
         self.width, self.height, self.planes = width.value, height.value, lib.tides_frames_planes(made)
 
+    @property
+    def note(self) -> str:
+        """A line on which stored value was taken for full scale, where the values' look decided; else ""."""
+        return text(lib.tides_frames_note(self._pointer))
+
     @classmethod
     def _of(cls, made: Any) -> "Frames":
         frames = cls.__new__(cls)
@@ -53,8 +62,14 @@ class Frames(Handle):
         return frames
 
     @classmethod
-    def of(cls, luminance: Any, times: Any) -> "Frames":
-        """Luminance (n x height x width) at `times` (n) [s], without a copy where it is contiguous float64."""
+    def of(cls, luminance: Any, times: Any, full_scale: float | None = None) -> "Frames":
+        """Luminance (n x height x width) at `times` (n) [s], without a copy where it is contiguous float64 and full scale is 1.
+        Integers beyond 1 and floats beyond 16 want `full_scale`, the value that is light 1."""
+        given = np.asarray(luminance)
+        if full_scale is not None:
+            luminance = given / float(full_scale)
+        elif given.dtype.kind in "iuf" and given.size and np.nanmax(given) > (_BRIGHT if given.dtype.kind == "f" else 1):
+            raise ValueError(f"luminance: {given.dtype} up to {np.nanmax(given)}: give full_scale, the value that is light 1")
         luminance = array(luminance, np.float64, (None, None, None), "luminance")
         times = array(times, np.float64, (len(luminance),), "times")
         made = POINTER(_api.tides_frames)()

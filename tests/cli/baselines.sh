@@ -42,7 +42,7 @@ cmp -s v2e.txt other.txt && fail "the seed should matter"
 expect 0 tides simulate frames.json -q -o rate.h5 --set method=v2e --set frames.frames_per_second=500 --json
 [ "$(value out events)" = "$(value frames_v2e.json events)" ] || fail "500 Hz should be the same times"
 
-refuse 1 "0 of the frames" tides simulate frames.json -o e.h5 --set time.start=5 --set time.stop=6
+refuse 1 "nothing of that lies within time.start = 5" tides simulate frames.json -o e.h5 --set time.start=5 --set time.stop=6
 refuse 1 "no such file" tides simulate frames.json -o e.h5 --set frames.file=nowhere
 refuse 1 "scene.file and frames.file are both given" tides simulate run.json -o e.h5 --set frames.file=frames
 refuse 1 "esim.log_eps = 0 is out of range" tides simulate frames.json -o e.h5 --set esim.log_eps=0
@@ -68,10 +68,12 @@ expect 0 tides simulate voxels.json -q -o voxels.csv
 [ "$(tr '\n' ' ' <voxels.csv)" = "t,x@3,y@2,on 11111,1,0,1 33333,2,1,0 " ] || fail "LDATI: $(cat voxels.csv)"
 expect 0 tides simulate voxels.json -q -o slower.csv --set ldati.fps=10
 grep -q '^100000,2,1,0$' slower.csv || fail "ldati.fps sets the intervals' length"
-expect 0 tides simulate voxels.json -q -o half.csv --set time.stop=0.04
-[ "$(wc -l <half.csv)" = 2 ] || fail "an interval that isn't all in the run should be left out"
+expect 0 tides simulate voxels.json -q -o part.csv --set time.stop=0.04
+[ "$(wc -l <part.csv)" = 3 ] || fail "of an interval that isn't all in the run, what is"
+expect 0 tides simulate voxels.json -q -o part.csv --set time.stop=0.02
+[ "$(wc -l <part.csv)" = 2 ] || fail "no event after the run's end"
 refuse 1 "method \"ldati\" takes voxel grids" tides simulate run.json -o e.h5 --set method=ldati
-refuse 1 "at least one must" tides simulate voxels.json -o e.h5 --set time.stop=0.01
+refuse 1 "nothing of that lies within" tides simulate voxels.json -o e.h5 --set time.start=1 --set time.stop=2
 refuse 1 "frames have the shape" tides simulate voxels.json -o e.h5 --set method=v2e --set frames.frames_per_second=30
 refuse 1 "is a folder; voxel grids come from" tides simulate frames.json -o e.h5 --set method=ldati
 grids '2, 2, 5, 12' 19 54 >voxels.npy

@@ -109,48 +109,104 @@ def test_evimo(of, name):
         events, planes, info = loaders.evimo(worlds.camera_folder(world, "evimo", side))
         assert np.array_equal(events[:, 0], world.events[side]["t"] / 1e9)
         check_events(world.events[side]["t"] // 1000, *events[:, 1:].T, world.events[side])
-        assert list(planes["classical"]) == [0, 1, 2, 3, 4] and list(planes["depth"]) == [0, 2, 4]
+        assert [key for key in planes["classical"] if isinstance(key, int)] == [0, 1, 2] == list(planes["depth"])
+        assert planes["classical"]["t"].tolist() == world.times
+        assert planes["classical"]["t_between"].tolist() == [(world.us[0] + 25000 * k) / 1e6 for k in (1, 3)]
         assert np.array_equal(info["K"][:2, 2], [world.lens.cx - 0.5, world.lens.cy - 0.5])
     _, planes, info = loaders.evimo(worlds.camera_folder(world, "evimo", "left"))
     for k, wanted in enumerate(world.truth):
-        assert np.array_equal(planes["depth"][2 * k], np.round(1000 * METRES * wanted["depth_median"]))
-        assert np.array_equal(planes["mask"][2 * k] // 1000, wanted["instance"] + 1)
+        assert np.array_equal(planes["depth"][k], np.round(1000 * METRES * wanted["depth_median"]))
+        assert np.array_equal(planes["mask"][k] // 1000, wanted["instance"] + 1)
     for k, move in enumerate(world.forward):
-        assert np.array_equal(planes["flow"][2 * k], np.stack([move["u"], move["v"]], -1).astype(np.float32), equal_nan=True)
+        assert np.array_equal(planes["flow"][k], np.stack([move["u"], move["v"]], -1).astype(np.float32), equal_nan=True)
         assert (planes["flow"]["t"][k], planes["flow"]["t_end"][k]) == (world.times[k], world.times[k + 1])
     meta, metres = info["meta"].item(), worlds.METRES
-    assert [frame["id"] for frame in meta["frames"]] == [0, 2, 4] == [key for key in planes["mask"]]
+    assert [frame["id"] for frame in meta["frames"]] == [0, 1, 2] == [key for key in planes["mask"]]
+    assert [frame["classical_frame"] for frame in meta["frames"]] == [f"img_{k}.png" for k in range(3)]
     for frame, t, pose in zip(meta["frames"], world.times, world.poses):
         place, turn = frame["cam"]["pos"]["t"], frame["cam"]["pos"]["q"]
         assert frame["ts"] == frame["cam"]["ts"] == t
         assert np.allclose([place[k] for k in "xyz"], metres * pose.position, atol=1e-12)
         w, *v = (turn[k] for k in "wxyz")
-        assert np.allclose((2 * w * w - 1) * np.eye(3) + 2 * np.outer(v, v) + 2 * w * np.cross(np.eye(3), v).T, pose.rotation)
+        assert np.allclose((2 * w * w - 1) * np.eye(3) + 2 * np.outer(v, v) + 2 * w * np.cross(np.eye(3), v), pose.rotation)
         r, p, y = (frame["cam"]["pos"]["rpy"][k] for k in "rpy")
         assert np.allclose(pose.rotation[:, 0], [np.cos(y) * np.cos(p), np.sin(y) * np.cos(p), -np.sin(p)])
         assert np.allclose(pose.rotation[2, 1:], [np.cos(p) * np.sin(r), np.cos(p) * np.cos(r)])
     assert [one["ts"] for one in meta["full_trajectory"]] == [(world.us[0] + 5000 * k) / 1e6 for k in range(21)]
     (samples,) = meta["imu"].values()
     assert set(samples[0]) == {"ts", "angular_velocity", "linear_acceleration"} and samples[0]["ts"] == world.times[0]
-    sizes = {"res_x": world.lens.width, "res_y": world.lens.height, "num_frames": 3, "fx": world.lens.fx}
+    sizes = {"res_x": world.lens.width, "res_y": world.lens.height, "num_frames": 3, "fx": world.lens.fx, "ros_time_offset": 0}
     assert {key: meta["meta"][key] for key in sizes} == sizes
     lens = world.lens.lens
-    assert info["D"][:4].tolist() == [lens.k1, lens.k2, lens.p1, lens.p2]
+    assert info["D"][:4].tolist() == [lens.k1, lens.k2, lens.p1, lens.p2] == [meta["meta"][key] for key in ("k1", "k2", "p1", "p2")]
+    assert (meta["meta"]["k3"], meta["meta"]["k4"], meta["meta"]["dist_model"]) == (0, 0, "radtan")
+
+
+@every_world
+def test_evimo_flow_by_poses(of, name):
+    """What evimo_flow and ETAP make of depth, masks and objects' poses is the displacement that the layout has."""
+    world = of(name)
+    at = worlds.camera_folder(world, "evimo", "left")
+    flows = loaders.evimo(at)[1]["flow"]
+    for first in (0, 1):
+        for k, mask, moved in loaders.evimo_tracks(at, first):
+            if k != first + 1:
+                continue
+            y, x = np.indices(mask.shape)
+            gone = moved - np.stack([x, y], -1)
+            known = np.isfinite(flows[first]).all(-1)
+            assert known.any() and np.array_equal(known & (mask > 0), known) and np.isfinite(gone[known]).all()
+            if name == "moving":
+                assert set(np.unique(mask[known])) == {1000, 2000}
+            off = np.abs(gone - flows[first]).max(-1)  # at edges a mask's splat isn't always the flow's
+            assert all(np.median(off[known & (mask == one)]) < 0.02 for one in np.unique(mask[known]))
+            assert np.quantile(off[known], 0.9) < 0.1
 
 
 @every_world
 def test_blinkflow(of, name):
-    h5py, world = readers.import_client("h5py"), of(name)
+    """A flow is put beside the events of its own time, which its file and config.yaml count from one zero."""
+    world = of(name)
     for side in world.sides:
-        with h5py.File(worlds.camera_folder(world, "blinkflow", side) / "events_left/events.h5") as file:
-            t, *rest = (file[f"events/{column}"][()].astype(np.int64) for column in "txyp")
-            check_events(t + int(file["t_offset"][()]), *rest, world.events[side])
+        pairs = loaders.blinkflow(worlds.camera_folder(world, "blinkflow", side))
+        assert len(pairs) == len(world.forward)
+        for k, (_, got) in enumerate(pairs):
+            us = world.events[side]["t"] // 1000
+            inside = world.events[side][(us >= world.us[k]) & (us < world.us[k + 1])]
+            check_events(got["t"].astype(np.int64) + world.us[0], got["x"], got["y"], got["p"], inside)
+    pairs = loaders.blinkflow(worlds.camera_folder(world, "blinkflow", "left"))
     for k, move in enumerate(world.forward):
-        flow = np.load(worlds.camera_folder(world, "blinkflow", "left") / f"forward_flow/{k:06d}.npy")
+        flow = pairs[k][0]
         u, v, known = np.moveaxis(flow, -1, 0)
         assert flow.dtype == np.float32 and np.array_equal(known == 1, np.isfinite(move["u"]))
         assert np.array_equal(u, np.nan_to_num(move["u"]).astype(np.float32))
         assert np.array_equal(v, np.nan_to_num(move["v"]).astype(np.float32))
+
+
+@pytest.mark.parametrize("hz, exposure, start", [(10, 0, 0), (32, 0, 1), (20, 0.007, 1.0000004), (7, 0.002, 1.003)])
+def test_blinkflow_is_beside_its_events(tmp_path, hz, exposure, start):
+    """Whatever rate, start and exposure: the flow and the events that the loader pairs are of one time."""
+    worlds.save_run(tmp_path)
+    settings = {"dataset.truth_hz": hz, "dataset.picture_hz": hz, "exposure.exposure_s": exposure, "time.start": start}
+    settings |= {"time.stop": start + 0.32, "camera.start_s": 1 - start, "camera.file": "long.json"}
+    path = tides.Trajectory.orbit(radius=4, angular_speed=2, start=1, stop=1.5)
+    tides.Camera(path, tides.Intrinsics.from_fov(24, 18, 0.6)).save(tmp_path / "long.json")
+    with tides.Session(tmp_path / "run.json", settings, device="reference-f32") as session:
+        session.dataset(tmp_path / "set", ["blinkflow"])
+        events = session.simulate()
+        zero = int(np.ceil(round(1e9 * start) / 1000)) + round(5e5 * exposure)
+        pairs = loaders.blinkflow(tmp_path / "set")
+        assert len(pairs) == int((0.32 - exposure) * hz)
+        count = 0
+        with session.renderer() as renderer:
+            for k, (flow, got) in enumerate(pairs):
+                first, last = (zero + round(1e6 * (k + one) / hz) for one in (0, 1))
+                inside = events[(events["t"] >= 1000 * first) & (events["t"] < 1000 * last)]
+                count += len(inside)
+                check_events(got["t"].astype(np.int64), got["x"], got["y"], got["p"], shifted(inside, zero))
+                move = renderer.displacement(first / 1e6, last / 1e6)
+                assert np.array_equal(flow[..., 0], np.nan_to_num(move["u"]).astype(np.float32))
+        assert count > 0.7 * len(events) > 70
 
 
 @every_world

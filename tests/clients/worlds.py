@@ -33,6 +33,7 @@ WORLDS = {
     "one": {},
     "pixel": {**PIXEL, **SENSITIVE},
     "none": {"sensor.threshold_on": 50, "sensor.threshold_off": 50},
+    "moving": {"scene.file": "moving.h5"},
     "late": {"camera.start_s": 1 - LATE, "time.start": LATE, "time.stop": LATE + LENGTH},
 }
 
@@ -45,6 +46,11 @@ def save_run(folder):
     scene = tides.Scene()
     scene.add(cloud, name="cloud")
     scene.save(folder / "cloud.h5")
+    place = random.normal(size=(300, 3))
+    place *= 0.4 / np.linalg.norm(place, axis=1, keepdims=True)  # small splats on a ball: each moves as its points do
+    ball = tides.Gaussians.from_colours(place, np.full((300, 3), 0.06), random.uniform(0, 1, (300, 3)))
+    scene.add(ball, tides.Trajectory.orbit(target=(0, 1, 0), radius=1, angular_speed=-3, start=1, stop=1.2), name="ball")
+    scene.save(folder / "moving.h5")
     path = tides.Trajectory.orbit(radius=4, angular_speed=2, start=1, stop=1 + LENGTH + 0.01)
     tides.Camera(path, tides.Intrinsics.from_fov(24, 18, 0.6)).save(folder / "path.json")
     run = {

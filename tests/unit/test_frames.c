@@ -82,7 +82,8 @@ static void png_of_each_kind(void **state) {
     for (int kind = 0; kind < 8; kind++) {
         int colour = kind & 1, depth = kind & 2 ? 16 : 8, srgb = kind >> 2;
         double most = depth == 16 ? 65535 : 255;
-        write_png(in_folder(*state, "a.png"), colour, depth, 7, WIDTH);
+        const unsigned first = depth == 16 ? 30007 : 7; /* fills its type */
+        write_png(in_folder(*state, "a.png"), colour, depth, first, WIDTH);
         tides_frames_options options = at_rate(10);
         options.transfer = srgb ? TIDES_TRANSFER_SRGB : TIDES_TRANSFER_LINEAR;
         tides_frames *frames = open_frames(folder_path, &options);
@@ -92,7 +93,7 @@ static void png_of_each_kind(void **state) {
         for (int i = 0; i < PIXELS; i++) {
             double wanted = 0;
             for (int c = 0; c < (colour ? 3 : 1); c++) {
-                unsigned stored = 7u + 100u * (unsigned)(i * (colour ? 3 : 1) + c);
+                unsigned stored = first + 100u * (unsigned)(i * (colour ? 3 : 1) + c);
                 double v = (depth == 16 ? stored & 65535u : stored & 255u) / most;
                 wanted += (colour ? options.luminance[c] : 1.0) * (srgb ? decoded(v) : v);
             }
@@ -153,6 +154,7 @@ static void exr_channels(void **state) {
     }
     const tides_channel rgb[] = {{"R", r}, {"G", g}, {"B", b}}, y[] = {{"L", g}, {"Y", b}}, other[] = {{"Z", g}, {"R", r}};
     tides_frames_options options = at_rate(10);
+    options.full_scale = 1; /* as bright as that is asked about */
     const char *path = in_folder(*state, "a.exr");
     double Y[PIXELS];
     assert_int_equal(tides_exr_write(path, WIDTH, HEIGHT, rgb, 3, TIDES_EXR_ZIP, NULL, NULL), TIDES_OK);
@@ -265,9 +267,149 @@ static void structured_array(void **state) {
     assert_int_equal(td_npy_writer_begin(writer, "data", "[('a', '<f4'), ('b', '<f4')]", 8, 3, inner, &error), TIDES_OK);
     assert_int_equal(td_npy_writer_append(writer, fields, 2, &error), TIDES_OK);
     assert_int_equal(td_npy_writer_close(writer, &error), TIDES_OK);
+    refused(path, &options, TIDES_BAD_FILE, "aren't numbers");
+    options.full_scale = 1;
     tides_frames *frames = open_frames(path, &options);
     assert_int_equal(tides_frames_read(frames, 0, Y, &error), TIDES_BAD_FILE);
     assert_non_null(strstr(error.text, "aren't numbers"));
+    tides_frames_close(frames);
+}
+
+/* -- which stored value is full scale -------------------------------------------------------------------------------------- */
+
+/* Twenty frames of numbers up to `most` in each kind of file; only one in the middle is as bright. */
+enum { MANY = 20, BRIGHTEST = 9 };
+static const char *const number_files[] = {"f.npy", "f.npz", "f.h5", "exr"};
+enum { NUMBER_FILES = sizeof number_files / sizeof *number_files };
+
+static void fill_frames(double most, int whole, float values[MANY * PIXELS]) {
+    for (int i = 0; i < MANY * PIXELS; i++) {
+        const double v = i == BRIGHTEST * PIXELS + 4 ? most : most * (double)(i % 23) / 46;
+        values[i] = (float)(whole ? floor(v) : v);
+    }
+}
+
+static void write_array(const char *path, const char *dtype, hid_t type, size_t item, const void *values) {
+    if (strstr(path, ".h5")) {
+        const hsize_t shape[3] = {MANY, HEIGHT, WIDTH};
+        hid_t file = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), space = H5Screate_simple(3, shape, NULL);
+        hid_t data = H5Dcreate2(file, "frames", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+        assert_true(H5Dwrite(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
+        H5Dclose(data);
+        H5Sclose(space);
+        H5Fclose(file);
+        return;
+    }
+    const size_t inner[2] = {HEIGHT, WIDTH};
+    td_npy_writer *writer = NULL;
+    assert_int_equal(td_npy_writer_open(path, strstr(path, ".npz") != NULL, &writer, NULL), TIDES_OK);
+    assert_int_equal(td_npy_writer_put(writer, "frames", dtype, item, 3, inner, values, MANY, NULL), TIDES_OK);
+    assert_int_equal(td_npy_writer_close(writer, NULL), TIDES_OK);
+}
+
+static const char *write_floats(void **state, int kind, double most, int whole) {
+    static char path[640];
+    float values[MANY * PIXELS];
+    fill_frames(most, whole, values);
+    snprintf(path, sizeof path, "%s", kind < 3 ? in_folder(*state, number_files[kind]) : ((folder *)*state)->path);
+    if (kind < 3) {
+        write_array(path, "'<f4'", H5T_NATIVE_FLOAT, sizeof *values, values);
+        return path;
+    }
+    for (int k = 0; k < MANY; k++) {
+        char name[32];
+        snprintf(name, sizeof name, "f%02d.exr", k);
+        const tides_channel one[] = {{"Y", values + k * PIXELS}};
+        assert_int_equal(tides_exr_write(in_folder(*state, name), WIDTH, HEIGHT, one, 1, TIDES_EXR_ZIP, NULL, NULL), TIDES_OK);
+    }
+    return path;
+}
+
+static void brightest_is(tides_frames *frames, double wanted) {
+    double Y[PIXELS];
+    read_into(frames, BRIGHTEST, Y);
+    assert_true(fabs(Y[4] - wanted) < 1e-6 * wanted);
+}
+
+/* Floats are taken as they are where that can be, as 8 bits where nothing else can be and as that is said; else not at all. */
+static void floats_say_their_scale(void **state) {
+    for (int kind = 0; kind < NUMBER_FILES; kind++) {
+        tides_frames_options options = at_rate(10);
+        const struct {
+            double most, full;
+            int whole;
+            const char *note;
+        } taken[] = {{1, 1, 0, ""}, {1, 1, 1, ""}, {3.5, 1, 0, "is taken to be 1"}, {200, 255, 1, "taken to be 255"}};
+        for (size_t i = 0; i < sizeof taken / sizeof *taken; i++) {
+            tides_frames *frames = open_frames(write_floats(state, kind, taken[i].most, taken[i].whole), &options);
+            brightest_is(frames, taken[i].most / taken[i].full);
+            const char *note = tides_frames_note(frames);
+            assert_true(*taken[i].note ? strstr(note, taken[i].note) != NULL : !*note);
+            tides_frames_close(frames);
+        }
+        refused(write_floats(state, kind, 254.5, 0), &options, TIDES_BAD_CONFIG, "frames.full_scale");
+        refused(write_floats(state, kind, 4095, 1), &options, TIDES_BAD_CONFIG, "frames.full_scale");
+        refused(write_floats(state, kind, 9, 1), &options, TIDES_BAD_CONFIG, "frames.full_scale");
+        options.full_scale = 254.5;
+        tides_frames *frames = open_frames(write_floats(state, kind, 254.5, 0), &options);
+        brightest_is(frames, 1);
+        assert_string_equal(tides_frames_note(frames), "");
+        tides_frames_close(frames);
+    }
+}
+
+/* A frame that none of those looked at was like. */
+static void a_late_frame_contradicts(void **state) {
+    float values[MANY * PIXELS] = {0};
+    values[PIXELS] = 90; /* frame 1: not among eight of twenty */
+    const char *path = in_folder(*state, "f.npy");
+    write_array(path, "'<f4'", H5T_NATIVE_FLOAT, sizeof *values, values);
+    tides_frames_options options = at_rate(10);
+    tides_frames *frames = open_frames(path, &options);
+    double Y[PIXELS];
+    tides_error error;
+    assert_int_equal(tides_frames_read(frames, 1, Y, &error), TIDES_BAD_CONFIG);
+    assert_non_null(strstr(error.text, "frame 1 has a value of 90"));
+    assert_int_equal(tides_frames_read(frames, 2, Y, &error), TIDES_OK);
+    tides_frames_close(frames);
+}
+
+/* Ten and twelve bits in sixteen, and eight in the integers that numpy makes of lists. */
+static void integers_fill_their_type(void **state) {
+    for (int kind = 0; kind < 3; kind++) {
+        uint16_t two[MANY * PIXELS] = {0};
+        int64_t eight[MANY * PIXELS] = {0};
+        tides_frames_options options = at_rate(10);
+        char path[640];
+        snprintf(path, sizeof path, "%s", in_folder(*state, number_files[kind]));
+        for (unsigned bits = 10; bits <= 14; bits += 2) {
+            two[0] = 1; /* the first frame is looked at */
+            two[BRIGHTEST * PIXELS + 4] = (uint16_t)((1U << bits) - 1);
+            options.full_scale = 0;
+            write_array(path, "'<u2'", H5T_NATIVE_UINT16, 2, two);
+            refused(path, &options, TIDES_BAD_CONFIG, "of 65535");
+            options.full_scale = (double)((1U << bits) - 1);
+            tides_frames *frames = open_frames(path, &options);
+            brightest_is(frames, 1);
+            tides_frames_close(frames);
+        }
+        two[0] = 40000;
+        write_array(path, "'<u2'", H5T_NATIVE_UINT16, 2, two);
+        options.full_scale = 0;
+        tides_frames_close(open_frames(path, &options));
+        eight[0] = 255;
+        write_array(path, "'<i8'", H5T_NATIVE_INT64, 8, eight);
+        refused(path, &options, TIDES_BAD_CONFIG, "frames.full_scale");
+    }
+    write_png(in_folder(*state, "a.png"), 0, 16, 7, WIDTH);
+    tides_frames_options options = at_rate(10);
+    const char *folder_path = ((folder *)*state)->path;
+    refused(folder_path, &options, TIDES_BAD_CONFIG, "of 65535");
+    options.full_scale = 4095;
+    tides_frames *frames = open_frames(folder_path, &options);
+    double Y[PIXELS];
+    read_into(frames, 0, Y);
+    assert_true(fabs(Y[3] - 307.0 / 4095) < 1e-6);
     tides_frames_close(frames);
 }
 
@@ -302,6 +444,9 @@ int main(void) {
         cmocka_unit_test_setup_teardown(arrays_and_memory, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(claims_are_checked, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(structured_array, folder_setup, folder_teardown),
+        cmocka_unit_test_setup_teardown(floats_say_their_scale, folder_setup, folder_teardown),
+        cmocka_unit_test_setup_teardown(a_late_frame_contradicts, folder_setup, folder_teardown),
+        cmocka_unit_test_setup_teardown(integers_fill_their_type, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(wrong_files, folder_setup, folder_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -26,6 +26,10 @@ def params(**fields):
 def test_frames(tmp_path):
     luminance, times = ramp()
     frames = tides.Frames.of(luminance, times)
+    for stored in (np.round(255 * luminance).astype(np.uint8), 255.5 * luminance / luminance.max()):
+        with pytest.raises(ValueError, match="full_scale"):
+            tides.Frames.of(stored, times)
+        assert np.array_equal(tides.Frames.of(stored, times, full_scale=255)[3], stored[3] / 255)
     assert len(frames) == 11 and (frames.width, frames.height) == SIZE and np.array_equal(frames.times, times)
     assert np.array_equal(frames[3], luminance[3])
     np.savez(tmp_path / "a.npz", Y=luminance, t=times)

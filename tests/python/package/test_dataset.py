@@ -168,13 +168,13 @@ def test_evimo(world):
     root = world["all"] / "evimo" / "one"
     depth, mask, flow = (np.load(root / f"dataset_{name}.npz") for name in ("depth", "mask", "flow"))
     wanted = world["truth"][2]
-    assert np.array_equal(depth["depth_0000000004"], np.round(1000 * METRES * wanted["depth_median"]))
-    assert np.array_equal(mask["mask_0000000004"], 1000 * (wanted["instance"] + 1))
-    assert np.array_equal(flow["flow_0000000002"][..., 0], world["moves"][1]["u"].astype(np.float32), equal_nan=True)
+    assert np.array_equal(depth["depth_0000000002"], np.round(1000 * METRES * wanted["depth_median"]))
+    assert np.array_equal(mask["mask_0000000002"], 1000 * (wanted["instance"] + 1))
+    assert np.array_equal(flow["flow_0000000001"][..., 0], world["moves"][1]["u"].astype(np.float32), equal_nan=True)
     assert np.array_equal(flow["t"], [1.0, 1.1]) and np.array_equal(flow["t_end"], [1.1, 1.2])
     info, lens = np.load(root / "dataset_info.npz"), world["intrinsics"]
     assert np.array_equal(info["K"], [[lens.fx, 0, lens.cx - 0.5], [0, lens.fy, lens.cy - 0.5], [0, 0, 1]])
-    assert np.load(root / "dataset_classical.npz")["classical_0000000004"].shape == (28, 40, 3)
+    assert np.load(root / "dataset_classical.npz")["classical_0000000002"].shape == (28, 40, 3)
 
 
 def test_blinkflow_and_tum(world):
@@ -184,10 +184,10 @@ def test_blinkflow_and_tum(world):
     assert np.array_equal(flow[..., 0], np.nan_to_num(u).astype(np.float32))
     read = tides.image.read_truth(world["all"] / "blinkflow/one/forward_flow/000000.npy")
     assert np.array_equal(read["displacement_u"], u.astype(np.float32), equal_nan=True)
-    same_events(
-        [tides.read_events(world["all"] / "blinkflow/two/events_left/events.h5")[name] for name in ("t", "x", "y", "p")],
-        world["events"][1],
-    )
+    t, *rest = (tides.read_events(world["all"] / "blinkflow/two/events_left/events.h5")[name] for name in ("t", "x", "y", "p"))
+    config = dict(line.split(": ") for line in (world["all"] / "blinkflow/two/config.yaml").read_text().splitlines())
+    assert {key: float(value) for key, value in config.items()} == {"fps": 10, "duration": 0.2, "start": 1}
+    same_events([t + 10**9, *rest], world["events"][1])  # from the first ground truth on
     root = world["all"] / "tum/one"
     rows = [line.split() for line in (root / "depth.txt").read_text().splitlines()[1:]]
     assert [row[0] for row in rows] == ["1.000000", "1.100000", "1.200000"]
