@@ -26,13 +26,27 @@ static char *circumstances(const batch *b, const batch_run *run) {
     return all;
 }
 
+/* The run as its sets make it; a drawn one that nobody gave a seed gets its own. */
+static tides_status load(batch_run *run, tides_run **loaded, tides_error *error) {
+    tides_run *plain = NULL;
+    tides_status status = tides_run_load(run->file, (const char *const *)run->sets, run->count, &plain, error);
+    if (status != TIDES_OK || !run->seed || tides_run_gives(plain, "seed")) {
+        *loaded = plain;
+        return status;
+    }
+    tides_run_destroy(plain);
+    run->sets[run->count++] = run->seed;
+    run->seed = NULL;
+    return tides_run_load(run->file, (const char *const *)run->sets, run->count, loaded, error);
+}
+
 /* A run that the reader refuses is the manifest's fault, and an error; a file that isn't there is this run's alone. */
 static tides_status prepare(const batch *b, tides_fingerprints *prints, batch_run *run, tides_error *error) {
     tides_run *loaded = NULL;
     tides_run_values v;
     tides_fingerprint print = {0, 0, 0, 0};
     tides_error reason = {TIDES_OK, ""};
-    tides_status status = tides_run_load(run->file, (const char *const *)run->sets, run->count, &loaded, &reason);
+    tides_status status = load(run, &loaded, &reason);
     if (status != TIDES_OK) return cli_error(error, status, "%s: %s: %.800s", b->manifest, run->name, reason.text);
     tides_run_get(loaded, &v);
     char *with = circumstances(b, run);

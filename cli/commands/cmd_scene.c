@@ -136,7 +136,7 @@ static tides_status write_run(const scene_texts *texts, const tides_world *world
     status = tides_path_save(camera, world->camera, &world->intrinsics, error);
     if (status != TIDES_OK) goto done;
     const char *slash = strrchr(camera, '/');
-    const scene_run run = {scene, slash ? slash + 1 : camera, NULL, NULL, texts->seed ? texts->seed : "1", world};
+    const scene_run run = {scene, slash ? slash + 1 : camera, NULL, NULL, texts->seed, world};
     status = scene_run_write(texts->run, &run, error);
 done:
     free(camera);
@@ -182,7 +182,7 @@ int cmd_scene(const cli_command *command, int argc, char **argv) {
         {"--gaussians", 0, "N", "about how many Gaussians each of them has", NULL, &texts.gaussians, NULL},
         {"--duration", 0, "SECONDS", "how long motions and the camera's path last", NULL, &texts.duration, NULL},
         {"--speed", 0, "FACTOR", "motion so many times as fast (1)", NULL, &texts.speed, NULL},
-        {"--seed", 0, "N", "of places, colours and phases, and of the run (1)", NULL, &texts.seed, NULL},
+        {"--seed", 0, "N", "of places, colours and phases (1); where given, of the run too", NULL, &texts.seed, NULL},
         {"--size", 0, "WxH", "the camera's image [px] (346x260)", NULL, &texts.size, NULL},
         {"--list", 0, NULL, "what kinds there are", &list, NULL, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
