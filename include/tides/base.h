@@ -87,6 +87,8 @@ typedef int (*tides_progress)(void *user, double fraction, const char *stage);
 /* How every file of the library is written, so that PATH holds the old bytes or the new ones, never a part, whatever dies:
  *   - beside it, as PATH.part, which is put on the disk (fsync) and renamed, and then its folder; a failure leaves what was
  *     there alone and no PATH.part, but for recordings of events: those stay in PATH.part, and the error says so;
+ *   - a PATH.part that is there is used where it is a file of the caller's user with no other name, such as a stopped run left,
+ *     and is refused where it is anything else: in a folder that others may write, a link of theirs would lead anywhere;
  *   - where PATH is a link, that happens to what the link leads to, there or not yet, and the link stays;
  *   - a device or FIFO is written into, in formats that are written from beginning to end, and refused for others;
  *   - a folder is refused. */

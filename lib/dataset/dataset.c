@@ -27,6 +27,7 @@ typedef struct job {
     uint64_t events;
     int32_t unseeing;    /* cameras that saw nothing */
     char *folder, *part; /* without a slash at their ends */
+    int began;           /* `part` is there, and ours */
     tides_progress progress;
     void *user;
     double from, width; /* what of the whole the stage that reports is */
@@ -129,6 +130,10 @@ static tides_status add_writer(job *j, const td_layout *layout, char *root, tide
                        layout->name);
     tides_status status = layout->check ? layout->check(&j->set, error) : TIDES_OK;
     if (status == TIDES_OK && layout->rectified) status = td_rectify(&j->set, error);
+    if (status == TIDES_OK && !j->began) {
+        status = td_make_new_folder(j->part, error);
+        j->began = status == TIDES_OK;
+    }
     return status == TIDES_OK ? td_make_folders(root, error) : status;
 }
 
@@ -244,14 +249,14 @@ static void make(job *j) {
         j->status = td_fail(j->error, TIDES_WRITE_FAILED, "%s: can't be put in place: %s", j->folder, strerror(errno));
 }
 
-static void end(job *j, int began) {
+static void end(job *j) {
     for (size_t i = 0; i < j->writer_count; i++) {
         td_writer *w = &j->writers[i];
         if (w->layout->drop) w->layout->drop(w);
         free(w->folder);
         free(w->root);
     }
-    if (began && j->status != TIDES_OK) td_remove_folder(j->part);
+    if (j->began && j->status != TIDES_OK) td_remove_folder(j->part);
     for (size_t i = 0; i < j->set.count; i++) td_rectify_release(&j->set.cameras[i]);
     for (size_t i = 0; i < j->set.count; i++)
         if (j->set.cameras[i].owned) tides_session_close(j->set.cameras[i].session);
@@ -288,9 +293,6 @@ tides_status tides_dataset_write(tides_session *session, const char *folder, con
     if (j.status == TIDES_OK && j.set.stop_us <= j.set.start_us)
         j.status =
             td_fail(error, TIDES_BAD_CONFIG, "the run has no room for an exposure: set exposure.exposure_s or time.stop");
-    const int fresh = j.status == TIDES_OK && !td_is_folder(j.part);
-    if (j.status == TIDES_OK && !fresh)
-        j.status = td_fail(error, TIDES_WRITE_FAILED, "%s: is there: another is being written, or one died; remove it", j.part);
     if (j.status == TIDES_OK) j.status = add_writers(&j, names, error);
     if (j.status == TIDES_OK) make(&j);
     if (report && j.status == TIDES_OK)
@@ -301,6 +303,6 @@ tides_status tides_dataset_write(tides_session *session, const char *folder, con
                                          (int32_t)j.set.poses,
                                          j.unseeing,
                                          0};
-    end(&j, fresh);
+    end(&j);
     return j.status;
 }

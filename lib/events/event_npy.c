@@ -10,6 +10,7 @@
 #include "td_endian.h"
 #include "td_event_format.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -284,8 +285,8 @@ static tides_status create_npz(td_event_sink *sink, tides_error *error) {
     if (status != TIDES_OK) return status;
     char *name = td_format(error, "%s.spool", sink->part);
     if (!name) return TIDES_NO_MEMORY;
-    w->spool = fopen(name, "w+b");
-    if (!w->spool) status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created", name);
+    w->spool = td_part_open(name, sink->path);
+    if (!w->spool) status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", name, strerror(errno));
     remove(name); /* it lives as long as it is open */
     free(name);
     return status;

@@ -8,7 +8,6 @@
 #include "td_exr.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -150,7 +149,7 @@ static tides_status write_context(exr_job *job) {
 }
 
 static tides_status write_part(exr_job *job) {
-    job->stream.descriptor = open(job->part, O_RDWR | O_CREAT | O_TRUNC, 0666);
+    job->stream.descriptor = td_claim_file(job->part);
     if (job->stream.descriptor < 0)
         return td_fail(job->error, TIDES_WRITE_FAILED, "%s: can't be created: %s", job->path, strerror(errno));
     tides_status status = write_context(job);
