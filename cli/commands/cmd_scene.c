@@ -144,9 +144,19 @@ done:
     return status;
 }
 
+static tides_status check_outputs(const scene_texts *texts, tides_error *error) {
+    char *camera = texts->run ? camera_name(texts->run) : NULL;
+    if (texts->run && !camera) return cli_error(error, TIDES_NO_MEMORY, "out of memory: %s", texts->run);
+    const cli_output written[] = {{texts->output, NULL}, {texts->run, ".json"}, {camera, ".json"}};
+    const tides_status status = cli_check_outputs(NULL, written, 3, error);
+    free(camera);
+    return status;
+}
+
 static tides_status make(const char *kind, const tides_generate_options *options, const scene_texts *texts, tides_world *world,
                          tides_error *error) {
-    tides_status status = tides_file_check(texts->output, 1, error);
+    tides_status status = check_outputs(texts, error);
+    if (status == TIDES_OK) status = tides_file_check(texts->output, 1, error);
     if (status == TIDES_OK && texts->run) status = tides_file_check(texts->run, 1, error);
     if (status == TIDES_OK) status = tides_generate(kind, options, world, error);
     if (status == TIDES_OK) status = tides_scene_save(world->scene, texts->output, error);

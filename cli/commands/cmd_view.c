@@ -226,7 +226,9 @@ static tides_status make_animation(job *j, tides_error *error) {
 
 /* Reads what the picture needs; --time alone needs all from the beginning of the window, or of what a surface remembers. */
 static tides_status run(job *j, tides_error *error) {
-    tides_status status = cli_stretch_read(&j->stretch, &j->recording, error);
+    const cli_output written = {j->to_stdout ? NULL : j->out, NULL};
+    tides_status status = cli_check_outputs(j->stretch.file, &written, 1, error);
+    if (status == TIDES_OK) status = cli_stretch_read(&j->stretch, &j->recording, error);
     if (status != TIDES_OK) return status;
     return j->animate ? make_animation(j, error) : make_picture(j, error);
 }

@@ -9,10 +9,11 @@ void cli_tell_unseen(const cli_common *common, const char *who) {
         fprintf(stderr, "tides: nothing of the scene was in view%s, at any time: look at the path, or at camera.up\n", who);
 }
 
-tides_status cli_session_open(const char *file, const cli_list *sets, const cli_common *common, tides_session **session,
-                              tides_error *error) {
+tides_status cli_session_open(const char *file, const cli_list *sets, const cli_common *common, const cli_output *outputs,
+                              size_t count, tides_session **session, tides_error *error) {
     tides_session_facts s;
-    tides_status status = tides_session_load(file, sets->items, sets->count, common->device, session, error);
+    tides_status status = cli_check_run(file, sets, outputs, count, error);
+    if (status == TIDES_OK) status = tides_session_load(file, sets->items, sets->count, common->device, session, error);
     if (status != TIDES_OK) return status;
     tides_session_get(*session, &s);
     cli_tell_lines(common, tides_run_notes(s.run));

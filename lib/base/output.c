@@ -25,8 +25,7 @@ static tides_status read_link(const char *path, char **target, tides_error *erro
     return *target ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
-/* `path` with the links at its end followed; the last may lead to nothing. */
-static tides_status follow(const char *path, char **target, tides_error *error) {
+tides_status td_follow_links(const char *path, char **target, tides_error *error) {
     enum { LINKS_MAX = 40 }; /* as Linux itself follows */
     struct stat there;
     char *at = td_strdup(path, error);
@@ -38,7 +37,10 @@ static tides_status follow(const char *path, char **target, tides_error *error) 
         free(at);
         at = next;
     }
-    *target = at;
+    if (status == TIDES_OK)
+        *target = at;
+    else
+        free(at);
     return status;
 }
 
@@ -64,11 +66,13 @@ tides_status td_part_name(const char *path, int streams, char **part, tides_erro
     char *target = NULL;
     if (stat(path, &there) == 0 && S_ISDIR(there.st_mode))
         return td_fail(error, TIDES_WRITE_FAILED, "%s: is a folder: name a file in it", path);
+    if (strcmp(path, "-") == 0)
+        return td_fail(error, TIDES_WRITE_FAILED, "-: standard output isn't written to: name a file; ./- is one of that name");
     int special = stat(path, &there) == 0 && !S_ISREG(there.st_mode);
     if (special && !streams)
         return td_fail(error, TIDES_WRITE_FAILED,
                        "%s: is a device or FIFO, and this format isn't written from beginning to end: name a file", path);
-    tides_status status = special ? TIDES_OK : follow(path, &target, error);
+    tides_status status = special ? TIDES_OK : td_follow_links(path, &target, error);
     if (status != TIDES_OK) return status;
     char *made = special ? td_strdup(path, error) : td_format(error, "%s%s", target, ending);
     free(target);

@@ -50,6 +50,9 @@ char *td_format(tides_error *error, const char *format, ...) TD_PRINTF(2, 3);
 /* Reads a whole file; `*bytes` gets its size, a NUL follows the data. TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE above `limit`. */
 tides_status td_read_file(const char *path, size_t limit, char **data, size_t *bytes, tides_error *error);
 
+/* `path` with the links at its end followed, allocated; the last may lead to nothing. TIDES_WRITE_FAILED: they go in a circle. */
+tides_status td_follow_links(const char *path, char **target, tides_error *error);
+
 /* Files are written beside and renamed (tides/base.h says how; output.c). `td_part_name` gives the name to write to, allocated:
  * "PATH.part", beside what PATH leads to where it is a link; PATH itself where it is a device or FIFO, which only formats that
  * are written from beginning to end (`streams`) can be sent to. TIDES_WRITE_FAILED where td_open_own would refuse the .part. */

@@ -3,6 +3,7 @@
 #include "signal/td_step.h"
 #include "td_dataset.h"
 #include "td_folder.h"
+#include "tides/inputs.h"
 
 #include <errno.h>
 #include <math.h>
@@ -270,6 +271,8 @@ static tides_status check_session(const tides_session *session, const char *fold
     tides_session_get(session, &facts);
     if (facts.frames)
         return td_fail(error, TIDES_UNSUPPORTED, "a dataset has ground truth, which frames.file hasn't: name a scene");
+    tides_status status = tides_run_apart(facts.run, &folder, 1, error);
+    if (status != TIDES_OK) return status;
     if (td_is_folder(folder) || td_is_file(folder))
         return td_fail(error, TIDES_WRITE_FAILED, "%s: is there already: name a new folder, or remove it", folder);
     return TIDES_OK;

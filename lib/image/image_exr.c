@@ -208,7 +208,8 @@ tides_status td_exr_write_traced(const char *path, int32_t width, int32_t height
                    .trace = trace,
                    .error = error};
     char *part = NULL;
-    tides_status status = check_size(&job, error);
+    tides_status status = tides_file_named(path, ".exr", error);
+    if (status == TIDES_OK) status = check_size(&job, error);
     if (status == TIDES_OK) status = sort_channels(&job, channels, error);
     if (status != TIDES_OK) goto done;
     status = td_part_name(path, 0, &part, error);

@@ -76,7 +76,8 @@ tides_status tides_page_write_file(const char *events, const char *path, const t
     if (!path || !events) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_page_write_file: an argument is NULL");
     source s = {.path = events};
     td_page page;
-    tides_status status = open_source(&s, options ? options->format : NULL, error);
+    tides_status status = tides_files_apart(&events, 1, &path, 1, error);
+    if (status == TIDES_OK) status = open_source(&s, options ? options->format : NULL, error);
     if (status != TIDES_OK) {
         close_source(&s);
         return status;
