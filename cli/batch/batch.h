@@ -20,7 +20,8 @@ typedef struct batch_run {
     char *file;  /* run file */
     char **sets; /* "key=value", `count` of them */
     size_t count;
-    char *seed;    /* "seed=N", of a drawn run, which becomes the last of `sets` where neither they nor the file have one; or NULL */
+    char *
+        seed; /* "seed=N", of a drawn run, which becomes the last of `sets` where neither they nor the file have one; or NULL */
     char *command; /* another command than simulate, which makes one thing of the run; NULL: events, or a dataset */
     char **option; /* of its command line, `options` of them */
     size_t options;

@@ -1,6 +1,6 @@
 /* Random draws of a batch: "draw": {"count": N, "seed": "S", "set": {KEY: [LOWEST, HIGHEST] or [VALUE, ...]}}, N runs that have
- * for each key a number between two, or one of a list of other values; and a seed of its own, where nobody writes one: what learns from
- * many runs would learn a noise that they share.
+ * for each key a number between two, or one of a list of other values; and a seed of its own, where nobody writes one: what
+ * learns from many runs would learn a noise that they share.
  *
  * Each value is a function of (seed, number of the run, key): another key, or more runs, leave what there was as it is. */
 #include "batch.h"

@@ -129,9 +129,9 @@ typedef struct cli_output {
     const char *path; /* NULL: nobody asked for it */
     const char *ending;
 } cli_output;
-/* Before anything is opened: TIDES_BAD_ARGUMENT where an output would replace `input` (nullable; a file or folder), or what the run
- * reads, or another output, or is called like another kind of file. _folder: outputs are `names` (ended by NULL) in a folder, and
- * run may be NULL. */
+/* Before anything is opened: TIDES_BAD_ARGUMENT where an output would replace `input` (nullable; a file or folder), or what
+ * the run reads, or another output, or is called like another kind of file. _folder: outputs are `names` (ended by NULL) in a
+ * folder, and run may be NULL. */
 tides_status cli_check_outputs(const char *input, const cli_output *outputs, size_t count, tides_error *error);
 tides_status cli_check_run(const char *run, const cli_list *sets, const cli_output *outputs, size_t count, tides_error *error);
 tides_status cli_check_folder(const char *run, const cli_list *sets, const char *input, const char *folder,

@@ -4,8 +4,8 @@
 
 #include "cli.h"
 
-/* Opens a run file with --set texts and --device, and says with -v what it found; before that, cli_check_run of the outputs. The
- * caller closes the session. */
+/* Opens a run file with --set texts and --device, and says with -v what it found; before that, cli_check_run of the outputs.
+ * The caller closes the session. */
 tides_status cli_session_open(const char *file, const cli_list *sets, const cli_common *common, const cli_output *outputs,
                               size_t count, tides_session **session, tides_error *error);
 

@@ -22,7 +22,7 @@ extern "C" {
 #define TIDES_VERSION_PATCH 0
 
 /* Raised whenever the events of an unchanged run file may change. */
-#define TIDES_NUMERICS 8
+#define TIDES_NUMERICS 9
 
 #if defined(__GNUC__)
 #define TIDES_API __attribute__((visibility("default")))
@@ -105,13 +105,13 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_file_check(const char *path, int32
 TIDES_MUST_CHECK TIDES_API tides_status tides_file_part(const char *path, char *part, size_t size, tides_error *error);
 
 /* Asks, before anything is opened, whether the outputs of some work leave its inputs and one another alone: TIDES_BAD_ARGUMENT,
- * naming both, where an output or its .part is an input or another output, by whatever names and links, there yet or not, or lies
- * in a folder that is an input; and for an output "-". NULL entries count for nothing, devices and FIFOs neither. */
+ * naming both, where an output or its .part is an input or another output, by whatever names and links, there yet or not, or
+ * lies in a folder that is an input; and for an output "-". NULL entries count for nothing, devices and FIFOs neither. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_files_apart(const char *const *inputs, size_t input_count,
                                                           const char *const *outputs, size_t output_count, tides_error *error);
 
-/* TIDES_BAD_ARGUMENT where a file that holds what `ending` (".json") stands for is called like another kind, such as "a.h5". Names
- * of no ending, or of one that stands for nothing, are fine. */
+/* TIDES_BAD_ARGUMENT where a file that holds what `ending` (".json") stands for is called like another kind, such as "a.h5".
+ * Names of no ending, or of one that stands for nothing, are fine. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_file_named(const char *path, const char *ending, tides_error *error);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
-/* Whether what is written would replace what is read, or what else is written: by device and inode, whatever names lead there; of
- * what isn't there yet by the folder and the name in it. And whether a file's name fits what will be in it. */
+/* Whether what is written would replace what is read, or what else is written: by device and inode, whatever names lead there;
+ * of what isn't there yet by the folder and the name in it. And whether a file's name fits what will be in it. */
 #include "td_base.h"
 #include "td_folder.h"
 
@@ -85,10 +85,13 @@ static tides_status compare(const char *output, const place own[2], const char *
         for (int k = 0; k < 2; k++) {
             if (!is_same(&own[i], &theirs[k]) && !(is_input && is_within(&theirs[k], &own[i], error))) continue;
             if (!is_input)
-                return td_fail(error, TIDES_BAD_ARGUMENT,
-                               "%s: %s is written there, too: each output needs a name of its own", output, other);
+                return td_fail(error, TIDES_BAD_ARGUMENT, "%s: %s is written there, too: each output needs a name of its own",
+                               output, other);
             return td_fail(error, TIDES_BAD_ARGUMENT, "%s: %s %s is read, and would be replaced: name another output", output,
-                           i ? "while it is written, in .part," : theirs[k].folder ? "the folder" : "the input", other);
+                           i                  ? "while it is written, in .part,"
+                           : theirs[k].folder ? "the folder"
+                                              : "the input",
+                           other);
         }
     return TIDES_OK;
 }
@@ -131,13 +134,15 @@ tides_status tides_files_apart(const char *const *inputs, size_t input_count, co
 /* ---- names ---- */
 
 tides_status tides_file_named(const char *path, const char *ending, tides_error *error) {
-    static const char *const known[] = {".h5",  ".hdf5", ".npy",    ".npz", ".zip", ".ply", ".spz",  ".splat", ".ksplat", ".sog",
-                                        ".glb", ".gltf", ".raw",    ".dat", ".es",  ".csv", ".json", ".png",   ".apng",   ".jpg",
-                                        ".jpeg", ".exr", ".aedat4", ".svg", ".pdf", ".y4m", ".mp4",  ".html",  ".bag",    ".mcap"};
+    static const char *const known[] = {".h5",     ".hdf5", ".npy",  ".npz",  ".zip",  ".ply", ".spz",    ".splat",
+                                        ".ksplat", ".sog",  ".glb",  ".gltf", ".raw",  ".dat", ".es",     ".csv",
+                                        ".json",   ".png",  ".apng", ".jpg",  ".jpeg", ".exr", ".aedat4", ".svg",
+                                        ".pdf",    ".y4m",  ".mp4",  ".html", ".bag",  ".mcap"};
     if (!path || !ending) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_file_named: an argument is NULL");
     if (td_ends_in(path, ending)) return TIDES_OK;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++)
         if (td_ends_in(path, known[i]))
-            return td_fail(error, TIDES_BAD_ARGUMENT, "%s: what is written isn't %s but %s: name it so", path, known[i], ending);
+            return td_fail(error, TIDES_BAD_ARGUMENT, "%s: what is written isn't %s but %s: name it so", path, known[i],
+                           ending);
     return TIDES_OK;
 }

@@ -50,7 +50,8 @@ char *td_format(tides_error *error, const char *format, ...) TD_PRINTF(2, 3);
 /* Reads a whole file; `*bytes` gets its size, a NUL follows the data. TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE above `limit`. */
 tides_status td_read_file(const char *path, size_t limit, char **data, size_t *bytes, tides_error *error);
 
-/* `path` with the links at its end followed, allocated; the last may lead to nothing. TIDES_WRITE_FAILED: they go in a circle. */
+/* `path` with the links at its end followed, allocated; the last may lead to nothing. TIDES_WRITE_FAILED where they go in a
+ * circle. */
 tides_status td_follow_links(const char *path, char **target, tides_error *error);
 
 /* Files are written beside and renamed (tides/base.h says how; output.c). `td_part_name` gives the name to write to, allocated:
@@ -66,8 +67,8 @@ int td_lock_alone(int descriptor);
  * link, no file, or not ours alone: in a folder that others may write, they could have us write anywhere. */
 int td_open_own(const char *path, int create);
 
-/* The file at `path`, td_open_own's, made where there is none, emptied once it is locked: a descriptor for reading and writing; -1 and errno,
- * EBUSY where another run writes it, of which nothing is touched. */
+/* The file at `path`, td_open_own's, made where there is none, emptied once it is locked: a descriptor for reading and
+ * writing; -1 and errno, EBUSY where another run writes it, of which nothing is touched. */
 int td_claim_file(const char *path);
 
 /* A claimed file is claimed on when it is closed, so that nobody empties it before it is in its place: what is to be given to

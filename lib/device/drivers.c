@@ -22,7 +22,7 @@ typedef struct drivers {
 
 /* ---- PoCL's cache ---- */
 
-/* As PoCL names it (pocl_cache.c of 1.x to 6.x); NULL: out of memory. */
+/* As PoCL 1 to 6 names it; NULL: out of memory. */
 static char *cache_folder(void) {
     const char *own = getenv("POCL_CACHE_DIR"), *xdg = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
     if (own && own[0]) return td_strdup(own, NULL);
@@ -62,8 +62,8 @@ const char *td_cache_trouble(char text[TD_TROUBLE_MAX]) {
     text[0] = '\0';
     if (failed)
         snprintf(text, TD_TROUBLE_MAX,
-                 "the driver (PoCL) can't keep kernels in %.300s (%s): set POCL_CACHE_DIR to a folder that can be written", folder,
-                 strerror(failed));
+                 "the driver (PoCL) can't keep kernels in %.300s (%s): set POCL_CACHE_DIR to a folder that can be written",
+                 folder, strerror(failed));
     free(folder);
     return text;
 }
@@ -133,8 +133,9 @@ const char *td_driver_trouble(char text[TD_TROUBLE_MAX]) {
     try_all(&d);
     if (!text[0] && d.pocl) td_cache_trouble(text);
     if (!text[0] && d.count)
-        snprintf(text, TD_TROUBLE_MAX, "%d driver%s installed and can be loaded, but %s no device: is the hardware there, and "
-                                       "may this user open it (groups video, render)?",
+        snprintf(text, TD_TROUBLE_MAX,
+                 "%d driver%s installed and can be loaded, but %s no device: is the hardware there, and "
+                 "may this user open it (groups video, render)?",
                  d.count, d.count == 1 ? " is" : "s are", d.count == 1 ? "has" : "have");
     return text;
 }

@@ -57,8 +57,11 @@ static tides_status fail_build(const tides_device *device, cl_program program, c
         if (*c == '\n' || *c == '\r') *c = ' ';
     char trouble[TD_TROUBLE_MAX] = "";
     if (strcmp(device->info.platform, "Portable Computing Language") == 0) td_cache_trouble(trouble);
-    tides_status status = td_fail(error, TIDES_DEVICE_FAILED, "kernel %s doesn't build on %.60s: %.700s", file,
-                                  device->info.name, trouble[0] ? trouble : log ? log : "(no log)");
+    tides_status status =
+        td_fail(error, TIDES_DEVICE_FAILED, "kernel %s doesn't build on %.60s: %.700s", file, device->info.name,
+                trouble[0] ? trouble
+                : log      ? log
+                           : "(no log)");
     free(log);
     return status;
 }

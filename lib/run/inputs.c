@@ -1,6 +1,6 @@
 /* Which files a run reads: those that its keys name, from the parameter table, and what the readers of scenes, paths and frames
- * look for beside them. For fingerprints (fingerprint.c), for tides info, and so that no output takes the place of one of them; the
- * files themselves are their readers'. */
+ * look for beside them. For fingerprints (fingerprint.c), for tides info, and so that no output takes the place of one of
+ * them; the files themselves are their readers'. */
 #include "tides/inputs.h"
 
 #include "camera/td_path_reader.h"
@@ -235,8 +235,7 @@ static tides_status check_frames(const tides_run_input *input, const char *const
 tides_status tides_run_apart(const tides_run *run, const char *const *outputs, size_t count, tides_error *error) {
     tides_run_input *inputs = NULL;
     size_t inputs_count = 0;
-    if (!run || (count && !outputs))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_apart: run or outputs is NULL");
+    if (!run || (count && !outputs)) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_apart: run or outputs is NULL");
     tides_status status = tides_run_inputs(run, &inputs, &inputs_count, error);
     const char **paths = status == TIDES_OK ? td_alloc(inputs_count + 1, sizeof *paths, error) : NULL;
     if (!paths) {

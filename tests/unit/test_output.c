@@ -441,10 +441,18 @@ static void test_two_files(void **state) {
 #define CASE(name) cmocka_unit_test_setup_teardown(name, scene_folder_setup, scene_folder_teardown)
 
 int main(void) {
-    const struct CMUnitTest tests[] = {CASE(test_replaced),       CASE(test_links),      CASE(test_circle),
-                                       CASE(test_folders),        CASE(test_fifos),      CASE(test_devices),
-                                       CASE(test_check),          CASE(test_part_names), CASE(test_changed_meanwhile),
-                                       CASE(test_two_recordings), CASE(test_two_files),  CASE(test_planted),
+    const struct CMUnitTest tests[] = {CASE(test_replaced),
+                                       CASE(test_links),
+                                       CASE(test_circle),
+                                       CASE(test_folders),
+                                       CASE(test_fifos),
+                                       CASE(test_devices),
+                                       CASE(test_check),
+                                       CASE(test_part_names),
+                                       CASE(test_changed_meanwhile),
+                                       CASE(test_two_recordings),
+                                       CASE(test_two_files),
+                                       CASE(test_planted),
                                        CASE(test_planted_meanwhile)};
     return cmocka_run_group_tests_name("where outputs go", tests, NULL, NULL);
 }
