@@ -20,6 +20,8 @@ typedef struct batch_run {
     char *file;  /* run file */
     char **sets; /* "key=value", `count` of them */
     size_t count;
+    char *
+        seed; /* "seed=N", of a drawn run, which becomes the last of `sets` where neither they nor the file have one; or NULL */
     char *command; /* another command than simulate, which makes one thing of the run; NULL: events, or a dataset */
     char **option; /* of its command line, `options` of them */
     size_t options;
@@ -51,9 +53,11 @@ typedef struct batch {
 tides_status batch_read(batch *b, tides_error *error);
 void batch_free(batch *b);
 
-/* batch_draws.c: whether `from`, keys with ranges or values, can be drawn from; what run `index` draws, NULL: out of memory. */
+/* batch_draws.c: whether `from`, keys with ranges or values, can be drawn from; what run `index` draws, and its own seed, as
+ * "seed=N"; NULL: out of memory. */
 tides_status batch_check_draws(const batch *b, const cJSON *from, tides_error *error);
 cJSON *batch_draw(const cJSON *from, const char *seed, int index);
+char *batch_draw_seed(const char *seed, int index);
 
 /* batch_hash.c: reads every run once: wrong ones are an error that names the run; a run whose inputs can't be read has failed.
  * Fills hash and estimate. */

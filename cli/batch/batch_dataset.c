@@ -64,7 +64,8 @@ tides_status batch_dataset(const batch *b, const batch_run *run, const char *sta
     char *folder = batch_text("%s/dataset", run->directory);
     cli_progress progress = {.quiet = 1};
     cli_catch_interrupt();
-    tides_status status = folder ? cli_session_open(run->file, &sets, &quiet, &session, error) : batch_no_memory(error);
+    tides_status status =
+        folder ? cli_session_open(run->file, &sets, &quiet, NULL, 0, &session, error) : batch_no_memory(error);
     if (status == TIDES_OK)
         status = tides_dataset_write(session, folder, run->layouts, cli_progress_step, &progress, &report, error);
     if (status == TIDES_OK) status = write_stats(run, session, &report, stats, error);

@@ -1,22 +1,33 @@
 /* Random draws of a batch: "draw": {"count": N, "seed": "S", "set": {KEY: [LOWEST, HIGHEST] or [VALUE, ...]}}, N runs that have
- * for each key a number between two, or one of a list of other values.
+ * for each key a number between two, or one of a list of other values; and a seed of its own, where nobody writes one: what
+ * learns from many runs would learn a noise that they share.
  *
  * Each value is a function of (seed, number of the run, key): another key, or more runs, leave what there was as it is. */
 #include "batch.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Uniform in [0, 1): 53 bits of the texts' hash, stirred (finaliser of splitmix64: Steele, Lea, Flood 2014). */
-static double uniform(const char *seed, int index, const char *key) {
+/* The texts' hash, stirred (finaliser of splitmix64: Steele, Lea, Flood 2014). */
+static uint64_t random_bits(const char *seed, int index, const char *key) {
     char number[16];
     snprintf(number, sizeof number, "%d", index);
     const char *const texts[] = {"draw", seed, number, key};
     uint64_t bits = tides_fingerprint_text(texts, 4);
     bits = (bits ^ bits >> 30) * 0xbf58476d1ce4e5b9u;
     bits = (bits ^ bits >> 27) * 0x94d049bb133111ebu;
-    return ldexp((double)((bits ^ bits >> 31) >> 11), -53);
+    return bits ^ bits >> 31;
+}
+
+/* Uniform in [0, 1): 53 of the bits. */
+static double uniform(const char *seed, int index, const char *key) {
+    return ldexp((double)(random_bits(seed, index, key) >> 11), -53);
+}
+
+char *batch_draw_seed(const char *seed, int index) {
+    return batch_text("seed=\"%" PRIu64 "\"", random_bits(seed, index, "seed"));
 }
 
 /* What the run file's table says of a key; NULL: no such key, which reading the run will name. */

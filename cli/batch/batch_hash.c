@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* Memory of a run: a process with an OpenCL compiler in it; a scene in the file's form, unpacked, and on the device; state and
  * channels of a pixel. Coarse, and corrected by the first run that ends (batch_pool.c). */
@@ -26,15 +27,56 @@ static char *circumstances(const batch *b, const batch_run *run) {
     return all;
 }
 
+/* The run as its sets make it; a drawn one that nobody gave a seed gets its own. */
+static tides_status load(batch_run *run, tides_run **loaded, tides_error *error) {
+    tides_run *plain = NULL;
+    tides_status status = tides_run_load(run->file, (const char *const *)run->sets, run->count, &plain, error);
+    if (status != TIDES_OK || !run->seed || tides_run_gives(plain, "seed")) {
+        *loaded = plain;
+        return status;
+    }
+    tides_run_destroy(plain);
+    run->sets[run->count++] = run->seed;
+    run->seed = NULL;
+    return tides_run_load(run->file, (const char *const *)run->sets, run->count, loaded, error);
+}
+
+/* What a run reads is none of what its batch writes: its own folder, which is cleared, and the summaries. */
+static tides_status check_apart(const batch *b, const batch_run *run, const tides_run *loaded, tides_error *error) {
+    const char *const names[] = {"summary.json", "summary.csv"}, *const folder = run->directory;
+    tides_status status = TIDES_OK;
+    for (int i = 0; i < 2 && status == TIDES_OK; i++) {
+        char *path = batch_text("%s/%s", b->directory, names[i]);
+        const char *const output = path;
+        status = path ? tides_run_apart(loaded, &output, 1, error) : batch_no_memory(error);
+        free(path);
+    }
+    tides_run_input *inputs = NULL;
+    size_t count = 0;
+    if (status != TIDES_OK || access(folder, F_OK) != 0) return status;
+    status = tides_run_inputs(loaded, &inputs, &count, error);
+    for (size_t i = 0; status == TIDES_OK && i <= count; i++) {
+        const char *const input = i < count ? inputs[i].path : run->file;
+        if (tides_files_apart(&folder, 1, &input, 1, NULL) == TIDES_BAD_ARGUMENT)
+            status = cli_error(error, TIDES_BAD_ARGUMENT, "%s: is read, and lies in %s, which the run writes", input, folder);
+    }
+    tides_free(inputs);
+    return status;
+}
+
 /* A run that the reader refuses is the manifest's fault, and an error; a file that isn't there is this run's alone. */
 static tides_status prepare(const batch *b, tides_fingerprints *prints, batch_run *run, tides_error *error) {
     tides_run *loaded = NULL;
     tides_run_values v;
     tides_fingerprint print = {0, 0, 0, 0};
     tides_error reason = {TIDES_OK, ""};
-    tides_status status = tides_run_load(run->file, (const char *const *)run->sets, run->count, &loaded, &reason);
+    tides_status status = load(run, &loaded, &reason);
     if (status != TIDES_OK) return cli_error(error, status, "%s: %s: %.800s", b->manifest, run->name, reason.text);
     tides_run_get(loaded, &v);
+    if ((status = check_apart(b, run, loaded, &reason)) != TIDES_OK) {
+        tides_run_destroy(loaded);
+        return cli_error(error, status, "%s: %s: %.800s", b->manifest, run->name, reason.text);
+    }
     char *with = circumstances(b, run);
     if (!with) {
         tides_run_destroy(loaded);

@@ -38,7 +38,7 @@ static tides_status lock_folder(const batch_run *run, tides_error *error) {
     enum { TRIES = 250 };
     static const struct timespec pause = {0, 20000000};
     char *path = batch_text("%s/lock", run->directory);
-    const int file = path ? open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666) : -1;
+    const int file = path ? open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666) : -1;
     free(path);
     if (file < 0) return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", run->directory, strerror(errno));
     for (int i = 0; i < TRIES; i++) {
@@ -91,12 +91,20 @@ static tides_status begin(const batch_run *run, const job_files *files, int32_t 
     return status;
 }
 
+/* A link would lead the log, which is emptied, to where somebody else wants it. */
+static int32_t log_to(const char *path) {
+    const int file = open(path, O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW, 0666);
+    const int32_t ok = file >= 0 && dup2(file, STDERR_FILENO) >= 0 && dup2(file, STDOUT_FILENO) >= 0;
+    if (file > STDERR_FILENO) close(file);
+    return ok;
+}
+
 /* stdout and stderr to the end of log.txt: until the folder is locked it may be another process's. */
 static tides_status open_log(const batch_run *run, tides_error *error) {
     char *path = batch_text("%s/log.txt", run->directory);
     if (mkdir(run->directory, 0777) != 0 && errno != EEXIST)
         cli_error(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", run->directory, strerror(errno));
-    else if (!path || !freopen(path, "a", stderr) || dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
+    else if (!path || !log_to(path))
         cli_error(error, TIDES_WRITE_FAILED, "%s/log.txt: can't be written: %s", run->directory, strerror(errno));
     free(path);
     return error->status;

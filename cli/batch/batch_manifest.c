@@ -22,6 +22,7 @@ typedef struct shared {
 static void free_run(batch_run *run) {
     for (size_t i = 0; run->sets && i < run->count; i++) free(run->sets[i]);
     free(run->sets);
+    free(run->seed);
     free(run->name);
     free(run->file);
     free(run->layouts);
@@ -55,7 +56,7 @@ static char *assignment(const cJSON *item, const cJSON *value) {
 /* The assignments of one run: the manifest's "set", then the grid's values (indices[i] of the i-th key) or the run's own. */
 static tides_status add_sets(batch_run *run, const cJSON *common, const cJSON *own, const int *indices, tides_error *error) {
     const size_t wanted = (size_t)cJSON_GetArraySize(common) + (size_t)cJSON_GetArraySize(own);
-    run->sets = calloc(wanted + 1, sizeof *run->sets);
+    run->sets = calloc(wanted + 2, sizeof *run->sets); /* a drawn run's seed follows (batch_hash.c) */
     if (!run->sets) return batch_no_memory(error);
     for (const cJSON *item = common ? common->child : NULL; item; item = item->next)
         if (!(run->sets[run->count++] = assignment(item, item))) return batch_no_memory(error);
@@ -228,7 +229,8 @@ static tides_status add_draw(batch *b, const cJSON *base, const shared *common, 
     const tides_status status =
         drawn ? add_run(b, name, base->valuestring, common, drawn, NULL, error) : batch_no_memory(error);
     cJSON_Delete(drawn);
-    return status;
+    if (status != TIDES_OK) return status;
+    return (b->runs[b->count - 1].seed = batch_draw_seed(seed, index)) ? TIDES_OK : batch_no_memory(error);
 }
 
 static tides_status add_draws(batch *b, const cJSON *base, const shared *common, const cJSON *draw, tides_error *error) {

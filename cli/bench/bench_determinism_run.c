@@ -49,7 +49,7 @@ typedef struct making {
 
 static tides_status open_session(making *m, tides_session **session, tides_error *error) {
     tides_session_facts facts;
-    tides_status status = cli_session_open(m->job->file, &m->sets, &m->common, session, error);
+    tides_status status = cli_session_open(m->job->file, &m->sets, &m->common, NULL, 0, session, error);
     if (status != TIDES_OK) return status;
     tides_session_get(*session, &facts);
     m->units = facts.info.compute_units;

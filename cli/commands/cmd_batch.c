@@ -89,6 +89,8 @@ int cmd_batch(const cli_command *command, int argc, char **argv) {
     cli_sets_of_manifest();
     tides_error error = {TIDES_OK, ""};
     tides_status status = parent ? batch_end_with(parent, &error) : TIDES_OK;
+    static const char *const summaries[] = {"summary.json", "summary.csv", NULL};
+    if (status == TIDES_OK) status = cli_check_folder(NULL, NULL, manifest, directory, summaries, &error);
     if (status == TIDES_OK) status = batch_read(&b, &error);
     if (status == TIDES_OK) status = batch_prepare(&b, &error);
     if (status == TIDES_OK) status = cli_make_directory(directory, &error);

@@ -169,7 +169,9 @@ static int check(const cli_command *command, const char *kind, const camera_text
 static int write_path(const char *kind, const camera_texts *t, camera_plan *p, const cli_common *common) {
     tides_error error = {TIDES_OK, ""};
     tides_trajectory *path = NULL;
-    tides_status status = t->scene ? ask_scene(t, p, &error) : TIDES_OK;
+    const cli_output written = {t->output, ".json"};
+    tides_status status = cli_check_outputs(t->scene, &written, 1, &error);
+    if (status == TIDES_OK && t->scene) status = ask_scene(t, p, &error);
     if (status == TIDES_OK) status = place(t, p, &error);
     if (status == TIDES_OK) status = make(kind, t, p, &path, &error);
     if (status == TIDES_OK) status = tides_path_save(t->output, path, &p->intrinsics, &error);

@@ -101,9 +101,27 @@ static void leave_out(comparison *c) {
     c->count = count;
 }
 
+/* The recording may be what an earlier comparison kept, and the run file anything. */
+static tides_status check_outputs(const comparison *c, tides_error *error) {
+    static const char *const tables[] = {"compare.json", "compare.csv", "compare.png", "compare.svg",
+                                         "compare.pdf",  "index.html",  NULL};
+    const char *kept[] = {"exact.h5", "exact.html", "recording.html", NULL};
+    tides_status status = cli_check_folder(c->run, c->sets, c->recording_file, c->directory, tables, error);
+    if (status == TIDES_OK && c->keep) status = cli_check_folder(c->run, c->sets, c->recording_file, c->directory, kept, error);
+    for (int32_t i = 0; i < c->count && c->keep && status == TIDES_OK; i++) {
+        char events[64], page[64];
+        snprintf(events, sizeof events, "%s.h5", c->rows[i].name);
+        snprintf(page, sizeof page, "%s.html", c->rows[i].name);
+        const char *const names[] = {events, page, NULL};
+        status = cli_check_folder(c->run, c->sets, c->recording_file, c->directory, names, error);
+    }
+    return status;
+}
+
 /* What can't be compared is said before anything long begins. */
 static tides_status prepare(comparison *c, tides_error *error) {
-    tides_status status = cli_session_open(c->run, c->sets, c->common, &c->open, error);
+    tides_status status = check_outputs(c, error);
+    if (status == TIDES_OK) status = cli_session_open(c->run, c->sets, c->common, NULL, 0, &c->open, error);
     if (status == TIDES_OK) tides_session_get(c->open, &c->session);
     if (status == TIDES_OK && c->session.values.baseline.method == TIDES_METHOD_LDATI)
         return cli_error(error, TIDES_UNSUPPORTED,

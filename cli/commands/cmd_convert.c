@@ -22,7 +22,9 @@ static int convert_scene(const char *in, const char *out, const tides_scene_opti
     tides_error error = {TIDES_OK, ""};
     tides_scene *scene = NULL;
     int code = CLI_OK;
-    tides_status status = tides_scene_create(&scene, &error);
+    const cli_output written = {out, NULL};
+    tides_status status = cli_check_outputs(in, &written, 1, &error);
+    if (status == TIDES_OK) status = tides_scene_create(&scene, &error);
     if (status == TIDES_OK) status = tides_scene_read(scene, in, how, NULL, 1.0, &error);
     if (status == TIDES_OK) status = tides_scene_save(scene, out, &error);
     if (status == TIDES_OK && !common->quiet) tell_losses(scene, out);

@@ -55,7 +55,8 @@ int cmd_dataset(const cli_command *command, int argc, char **argv) {
     tides_error error = {TIDES_OK, ""};
     tides_session *session = NULL;
     tides_dataset_report report;
-    if (cli_session_open(run, &sets, &common, &session, &error) != TIDES_OK) return cli_fail(&error);
+    const cli_output written = {output, NULL};
+    if (cli_session_open(run, &sets, &common, &written, 1, &session, &error) != TIDES_OK) return cli_fail(&error);
     tides_session_facts facts;
     tides_session_get(session, &facts);
     const char *wanted = layouts.count ? names : facts.values.dataset_layout;

@@ -186,7 +186,9 @@ static tides_status export_all(job *j, tides_array_writer *writer, tides_error *
 
 static tides_status run(job *j, tides_error *error) {
     static const char *const polarities[] = {"OFF", "ON"};
-    tides_status status = cli_stretch_read(&j->stretch, &j->recording, error);
+    const cli_output written = {j->out, NULL};
+    tides_status status = cli_check_outputs(j->stretch.file, &written, 1, error);
+    if (status == TIDES_OK) status = cli_stretch_read(&j->stretch, &j->recording, error);
     if (status != TIDES_OK) return status;
     cli_reading_tell(j->common, j->stretch.file, &j->recording.facts, j->stretch.how.rebase);
     const cli_window *r = &j->recording;

@@ -108,6 +108,13 @@ static tides_status check(const char *text, tides_error *error) {
     return status;
 }
 
+/* With --force, too, the scene and the path that it names are nothing to replace. */
+static tides_status check_output(const char *output, const char *scene, const char *camera, tides_error *error) {
+    const cli_output written = {output, ".json"};
+    const tides_status status = cli_check_outputs(scene, &written, 1, error);
+    return status == TIDES_OK ? cli_check_outputs(camera, &written, 1, error) : status;
+}
+
 int cmd_init(const cli_command *command, int argc, char **argv) {
     cli_common common;
     const char *output = NULL, *scene = NULL, *camera = NULL;
@@ -128,7 +135,8 @@ int cmd_init(const cli_command *command, int argc, char **argv) {
     tides_error error = {TIDES_OK, ""};
     char *text = make_template(scene ? scene : "scene.ply", camera || scene ? camera : "path.json");
     if (!text) return cli_failed("out of memory: %s", output);
-    tides_status status = check(text, &error);
+    tides_status status = check_output(output, scene, camera, &error);
+    if (status == TIDES_OK) status = check(text, &error);
     if (status == TIDES_OK) status = cli_write_text(output, text, &error);
     free(text);
     if (status != TIDES_OK) return cli_fail(&error);

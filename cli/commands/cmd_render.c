@@ -148,7 +148,9 @@ int cmd_render(const cli_command *command, int argc, char **argv) {
     tides_error error = {TIDES_OK, ""};
     tides_session *session = NULL;
     tides_session_facts facts;
-    if (cli_session_open(request.run, &request.sets, &common, &session, &error) != TIDES_OK) return cli_fail(&error);
+    const cli_output written[] = {{request.exr, NULL}, {request.png, NULL}, {request.rectify, NULL}};
+    if (cli_session_open(request.run, &request.sets, &common, written, 3, &session, &error) != TIDES_OK)
+        return cli_fail(&error);
     tides_session_get(session, &facts);
     if (facts.frames) {
         tides_session_close(session);

@@ -136,7 +136,7 @@ static tides_status write_run(const scene_texts *texts, const tides_world *world
     status = tides_path_save(camera, world->camera, &world->intrinsics, error);
     if (status != TIDES_OK) goto done;
     const char *slash = strrchr(camera, '/');
-    const scene_run run = {scene, slash ? slash + 1 : camera, NULL, NULL, texts->seed ? texts->seed : "1", world};
+    const scene_run run = {scene, slash ? slash + 1 : camera, NULL, NULL, texts->seed, world};
     status = scene_run_write(texts->run, &run, error);
 done:
     free(camera);
@@ -144,9 +144,19 @@ done:
     return status;
 }
 
+static tides_status check_outputs(const scene_texts *texts, tides_error *error) {
+    char *camera = texts->run ? camera_name(texts->run) : NULL;
+    if (texts->run && !camera) return cli_error(error, TIDES_NO_MEMORY, "out of memory: %s", texts->run);
+    const cli_output written[] = {{texts->output, NULL}, {texts->run, ".json"}, {camera, ".json"}};
+    const tides_status status = cli_check_outputs(NULL, written, 3, error);
+    free(camera);
+    return status;
+}
+
 static tides_status make(const char *kind, const tides_generate_options *options, const scene_texts *texts, tides_world *world,
                          tides_error *error) {
-    tides_status status = tides_file_check(texts->output, 1, error);
+    tides_status status = check_outputs(texts, error);
+    if (status == TIDES_OK) status = tides_file_check(texts->output, 1, error);
     if (status == TIDES_OK && texts->run) status = tides_file_check(texts->run, 1, error);
     if (status == TIDES_OK) status = tides_generate(kind, options, world, error);
     if (status == TIDES_OK) status = tides_scene_save(world->scene, texts->output, error);
@@ -182,7 +192,7 @@ int cmd_scene(const cli_command *command, int argc, char **argv) {
         {"--gaussians", 0, "N", "about how many Gaussians each of them has", NULL, &texts.gaussians, NULL},
         {"--duration", 0, "SECONDS", "how long motions and the camera's path last", NULL, &texts.duration, NULL},
         {"--speed", 0, "FACTOR", "motion so many times as fast (1)", NULL, &texts.speed, NULL},
-        {"--seed", 0, "N", "of places, colours and phases, and of the run (1)", NULL, &texts.seed, NULL},
+        {"--seed", 0, "N", "of places, colours and phases (1); where given, of the run too", NULL, &texts.seed, NULL},
         {"--size", 0, "WxH", "the camera's image [px] (346x260)", NULL, &texts.size, NULL},
         {"--list", 0, NULL, "what kinds there are", &list, NULL, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},

@@ -226,9 +226,11 @@ static tides_status make_animation(job *j, tides_error *error) {
 
 /* Reads what the picture needs; --time alone needs all from the beginning of the window, or of what a surface remembers. */
 static tides_status run(job *j, tides_error *error) {
+    const cli_output written = {j->to_stdout ? NULL : j->out, NULL};
+    tides_status status = cli_check_outputs(j->stretch.file, &written, 1, error);
     if (j->animate) j->stretch.windows_most = CLI_WINDOWS_MOST;
     if (j->animate && !j->stretch.step_ns) j->stretch.step_ns = window_of(j);
-    tides_status status = cli_stretch_read(&j->stretch, &j->recording, error);
+    if (status == TIDES_OK) status = cli_stretch_read(&j->stretch, &j->recording, error);
     if (status == TIDES_OK && j->has_time)
         status = cli_window_check(j->stretch.file, &j->recording, j->time_ns - window_of(j), j->time_ns, error);
     if (status != TIDES_OK) return status;

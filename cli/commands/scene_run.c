@@ -28,7 +28,7 @@ static cJSON *run_json(const scene_run *run) {
     cJSON_AddNumberToObject(sensor, "threshold_off", 0.2);
     cJSON_AddStringToObject(stepping, "mode", "error");
     cJSON_AddNumberToObject(stepping, "step_s", 0.01);
-    cJSON_AddStringToObject(json, "seed", run->seed);
+    if (run->seed) cJSON_AddStringToObject(json, "seed", run->seed); /* unwritten, each drawn run of a batch has its own */
     return json;
 }
 

@@ -7,7 +7,7 @@
 typedef struct scene_run {
     const char *scene_file, *camera_file;      /* as the run file should name them */
     const char *object_file, *trajectory_file; /* an object of its own; NULL: none */
-    const char *seed;                          /* of the simulation */
+    const char *seed;                          /* of the simulation; NULL: unsaid */
     const tides_world *world;
 } scene_run;
 

@@ -31,7 +31,8 @@ int cli_take_run(const cli_command *command, int argc, char **argv, const cli_ta
     if (!output) return cli_usage(command, "the output is missing: -o %s", what->output);
     tides_error error = {TIDES_OK, ""};
     tides_session *session = NULL;
-    if (cli_session_open(run, &sets, &common, &session, &error) != TIDES_OK) return cli_fail(&error);
+    const cli_output written = {output, NULL};
+    if (cli_session_open(run, &sets, &common, &written, 1, &session, &error) != TIDES_OK) return cli_fail(&error);
     code = take(what, session, output, &common);
     tides_session_close(session);
     return code;

@@ -123,6 +123,19 @@ void cli_csv_value(FILE *file, const cJSON *value);
 const char *cli_count(double number, char text[24]);
 /* 1 where `path` is longer than `ending` (".png") and ends in it, whatever its case. */
 int cli_ends_in(const char *path, const char *ending);
+/* files.c: what a command writes. `ending` (".json") is of what is written; NULL: its writer knows names that fit. */
+enum { CLI_OUTPUTS_MAX = 32 };
+typedef struct cli_output {
+    const char *path; /* NULL: nobody asked for it */
+    const char *ending;
+} cli_output;
+/* Before anything is opened: TIDES_BAD_ARGUMENT where an output would replace `input` (nullable; a file or folder), or what
+ * the run reads, or another output, or is called like another kind of file. _folder: outputs are `names` (ended by NULL) in a
+ * folder, and run may be NULL. */
+tides_status cli_check_outputs(const char *input, const cli_output *outputs, size_t count, tides_error *error);
+tides_status cli_check_run(const char *run, const cli_list *sets, const cli_output *outputs, size_t count, tides_error *error);
+tides_status cli_check_folder(const char *run, const cli_list *sets, const char *input, const char *folder,
+                              const char *const *names, tides_error *error);
 /* Makes a directory; one that is there is fine. */
 tides_status cli_make_directory(const char *directory, tides_error *error);
 /* Writes a file as tides_file_write does: what `put` makes of `what`, or a text and the end of its line. */

@@ -209,13 +209,25 @@ static int stopped(const cli_job *job, const job_state *state) {
                       state->done.saved ? "; --resume goes on from there" : "");
 }
 
+/* The events' checkpoint is an output, too. */
+static tides_status open_session(const cli_job *job, const cli_common *common, tides_session **session, tides_error *error) {
+    char checkpoint[PATH_MAX];
+    snprintf(checkpoint, sizeof checkpoint, "%s.checkpoint", job->events);
+    const cli_output outputs[] = {{job->events, NULL},
+                                  {tides_event_writer_can_resume(job->events) ? checkpoint : NULL, NULL},
+                                  {job->stats, ".json"},
+                                  {job->preview, ".png"},
+                                  {job->exr, ".exr"}};
+    return cli_session_open(job->run, job->sets, common, outputs, sizeof outputs / sizeof *outputs, session, error);
+}
+
 int cli_job_run(const cli_job *job, const cli_common *common) {
     tides_error error = {TIDES_OK, ""};
     job_state state;
     memset(&state, 0, sizeof state);
     state.common = common;
     state.progress.quiet = common->quiet;
-    if (cli_session_open(job->run, job->sets, common, &state.session, &error) != TIDES_OK) return cli_fail(&error);
+    if (open_session(job, common, &state.session, &error) != TIDES_OK) return cli_fail(&error);
     tides_session_get(state.session, &state.facts);
     cli_catch_interrupt();
     tides_status status = work(job, &state, &error);

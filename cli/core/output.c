@@ -172,6 +172,8 @@ void cli_csv_value(FILE *file, const cJSON *value) {
 
 tides_status cli_make_directory(const char *directory, tides_error *error) {
     struct stat found;
+    if (strcmp(directory, "-") == 0)
+        return cli_error(error, TIDES_WRITE_FAILED, "-o -: standard output isn't a folder: name one; ./- is one of that name");
     if (mkdir(directory, 0777) == 0) return TIDES_OK;
     if (errno == EEXIST && stat(directory, &found) == 0 && S_ISDIR(found.st_mode)) return TIDES_OK;
     return cli_error(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", directory, strerror(errno));

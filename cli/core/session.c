@@ -10,12 +10,14 @@ void cli_tell_unseen(const cli_common *common, const char *who) {
         fprintf(stderr, "tides: nothing of the scene was in view%s, at any time: look at the path, or at camera.up\n", who);
 }
 
-tides_status cli_session_open(const char *file, const cli_list *sets, const cli_common *common, tides_session **session,
-                              tides_error *error) {
+tides_status cli_session_open(const char *file, const cli_list *sets, const cli_common *common, const cli_output *outputs,
+                              size_t count, tides_session **session, tides_error *error) {
     tides_session_facts s;
     cli_placed placed;
     cli_sets_place(sets, file, common, &placed);
-    tides_status status = tides_session_load(file, placed.list.items, placed.list.count, common->device, session, error);
+    tides_status status = cli_check_run(file, &placed.list, outputs, count, error);
+    if (status == TIDES_OK)
+        status = tides_session_load(file, placed.list.items, placed.list.count, common->device, session, error);
     cli_sets_free(&placed);
     if (status != TIDES_OK) return status;
     tides_session_get(*session, &s);

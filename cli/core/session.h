@@ -4,9 +4,10 @@
 
 #include "cli.h"
 
-/* Opens a run file with --set texts and --device, and says with -v what it found. The caller closes the session. */
-tides_status cli_session_open(const char *file, const cli_list *sets, const cli_common *common, tides_session **session,
-                              tides_error *error);
+/* Opens a run file with --set texts and --device, and says with -v what it found; before that, cli_check_run of the outputs.
+ * The caller closes the session. */
+tides_status cli_session_open(const char *file, const cli_list *sets, const cli_common *common, const cli_output *outputs,
+                              size_t count, tides_session **session, tides_error *error);
 
 /* Whoever looks away should hear why all is empty; `who` follows "in view": "", or " of 1 of 2 cameras". */
 void cli_tell_unseen(const cli_common *common, const char *who);

@@ -101,7 +101,9 @@ int view_truth(const cli_command *command, const char *file, const canvas_style 
     tides_error error = {TIDES_OK, ""};
     tides_exr *planes = NULL;
     cli_frame frame = {.width = 0};
-    tides_status status = tides_truth_read(file, &planes, &error);
+    const cli_output written = {out, NULL};
+    tides_status status = cli_check_outputs(file, &written, 1, &error);
+    if (status == TIDES_OK) status = tides_truth_read(file, &planes, &error);
     if (status == TIDES_OK) status = take_all(file, planes, &frame, &error);
     if (status == TIDES_OK) status = draw(&frame, style, out, &error);
     const int code = status == TIDES_OK ? report(&frame, out, common) : cli_fail(&error);

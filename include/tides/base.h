@@ -22,7 +22,7 @@ extern "C" {
 #define TIDES_VERSION_PATCH 0
 
 /* Raised whenever the events of an unchanged run file may change. */
-#define TIDES_NUMERICS 8
+#define TIDES_NUMERICS 9
 
 #if defined(__GNUC__)
 #define TIDES_API __attribute__((visibility("default")))
@@ -94,6 +94,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_file_foreign(const char *path, tid
 /* How every file of the library is written, so that PATH holds the old bytes or the new ones, never a part, whatever dies:
  *   - beside it, as PATH.part, which is put on the disk (fsync) and renamed, and then its folder; a failure leaves what was
  *     there alone and no PATH.part, but for recordings of events: those stay in PATH.part, and the error says so;
+ *   - a PATH.part that is there is used where it is a file of the caller's user with no other name, such as a stopped run left,
+ *     and is refused where it is anything else: in a folder that others may write, a link of theirs would lead anywhere;
  *   - where PATH is a link, that happens to what the link leads to, there or not yet, and the link stays;
  *   - a device or FIFO is written into, in formats that are written from beginning to end, and refused for others;
  *   - a folder is refused. */
@@ -108,6 +110,16 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_file_check(const char *path, int32
 /* The name under which `path` is written, "PATH.part" where it is no link or device, as 0-terminated text of at most `size`
  * bytes. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_file_part(const char *path, char *part, size_t size, tides_error *error);
+
+/* Asks, before anything is opened, whether the outputs of some work leave its inputs and one another alone: TIDES_BAD_ARGUMENT,
+ * naming both, where an output or its .part is an input or another output, by whatever names and links, there yet or not, or
+ * lies in a folder that is an input; and for an output "-". NULL entries count for nothing, devices and FIFOs neither. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_files_apart(const char *const *inputs, size_t input_count,
+                                                          const char *const *outputs, size_t output_count, tides_error *error);
+
+/* TIDES_BAD_ARGUMENT where a file that holds what `ending` (".json") stands for is called like another kind, such as "a.h5".
+ * Names of no ending, or of one that stands for nothing, are fine. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_file_named(const char *path, const char *ending, tides_error *error);
 
 #ifdef __cplusplus
 }

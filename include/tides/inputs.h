@@ -25,6 +25,12 @@ typedef struct tides_run_input {
 TIDES_MUST_CHECK TIDES_API tides_status tides_run_inputs(const tides_run *run, tides_run_input **inputs, size_t *count,
                                                          tides_error *error);
 
+/* tides_files_apart of a run's inputs, its own file among them, and what is made of it (NULL entries count for nothing). A
+ * folder of frames keeps its pictures alone from being replaced. What makes files of a session (tides_session_write and the
+ * others) asks this itself; programs that write several files ask of all of them, before long work begins. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_run_apart(const tides_run *run, const char *const *outputs, size_t count,
+                                                        tides_error *error);
+
 /* What a fingerprint says. Plain value. */
 typedef struct tides_fingerprint {
     uint64_t hash;    /* FNV-1a of 64 bits, of what is said below */

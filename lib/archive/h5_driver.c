@@ -34,10 +34,7 @@ static void fail(const disk_file *f, int reason) {
 /* HDF5 asks for the lock of a file when it is open, and then what another run wrote would be gone. */
 static int open_descriptor(const char *name, unsigned flags) {
     if (flags & H5F_ACC_TRUNC) return td_claim_file(name);
-    return open(name,
-                (flags & H5F_ACC_RDWR ? O_RDWR : O_RDONLY) | (flags & H5F_ACC_CREAT ? O_CREAT : 0) |
-                    (flags & H5F_ACC_EXCL ? O_EXCL : 0),
-                0666);
+    return flags & H5F_ACC_RDWR ? td_open_own(name, 0) : open(name, O_RDONLY);
 }
 
 static H5FD_t *open_file(const char *name, unsigned flags, hid_t access, haddr_t most) {

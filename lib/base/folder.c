@@ -110,3 +110,12 @@ tides_status td_make_folders(const char *path, tides_error *error) {
     free(at);
     return status;
 }
+
+tides_status td_make_new_folder(const char *path, tides_error *error) {
+    char *above = td_folder_of(path, error);
+    tides_status status = above ? td_make_folders(above, error) : TIDES_NO_MEMORY;
+    free(above);
+    if (status != TIDES_OK || mkdir(path, 0777) == 0) return status;
+    if (errno != EEXIST) return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be made: %s", path, strerror(errno));
+    return td_fail(error, TIDES_WRITE_FAILED, "%s: is there: another is being written, or one died; remove it", path);
+}

@@ -25,8 +25,7 @@ static tides_status read_link(const char *path, char **target, tides_error *erro
     return *target ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
-/* `path` with the links at its end followed; the last may lead to nothing. */
-static tides_status follow(const char *path, char **target, tides_error *error) {
+tides_status td_follow_links(const char *path, char **target, tides_error *error) {
     enum { LINKS_MAX = 40 }; /* as Linux itself follows */
     struct stat there;
     char *at = td_strdup(path, error);
@@ -38,8 +37,28 @@ static tides_status follow(const char *path, char **target, tides_error *error) 
         free(at);
         at = next;
     }
-    *target = at;
+    if (status == TIDES_OK)
+        *target = at;
+    else
+        free(at);
     return status;
+}
+
+/* What makes a file that is there another's, which isn't written; NULL: it is a file of ours alone, such as a run left that was
+ * stopped. In a folder that others may write anybody can put a link to a file of ours where the .part will be. */
+static const char *foreign(const struct stat *there) {
+    if (S_ISLNK(there->st_mode)) return "is a link";
+    if (!S_ISREG(there->st_mode)) return "isn't a file";
+    if (there->st_uid != geteuid()) return "belongs to another user";
+    return there->st_nlink > 1 ? "has another name (a hard link)" : NULL;
+}
+
+static tides_status check_part(const char *part, tides_error *error) {
+    struct stat there;
+    const char *why = lstat(part, &there) == 0 ? foreign(&there) : NULL;
+    if (!why) return TIDES_OK;
+    return td_fail(error, TIDES_WRITE_FAILED, "%s: %s, and isn't written, for others may have put it there: remove it", part,
+                   why);
 }
 
 tides_status td_part_name(const char *path, int streams, char **part, tides_error *error) {
@@ -47,15 +66,22 @@ tides_status td_part_name(const char *path, int streams, char **part, tides_erro
     char *target = NULL;
     if (stat(path, &there) == 0 && S_ISDIR(there.st_mode))
         return td_fail(error, TIDES_WRITE_FAILED, "%s: is a folder: name a file in it", path);
+    if (strcmp(path, "-") == 0)
+        return td_fail(error, TIDES_WRITE_FAILED, "-: standard output isn't written to: name a file; ./- is one of that name");
     int special = stat(path, &there) == 0 && !S_ISREG(there.st_mode);
     if (special && !streams)
         return td_fail(error, TIDES_WRITE_FAILED,
                        "%s: is a device or FIFO, and this format isn't written from beginning to end: name a file", path);
-    tides_status status = special ? TIDES_OK : follow(path, &target, error);
+    tides_status status = special ? TIDES_OK : td_follow_links(path, &target, error);
     if (status != TIDES_OK) return status;
-    *part = special ? td_strdup(path, error) : td_format(error, "%s%s", target, ending);
+    char *made = special ? td_strdup(path, error) : td_format(error, "%s%s", target, ending);
     free(target);
-    return *part ? TIDES_OK : TIDES_NO_MEMORY;
+    status = !made ? TIDES_NO_MEMORY : special ? TIDES_OK : check_part(made, error);
+    if (status == TIDES_OK)
+        *part = made;
+    else
+        free(made);
+    return status;
 }
 
 void td_remove_part(const char *part, const char *path) {
@@ -89,13 +115,34 @@ static int is_still_at(int descriptor, const char *path) {
     return fstat(descriptor, &own) == 0 && stat(path, &there) == 0 && own.st_dev == there.st_dev && own.st_ino == there.st_ino;
 }
 
+/* O_NONBLOCK: a FIFO isn't waited for. */
+static int open_there(const char *path) {
+    struct stat own;
+    const int descriptor = open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK);
+    if (descriptor < 0) return -1;
+    const int failed = fstat(descriptor, &own) != 0 ? errno : foreign(&own) ? EPERM : 0;
+    if (!failed) return descriptor;
+    close(descriptor);
+    errno = failed;
+    return -1;
+}
+
+int td_open_own(const char *path, int create) {
+    for (;;) {
+        int descriptor = create ? open(path, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW, 0666) : -1;
+        if (descriptor >= 0 || (create && errno != EEXIST)) return descriptor;
+        descriptor = open_there(path);
+        if (descriptor >= 0 || !create || errno != ENOENT) return descriptor; /* else it went away between */
+    }
+}
+
 int td_claim_file(const char *path) {
     for (;;) {
-        const int descriptor = open(path, O_RDWR | O_CREAT, 0666);
+        const int descriptor = td_open_own(path, 1);
         if (descriptor < 0) return -1;
         int failed = td_lock_alone(descriptor);
         const int is_there = failed || is_still_at(descriptor, path);
-        if (!failed && is_there && ftruncate(descriptor, 0) != 0 && errno != EINVAL) failed = errno; /* EINVAL: a device */
+        if (!failed && is_there && ftruncate(descriptor, 0) != 0) failed = errno;
         if (!failed && is_there) return descriptor;
         close(descriptor);
         errno = failed;
@@ -185,7 +232,7 @@ static int write_bytes(FILE *file, const void *bytes, size_t size) {
 tides_status td_copy_file(const char *from, const char *to, tides_error *error) {
     char bytes[65536];
     size_t got = 0;
-    FILE *in = fopen(from, "rb"), *out = in ? fopen(to, "wb") : NULL;
+    FILE *in = fopen(from, "rb"), *out = in ? td_part_open(to, from) : NULL;
     int failed = out ? 0 : errno;
     while (!failed && (got = fread(bytes, 1, sizeof bytes, in)) > 0)
         if (fwrite(bytes, 1, got, out) != got) failed = errno ? errno : EIO;
@@ -222,7 +269,7 @@ static int try_part(const char *part, const char *path) {
         close(made);
         return 0;
     }
-    made = errno == EEXIST ? open(part, O_WRONLY) : -1; /* one that was there is another run's, or waits to be gone on with */
+    made = errno == EEXIST ? open_there(part) : -1; /* one that was there is another run's, or waits to be gone on with */
     if (made < 0) return errno;
     close(made);
     return 0;

@@ -50,17 +50,25 @@ char *td_format(tides_error *error, const char *format, ...) TD_PRINTF(2, 3);
 /* Reads a whole file; `*bytes` gets its size, a NUL follows the data. TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE above `limit`. */
 tides_status td_read_file(const char *path, size_t limit, char **data, size_t *bytes, tides_error *error);
 
+/* `path` with the links at its end followed, allocated; the last may lead to nothing. TIDES_WRITE_FAILED where they go in a
+ * circle. */
+tides_status td_follow_links(const char *path, char **target, tides_error *error);
+
 /* Files are written beside and renamed (tides/base.h says how; output.c). `td_part_name` gives the name to write to, allocated:
  * "PATH.part", beside what PATH leads to where it is a link; PATH itself where it is a device or FIFO, which only formats that
- * are written from beginning to end (`streams`) can be sent to. */
+ * are written from beginning to end (`streams`) can be sent to. TIDES_WRITE_FAILED where td_open_own would refuse the .part. */
 tides_status td_part_name(const char *path, int streams, char **part, tides_error *error);
 
 /* Locks an open file until it is closed, so that where two runs are told to write one file the second stops before it ruins the
  * first one's. 0, or EBUSY: another has it. */
 int td_lock_alone(int descriptor);
 
-/* The file at `path`, made where there is none, emptied once it is locked: a descriptor for reading and writing; -1 and errno,
- * EBUSY where another run writes it, of which nothing is touched. */
+/* The file at `path` for reading and writing, made where there is none and `create` is 1; -1 and errno where what is there is a
+ * link, no file, or not ours alone: in a folder that others may write, they could have us write anywhere. */
+int td_open_own(const char *path, int create);
+
+/* The file at `path`, td_open_own's, made where there is none, emptied once it is locked: a descriptor for reading and
+ * writing; -1 and errno, EBUSY where another run writes it, of which nothing is touched. */
 int td_claim_file(const char *path);
 
 /* A claimed file is claimed on when it is closed, so that nobody empties it before it is in its place: what is to be given to
@@ -83,7 +91,7 @@ void td_remove_part(const char *part, const char *path);
 /* Removes a file, where there is one, and the .part that a process left which was killed as it wrote it. */
 tides_status td_remove_file(const char *path, tides_error *error);
 
-/* Copies the bytes of `from`; what fails half way is the caller's to remove. */
+/* Copies the bytes of `from` to a .part; what fails half way is the caller's to remove. */
 tides_status td_copy_file(const char *from, const char *to, tides_error *error);
 
 /* Waits until the bytes of an open file are on the disk; 0 or errno. Files that can't be asked (pipes) are fine. */

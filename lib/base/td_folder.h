@@ -41,4 +41,7 @@ int td_is_file(const char *path);
 /* A folder, with all folders above it that are missing; those that are there are fine. */
 tides_status td_make_folders(const char *path, tides_error *error);
 
+/* A folder that isn't there, not as a link either, with all folders above it that are missing. */
+tides_status td_make_new_folder(const char *path, tides_error *error);
+
 #endif

@@ -72,7 +72,8 @@ tides_status tides_path_save(const char *file, const tides_trajectory *trajector
     if (!file || !trajectory) return td_fail(error, TIDES_BAD_ARGUMENT, "saving a path needs a file name and a trajectory");
     if (intrinsics && check_intrinsics(intrinsics, error) != TIDES_OK) return TIDES_BAD_ARGUMENT;
     td_text text;
-    tides_status status = td_text_open(&text, file, error);
+    tides_status status = tides_file_named(file, ".json", error);
+    if (status == TIDES_OK) status = td_text_open(&text, file, error);
     if (status != TIDES_OK) return status;
     const locale_t before = uselocale(text.plain); /* JSON has decimal points whatever the program's locale; TD_SHORT, too */
     write_path(text.file, trajectory, intrinsics);

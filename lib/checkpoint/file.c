@@ -48,10 +48,10 @@ static tides_status take_bytes(hid_t image, const char *path, char **bytes, size
     return td_fail(error, TIDES_NO_MEMORY, "%s: the checkpoint can't be put together: out of memory?", path);
 }
 
-static tides_status write_sealed(const char *part, const char *bytes, size_t size, tides_error *error) {
+static tides_status write_sealed(const char *part, const char *path, const char *bytes, size_t size, tides_error *error) {
     char seal[SEAL_BYTES + 1];
     snprintf(seal, sizeof seal, SEAL_FORMAT, td_hash_words(0, bytes, size));
-    FILE *file = fopen(part, "wb");
+    FILE *file = td_part_open(part, path);
     int written = file && fwrite(bytes, 1, size, file) == size && fwrite(seal, 1, SEAL_BYTES, file) == SEAL_BYTES;
     int reason = errno;
     if (file && fclose(file) != 0 && written) { /* a full disk may show no earlier */
@@ -68,7 +68,7 @@ tides_status td_checkpoint_image_write(hid_t image, const char *path, tides_erro
     size_t size = 0;
     tides_status status = td_part_name(path, 0, &part, error);
     if (status == TIDES_OK) status = take_bytes(image, path, &bytes, &size, error);
-    if (status == TIDES_OK) status = write_sealed(part, bytes, size, error);
+    if (status == TIDES_OK) status = write_sealed(part, path, bytes, size, error);
     if (status == TIDES_OK) status = td_commit_file(part, path, error);
     free(bytes);
     free(part);

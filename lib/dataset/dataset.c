@@ -3,6 +3,7 @@
 #include "signal/td_step.h"
 #include "td_dataset.h"
 #include "td_folder.h"
+#include "tides/inputs.h"
 
 #include <errno.h>
 #include <math.h>
@@ -27,6 +28,7 @@ typedef struct job {
     uint64_t events;
     int32_t unseeing;    /* cameras that saw nothing */
     char *folder, *part; /* without a slash at their ends */
+    int began;           /* `part` is there, and ours */
     tides_progress progress;
     void *user;
     double from, width; /* what of the whole the stage that reports is */
@@ -129,6 +131,10 @@ static tides_status add_writer(job *j, const td_layout *layout, char *root, tide
                        layout->name);
     tides_status status = layout->check ? layout->check(&j->set, error) : TIDES_OK;
     if (status == TIDES_OK && layout->rectified) status = td_rectify(&j->set, error);
+    if (status == TIDES_OK && !j->began) {
+        status = td_make_new_folder(j->part, error);
+        j->began = status == TIDES_OK;
+    }
     return status == TIDES_OK ? td_make_folders(root, error) : status;
 }
 
@@ -244,14 +250,14 @@ static void make(job *j) {
         j->status = td_fail(j->error, TIDES_WRITE_FAILED, "%s: can't be put in place: %s", j->folder, strerror(errno));
 }
 
-static void end(job *j, int began) {
+static void end(job *j) {
     for (size_t i = 0; i < j->writer_count; i++) {
         td_writer *w = &j->writers[i];
         if (w->layout->drop) w->layout->drop(w);
         free(w->folder);
         free(w->root);
     }
-    if (began && j->status != TIDES_OK) td_remove_folder(j->part);
+    if (j->began && j->status != TIDES_OK) td_remove_folder(j->part);
     for (size_t i = 0; i < j->set.count; i++) td_rectify_release(&j->set.cameras[i]);
     for (size_t i = 0; i < j->set.count; i++)
         if (j->set.cameras[i].owned) tides_session_close(j->set.cameras[i].session);
@@ -265,6 +271,8 @@ static tides_status check_session(const tides_session *session, const char *fold
     tides_session_get(session, &facts);
     if (facts.frames)
         return td_fail(error, TIDES_UNSUPPORTED, "a dataset has ground truth, which frames.file hasn't: name a scene");
+    tides_status status = tides_run_apart(facts.run, &folder, 1, error);
+    if (status != TIDES_OK) return status;
     if (td_is_folder(folder) || td_is_file(folder))
         return td_fail(error, TIDES_WRITE_FAILED, "%s: is there already: name a new folder, or remove it", folder);
     return TIDES_OK;
@@ -288,9 +296,6 @@ tides_status tides_dataset_write(tides_session *session, const char *folder, con
     if (j.status == TIDES_OK && j.set.stop_us <= j.set.start_us)
         j.status =
             td_fail(error, TIDES_BAD_CONFIG, "the run has no room for an exposure: set exposure.exposure_s or time.stop");
-    const int fresh = j.status == TIDES_OK && !td_is_folder(j.part);
-    if (j.status == TIDES_OK && !fresh)
-        j.status = td_fail(error, TIDES_WRITE_FAILED, "%s: is there: another is being written, or one died; remove it", j.part);
     if (j.status == TIDES_OK) j.status = add_writers(&j, names, error);
     if (j.status == TIDES_OK) make(&j);
     if (report && j.status == TIDES_OK)
@@ -301,6 +306,6 @@ tides_status tides_dataset_write(tides_session *session, const char *folder, con
                                          (int32_t)j.set.poses,
                                          j.unseeing,
                                          0};
-    end(&j, fresh);
+    end(&j);
     return j.status;
 }

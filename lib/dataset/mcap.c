@@ -103,7 +103,7 @@ tides_status td_mcap_open(char *path, td_mcap **mcap, tides_error *error) {
     }
     m->path = path;
     *mcap = m;
-    m->file = fopen(path, "wb");
+    m->file = td_part_open(path, "");
     if (!m->file) return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", path, strerror(errno));
     const tides_status status = put(m, magic, sizeof magic, error);
     if (status != TIDES_OK) return status;

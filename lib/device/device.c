@@ -1,5 +1,6 @@
 /* Finding, opening and describing devices by one SPEC string. Programs are built in program.c, and launched in launch.c. */
 #include "td_advice.h"
+#include "td_drivers.h"
 #include "td_device.h"
 #include "td_forked.h"
 #include "td_near.h"
@@ -152,6 +153,10 @@ static tides_status fail_no_match(const device_list *list, const char *spec, tid
     td_suggest(spec, "auto cpu gpu reference reference-f32", " ", suggestion);
     const int is_kind = strcmp(spec, "auto") == 0 || strcmp(spec, "cpu") == 0 || strcmp(spec, "gpu") == 0;
     if (is_kind) suggestion[0] = '\0'; /* there's none of the kind, but nothing is misspelt */
+    char trouble[TD_TROUBLE_MAX];
+    if (list->count == 0 && td_driver_trouble(trouble)[0])
+        return td_fail(error, TIDES_NO_DEVICE, "device '%s': no OpenCL device was found: %s; or use --device reference%s", spec,
+                       trouble, suggestion);
     if (list->count == 0)
         return td_fail(error, TIDES_NO_DEVICE,
                        "device '%s': no OpenCL device was found; install one (%s%s) or use --device reference%s", spec,

@@ -10,6 +10,7 @@
  * What is done instead: those 900 KB declare OpenCL's functions, of which kernels call two dozen. Where clang is told that its
  * header was read already, by the guard of that, and the program declares what it calls, 10 to 25 ms are left. */
 #include "td_device.h"
+#include "td_drivers.h"
 #include "td_forked.h"
 
 #include <stdlib.h>
@@ -54,8 +55,13 @@ static tides_status fail_build(const tides_device *device, cl_program program, c
     if (log) clGetProgramBuildInfo(program, device->id, CL_PROGRAM_BUILD_LOG, bytes, log, NULL);
     for (char *c = log; c && *c; c++) /* one line */
         if (*c == '\n' || *c == '\r') *c = ' ';
-    tides_status status = td_fail(error, TIDES_DEVICE_FAILED, "kernel %s doesn't build on %.60s: %.700s", file,
-                                  device->info.name, log ? log : "(no log)");
+    char trouble[TD_TROUBLE_MAX] = "";
+    if (strcmp(device->info.platform, "Portable Computing Language") == 0) td_cache_trouble(trouble);
+    tides_status status =
+        td_fail(error, TIDES_DEVICE_FAILED, "kernel %s doesn't build on %.60s: %.700s", file, device->info.name,
+                trouble[0] ? trouble
+                : log      ? log
+                           : "(no log)");
     free(log);
     return status;
 }

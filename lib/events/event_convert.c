@@ -239,6 +239,7 @@ tides_status tides_events_convert(const char *in, const char *out, const tides_e
                                   void *user, tides_event_conversion_report *report, tides_error *error) {
     if (!in || !out || !what) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_events_convert: an argument is NULL");
     tides_status status = check_what(what, error);
+    if (status == TIDES_OK) status = tides_files_apart(&in, 1, &out, 1, error);
     if (status != TIDES_OK) return status;
     converter c = {.in = in, .out = out, .what = *what};
     status = run(&c, progress, user, error);

@@ -5,6 +5,7 @@
 #include "td_endian.h"
 #include "td_event_npy.h"
 
+#include <errno.h>
 #include <stdlib.h>
 
 /* Bytes of a packed row, 8 for t, 2 for x, 2 for y, 1 for p; rows written at once. */
@@ -75,8 +76,8 @@ tides_status td_event_npz_create(td_event_sink *sink, tides_error *error) {
     if (status != TIDES_OK) return status;
     char *name = td_format(error, "%s.spool", sink->part);
     if (!name) return TIDES_NO_MEMORY;
-    w->spool = fopen(name, "w+b");
-    if (!w->spool) status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created", name);
+    w->spool = td_part_open(name, sink->path);
+    if (!w->spool) status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", name, strerror(errno));
     remove(name); /* it lives as long as it is open */
     free(name);
     return status;

@@ -115,7 +115,7 @@ static herr_t create_attributes(td_event_store *store, const tides_event_file *f
 
 /* HDF5 locks a file only after it has emptied it: two runs told to write the same file would ruin each other. */
 tides_status td_event_store_claim(const char *path, int create, tides_error *error) {
-    int descriptor = open(path, create ? O_RDWR | O_CREAT : O_RDWR, 0666);
+    int descriptor = td_open_own(path, create);
     if (descriptor < 0 && errno == ENOENT && !create)
         return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
     if (descriptor < 0)

@@ -8,7 +8,6 @@
 #include "td_exr.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -150,7 +149,7 @@ static tides_status write_context(exr_job *job) {
 }
 
 static tides_status write_part(exr_job *job) {
-    job->stream.descriptor = open(job->part, O_RDWR | O_CREAT | O_TRUNC, 0666);
+    job->stream.descriptor = td_claim_file(job->part);
     if (job->stream.descriptor < 0)
         return td_fail(job->error, TIDES_WRITE_FAILED, "%s: can't be created: %s", job->path, strerror(errno));
     tides_status status = write_context(job);
@@ -209,7 +208,8 @@ tides_status td_exr_write_traced(const char *path, int32_t width, int32_t height
                    .trace = trace,
                    .error = error};
     char *part = NULL;
-    tides_status status = check_size(&job, error);
+    tides_status status = tides_file_named(path, ".exr", error);
+    if (status == TIDES_OK) status = check_size(&job, error);
     if (status == TIDES_OK) status = sort_channels(&job, channels, error);
     if (status != TIDES_OK) goto done;
     status = td_part_name(path, 0, &part, error);

@@ -96,7 +96,8 @@ tides_status tides_png_write(const char *path, int32_t width, int32_t height, co
 
 tides_status td_png_write(const char *path, const td_png_form *form, const void *values, tides_error *error) {
     char *part = NULL;
-    tides_status status = td_part_name(path, 1, &part, error);
+    tides_status status = tides_file_named(path, ".png", error);
+    if (status == TIDES_OK) status = td_part_name(path, 1, &part, error);
     if (status != TIDES_OK) return status;
     png_job job = {.form = *form, .values = values};
     status = write_part(&job, path, part, error);

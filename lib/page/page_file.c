@@ -103,6 +103,7 @@ tides_status tides_page_write_file(const char *events, const char *path, const t
     tides_page_options given;
     tides_page_options_defaults(&given);
     tides_status status = options ? TD_TAKE_STRUCT(tides_page_options, &given, options, error) : TIDES_OK;
+    if (status == TIDES_OK) status = tides_files_apart(&events, 1, &path, 1, error);
     if (status == TIDES_OK) status = open_source(&s, &given, error);
     if (status != TIDES_OK) {
         close_source(&s);

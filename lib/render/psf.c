@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 static const double cut_sigmas = 4;       /* what is beyond weighs 6e-5 of the whole */
+static const double wide_sigma = 8;       /* [px]: above, the direct kernel is the slower one (psf_wide.c) */
 static const double largest_sigma = 1000; /* [px]: more is no lens, and its apron would fill memory */
 
 tides_status td_psf_set(td_psf *psf, double sigma_px, int32_t domain, tides_error *error) {
@@ -14,18 +15,26 @@ tides_status td_psf_set(td_psf *psf, double sigma_px, int32_t domain, tides_erro
         return td_fail(error, TIDES_BAD_ARGUMENT, "psf_sigma_px: %g px must lie in [0, %g]", sigma_px, largest_sigma);
     if (domain != TIDES_PSF_LOG && domain != TIDES_PSF_LINEAR)
         return td_fail(error, TIDES_BAD_ARGUMENT, "psf_domain: %d is none of TIDES_PSF_*", (int)domain);
-    int radius = (int)ceil(cut_sigmas * sigma_px);
+    int step = 0;
+    const double sigma = sigma_px > wide_sigma ? td_psf_wide_sigma(sigma_px, &step) : sigma_px; /* in cells, or pixels */
+    int radius = (int)ceil(cut_sigmas * sigma);
     double *weight = td_alloc((size_t)radius + 1, sizeof *weight, error), sum = 1;
     if (!weight) return TIDES_NO_MEMORY;
     weight[0] = 1;
     for (int k = 1; k <= radius; k++) {
-        weight[k] = exp(-0.5 * k * k / (sigma_px * sigma_px));
+        weight[k] = exp(-0.5 * k * k / (sigma * sigma));
         sum += 2 * weight[k];
     }
     for (int k = 0; k <= radius; k++) weight[k] /= sum;
+    if (step && td_psf_wide_set(psf, step, error) != TIDES_OK) {
+        free(weight);
+        return TIDES_NO_MEMORY;
+    }
     free(psf->weight);
     psf->weight = weight;
     psf->radius = radius;
+    psf->wide.step = step;
+    psf->reach = step ? (radius + 5) * step : radius; /* both splines reach 2 cells, and a tile isn't where cells are */
     psf->sigma = sigma_px;
     psf->domain = domain;
     return TIDES_OK;
@@ -33,6 +42,7 @@ tides_status td_psf_set(td_psf *psf, double sigma_px, int32_t domain, tides_erro
 
 void td_psf_release(td_psf *psf) {
     free(psf->weight);
+    td_psf_wide_release(&psf->wide);
     free(psf->raw);
     free(psf->slot_first);
     free(psf->raw_first);
@@ -50,8 +60,8 @@ typedef struct window {
     int x0, x1, y0, y1; /* both included */
 } window;
 
-static window window_of(int radius, int tiles_x, int tiles_y, int tile) {
-    int reach = (radius + TD_TILE - 1) / TD_TILE, x = tile % tiles_x, y = tile / tiles_x;
+static window window_of(int reach_px, int tiles_x, int tiles_y, int tile) {
+    int reach = (reach_px + TD_TILE - 1) / TD_TILE, x = tile % tiles_x, y = tile / tiles_x;
     window w = {clamp(x - reach, tiles_x - 1), clamp(x + reach, tiles_x - 1), clamp(y - reach, tiles_y - 1),
                 clamp(y + reach, tiles_y - 1)};
     return w;
@@ -64,7 +74,7 @@ tides_status td_psf_spread(td_psf *psf, td_candidates *candidates, tides_error *
     uint8_t *moving = td_alloc((size_t)tiles, sizeof *moving, error);
     tides_status status = travel && moving ? TIDES_OK : TIDES_NO_MEMORY;
     for (int t = 0; t < tiles && status == TIDES_OK; t++) {
-        window w = window_of(psf->radius, tiles_x, candidates->tiles_y, t);
+        window w = window_of(psf->reach, tiles_x, candidates->tiles_y, t);
         for (int y = w.y0; y <= w.y1; y++)
             for (int i = y * tiles_x + w.x0; i <= y * tiles_x + w.x1; i++) {
                 moving[t] |= candidates->moving[i];
@@ -94,7 +104,7 @@ static void order_by_slot(td_psf *psf, const td_request *requests, int count, in
 /* Adds the tiles that one request needs to the slot's, unless they are there. */
 static tides_status add_window(td_psf *psf, const td_candidates *candidates, td_request request, int *count,
                                tides_error *error) {
-    window w = window_of(psf->radius, candidates->tiles_x, candidates->tiles_y, request.tile);
+    window w = window_of(psf->reach, candidates->tiles_x, candidates->tiles_y, request.tile);
     size_t most = (size_t)*count + (size_t)(w.x1 - w.x0 + 1) * (size_t)(w.y1 - w.y0 + 1);
     tides_status status = td_reserve((void **)&psf->raw, &psf->raw_capacity, most, sizeof *psf->raw, error);
     for (int y = w.y0; y <= w.y1 && status == TIDES_OK; y++)
@@ -148,8 +158,7 @@ static void to_linear(td_psf *psf, int count, int outputs) {
     }
 }
 
-/* `count` outputs along a line of inputs, whose first is `radius` before the first output: sums in the same order for each. */
-static inline void blur_line(const td_psf *psf, const double *line, size_t stride, int count, double *out) {
+void td_psf_line(const td_psf *psf, const double *line, size_t stride, int count, double *out) {
     const double *centre = line + (size_t)psf->radius * stride;
     for (int c = 0; c < count; c++) out[c] = psf->weight[0] * centre[c];
     for (int k = 1; k <= psf->radius; k++) {
@@ -158,14 +167,7 @@ static inline void blur_line(const td_psf *psf, const double *line, size_t strid
     }
 }
 
-/* Where the pixels of an image are, tile by tile. */
-typedef struct source {
-    const td_psf *psf;
-    int width, height, tiles_x, outputs, plane;
-} source;
-
-/* Pixels [x, x + count) of row y, those outside the image being its border's. */
-static void gather(const source *s, int x, int y, int count, double *line) {
+static void gather_tiles(const td_psf_source *s, int x, int y, int count, double *line) {
     int row = clamp(y, s->height - 1), tiles = row / TD_TILE * s->tiles_x;
     for (int i = 0; i < count; i++) {
         int column = clamp(x + i, s->width - 1);
@@ -174,22 +176,47 @@ static void gather(const source *s, int x, int y, int count, double *line) {
     }
 }
 
+static void gather_image(const td_psf_source *s, int x, int y, int count, double *line) {
+    const double *row = s->image + (size_t)clamp(y, s->height - 1) * (size_t)s->width;
+    for (int i = 0; i < count; i++) line[i] = row[clamp(x + i, s->width - 1)];
+}
+
 /* One plane of the tile at (x0, y0), blurred: (TD_TILE x TD_TILE), row by row. */
-static void blur_tile(const source *s, int x0, int y0, double *out) {
+static void blur_tile(const td_psf_source *s, int x0, int y0, double *out) {
     int radius = s->psf->radius, side = TD_TILE + 2 * radius;
     double *rows = s->psf->rows, *line = rows + (size_t)side * TD_TILE;
     for (int y = 0; y < side; y++) {
-        gather(s, x0 - radius, y0 - radius + y, side, line);
-        blur_line(s->psf, line, 1, TD_TILE, rows + (size_t)y * TD_TILE);
+        gather_tiles(s, x0 - radius, y0 - radius + y, side, line);
+        td_psf_line(s->psf, line, 1, TD_TILE, rows + (size_t)y * TD_TILE);
     }
     for (int y = 0; y < TD_TILE; y++)
-        blur_line(s->psf, rows + (size_t)y * TD_TILE, TD_TILE, TD_TILE, out + (size_t)y * TD_TILE);
+        td_psf_line(s->psf, rows + (size_t)y * TD_TILE, TD_TILE, TD_TILE, out + (size_t)y * TD_TILE);
+}
+
+/* All cells are made before the first pixel is written. */
+static tides_status blur_image_wide(td_psf *psf, int width, int height, double *image, tides_error *error) {
+    const td_psf_source s = {.gather = gather_image, .psf = psf, .image = image, .width = width, .height = height};
+    tides_status status = td_psf_wide_begin(&psf->wide, width, height, error);
+    double *blurred = status == TIDES_OK ? td_alloc((size_t)width * (size_t)height, sizeof *blurred, error) : NULL;
+    if (!blurred) return TIDES_NO_MEMORY;
+    for (int y0 = 0; y0 < height; y0 += TD_TILE)
+        for (int x0 = 0; x0 < width; x0 += TD_TILE) {
+            double tile[TD_TILE_PIXELS];
+            td_psf_wide_tile(psf, &s, x0, y0, tile);
+            const int across = x0 + TD_TILE < width ? TD_TILE : width - x0;
+            for (int y = 0; y < TD_TILE && y0 + y < height; y++)
+                memcpy(blurred + (size_t)(y0 + y) * (size_t)width + x0, tile + y * TD_TILE, (size_t)across * sizeof *tile);
+        }
+    memcpy(image, blurred, (size_t)width * (size_t)height * sizeof *image);
+    free(blurred);
+    return TIDES_OK;
 }
 
 tides_status td_psf_image(td_psf *psf, int width, int height, double *image, tides_error *error) {
     int radius = psf->radius;
     size_t lines = (size_t)height + 2 * (size_t)radius, row = (size_t)width;
     if (!radius) return TIDES_OK;
+    if (psf->wide.step) return blur_image_wide(psf, width, height, image, error);
     tides_status status =
         td_reserve((void **)&psf->rows, &psf->row_capacity, lines * row + row + 2 * (size_t)radius, sizeof *psf->rows, error);
     if (status != TIDES_OK) return status;
@@ -197,22 +224,25 @@ tides_status td_psf_image(td_psf *psf, int width, int height, double *image, tid
     for (int y = -radius; y < height + radius; y++) {
         const double *from = image + (size_t)clamp(y, height - 1) * row;
         for (int x = -radius; x < width + radius; x++) line[x + radius] = from[clamp(x, width - 1)];
-        blur_line(psf, line, 1, width, psf->rows + (size_t)(y + radius) * row);
+        td_psf_line(psf, line, 1, width, psf->rows + (size_t)(y + radius) * row);
     }
-    for (int y = 0; y < height; y++) blur_line(psf, psf->rows + (size_t)y * row, row, width, image + (size_t)y * row);
+    for (int y = 0; y < height; y++) td_psf_line(psf, psf->rows + (size_t)y * row, row, width, image + (size_t)y * row);
     return TIDES_OK;
 }
 
 /* A request's planes: L and L_dot blurred, Y from L, the others as rendered. */
-static void finish_tile(const td_psf *psf, source *s, int tile, double log_eps, double *planes) {
+static void finish_tile(td_psf *psf, td_psf_source *s, int tile, double log_eps, double *planes) {
     double L[TD_TILE_PIXELS], L_dot[TD_TILE_PIXELS];
     int x0 = tile % s->tiles_x * TD_TILE, y0 = tile / s->tiles_x * TD_TILE;
     memcpy(planes, psf->planes + (size_t)psf->place[tile] * s->outputs * TD_TILE_PIXELS,
            (size_t)s->outputs * TD_TILE_PIXELS * sizeof *planes);
-    s->plane = TD_OUT_L;
-    blur_tile(s, x0, y0, L);
-    s->plane = TD_OUT_L_DOT;
-    blur_tile(s, x0, y0, L_dot);
+    for (s->which = 0; s->which < TD_PSF_PLANES; s->which++) {
+        s->plane = s->which ? TD_OUT_L_DOT : TD_OUT_L;
+        if (psf->wide.step)
+            td_psf_wide_tile(psf, s, x0, y0, s->which ? L_dot : L);
+        else
+            blur_tile(s, x0, y0, s->which ? L_dot : L);
+    }
     for (int i = 0; i < TD_TILE_PIXELS; i++) {
         int at = td_tile_pixel(i % TD_TILE, i / TD_TILE), linear = psf->domain == TIDES_PSF_LINEAR;
         planes[TD_OUT_L * TD_TILE_PIXELS + at] = linear ? log(L[i]) : L[i];
@@ -221,18 +251,31 @@ static void finish_tile(const td_psf *psf, source *s, int tile, double log_eps, 
     }
 }
 
-static void finish(tides_renderer *renderer, const td_request *requests, int slots, int outputs, double *planes) {
+enum { HEED_TILES = 16 }; /* tiles take up to a tenth of a millisecond each: who wants to stop is asked every few */
+
+static tides_status finish(tides_renderer *renderer, const td_request *requests, int slots, int outputs, double *planes,
+                           tides_error *error) {
     td_psf *psf = &renderer->psf;
-    source s = {psf, renderer->image.width, renderer->image.height, renderer->candidates.tiles_x, outputs, 0};
+    td_psf_source s = {.gather = gather_tiles,
+                       .psf = psf,
+                       .width = renderer->image.width,
+                       .height = renderer->image.height,
+                       .tiles_x = renderer->candidates.tiles_x,
+                       .outputs = outputs};
     for (int slot = 0; slot < slots; slot++) {
+        tides_status status = TIDES_OK;
         for (int i = psf->raw_first[slot]; i < psf->raw_first[slot + 1]; i++) psf->place[psf->raw[i].tile] = i;
-        for (int i = psf->slot_first[slot]; i < psf->slot_first[slot + 1]; i++) {
+        if (psf->wide.step) status = td_psf_wide_begin(&psf->wide, s.width, s.height, error);
+        for (int i = psf->slot_first[slot]; i < psf->slot_first[slot + 1] && status == TIDES_OK; i++) {
             size_t at = (size_t)psf->order[i];
+            if (i % HEED_TILES == 0 && (status = td_renderer_heed(renderer, 1, error)) != TIDES_OK) break;
             finish_tile(psf, &s, requests[at].tile, (double)renderer->image.log_eps,
                         planes + at * (size_t)outputs * TD_TILE_PIXELS);
         }
         forget_slot(psf, slot);
+        if (status != TIDES_OK) return status;
     }
+    return TIDES_OK;
 }
 
 tides_status td_renderer_blurred_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
@@ -242,7 +285,8 @@ tides_status td_renderer_blurred_tiles(tides_renderer *renderer, const tides_tra
     td_tile_batch sharp = *batch;
     if (!psf->radius) return td_renderer_sharp_tiles(renderer, camera, batch, planes, error);
     tides_status status = list_raw(psf, &renderer->candidates, batch->requests, batch->count, slots, error);
-    size_t side = TD_TILE + 2 * (size_t)psf->radius, raw = status == TIDES_OK ? (size_t)psf->raw_first[slots] : 0;
+    size_t side = psf->wide.step ? 0 : TD_TILE + 2 * (size_t)psf->radius,
+           raw = status == TIDES_OK ? (size_t)psf->raw_first[slots] : 0;
     if (status == TIDES_OK)
         status = td_reserve((void **)&psf->planes, &psf->plane_capacity, raw * (size_t)outputs * TD_TILE_PIXELS,
                             sizeof *psf->planes, error);
@@ -254,9 +298,9 @@ tides_status td_renderer_blurred_tiles(tides_renderer *renderer, const tides_tra
     if (status != TIDES_OK) return status;
     double begun = td_now();
     if (psf->domain == TIDES_PSF_LINEAR) to_linear(psf, (int)raw, outputs);
-    finish(renderer, batch->requests, slots, outputs, planes);
+    status = finish(renderer, batch->requests, slots, outputs, planes, error);
     renderer->stats.time_composite_s += td_now() - begun;
-    return TIDES_OK;
+    return status;
 }
 
 tides_status tides_renderer_set_psf(tides_renderer *renderer, double sigma_px, int32_t domain, tides_error *error) {

@@ -1,5 +1,6 @@
 /* Which files a run reads: those that its keys name, from the parameter table, and what the readers of scenes, paths and frames
- * look for beside them. For fingerprints (fingerprint.c) and for tides info; the files themselves are their readers'. */
+ * look for beside them. For fingerprints (fingerprint.c), for tides info, and so that no output takes the place of one of
+ * them; the files themselves are their readers'. */
 #include "tides/inputs.h"
 
 #include "camera/td_path_reader.h"
@@ -224,5 +225,40 @@ tides_status tides_run_inputs(const tides_run *run, tides_run_input **inputs, si
         status = TIDES_NO_MEMORY;
     for (size_t i = 0; i < l.count; i++) free(l.items[i].path);
     free(l.items);
+    return status;
+}
+
+/* -- what mustn't be written -------------------------------------------------------------------------------------------- */
+
+/* Those of `outputs` that a folder of frames is read for: pictures (frames_folder.c). */
+static tides_status check_frames(const tides_run_input *input, const char *const *outputs, size_t count, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; status == TIDES_OK && i < count; i++)
+        if (outputs[i] && (td_is_folder(outputs[i]) || td_ends_in(outputs[i], ".png") || td_ends_in(outputs[i], ".exr")))
+            status = tides_files_apart(&input->path, 1, &outputs[i], 1, error);
+    return status;
+}
+
+tides_status tides_run_apart(const tides_run *run, const char *const *outputs, size_t count, tides_error *error) {
+    tides_run_input *inputs = NULL;
+    size_t inputs_count = 0;
+    if (!run || (count && !outputs)) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_apart: run or outputs is NULL");
+    tides_status status = tides_run_inputs(run, &inputs, &inputs_count, error);
+    const char **paths = status == TIDES_OK ? td_alloc(inputs_count + 1, sizeof *paths, error) : NULL;
+    if (!paths) {
+        tides_free(inputs);
+        return TIDES_NO_MEMORY;
+    }
+    paths[0] = run->file;
+    for (size_t i = 0; i < inputs_count && status == TIDES_OK; i++) {
+        const int32_t frames = inputs[i].folder && strcmp(inputs[i].key, "frames.file") == 0;
+        if (frames)
+            status = check_frames(&inputs[i], outputs, count, error);
+        else
+            paths[i + 1] = inputs[i].path;
+    }
+    if (status == TIDES_OK) status = tides_files_apart(paths, inputs_count + 1, outputs, count, error);
+    free(paths);
+    tides_free(inputs);
     return status;
 }

@@ -237,6 +237,7 @@ tides_status tides_run_load(const char *file, const char *const *overrides, size
     if (!scene && !frames) status = td_kind_judge(file, TD_WANTS_RUN, status, error);
     if (status == TIDES_OK && scene) status = note_scene(*run, error);
     if (status == TIDES_OK && frames) status = note_frames(*run, file, error);
+    if (status == TIDES_OK && !((*run)->file = td_strdup(file, error))) status = TIDES_NO_MEMORY;
     free(directory);
     free(plain);
     free(text);
@@ -272,6 +273,7 @@ tides_status tides_run_vary(const tides_run *base, const char *const *overrides,
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_run_vary: base, run or overrides is NULL");
     tides_run *made = NULL;
     tides_status status = create(base->origin, base->directory, &made, error);
+    if (status == TIDES_OK && base->file && !(made->file = td_strdup(base->file, error))) status = TIDES_NO_MEMORY;
     for (size_t i = 0; status == TIDES_OK && i < td_params_count; i++) {
         const int32_t hidden = base->given[i] > TD_GIVEN_SET; /* the rig's camera or the preset may be another one now */
         const cJSON *value = hidden ? base->beneath[i] : base->given[i] ? base->values[i] : NULL;
@@ -293,6 +295,7 @@ void tides_run_destroy(tides_run *run) {
     free(run->files);
     free(run->given);
     free(run->origin);
+    free(run->file);
     free(run->directory);
     free(run->json);
     free(run);

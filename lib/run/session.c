@@ -3,6 +3,7 @@
 #include "run/td_session.h"
 
 #include "run/td_run.h"
+#include "tides/inputs.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -24,6 +25,10 @@ void tides_session_close(tides_session *session) {
     tides_run_destroy(session->run);
     free(session->opening.notes);
     free(session);
+}
+
+tides_status td_session_apart(const tides_session *session, const char *const *outputs, size_t count, tides_error *error) {
+    return tides_run_apart(session->facts.run, outputs, count, error);
 }
 
 /* -- opening  */

@@ -91,6 +91,19 @@ static tides_status prepare(tides_session *session, frame_job *job, tides_progre
     return status == TIDES_OK && !(job->light && job->values) ? TIDES_NO_MEMORY : status;
 }
 
+/* Times of other frames, which a path may be read with, aren't replaced. */
+static tides_status check_apart(const tides_session *session, const char *path, tides_error *error) {
+    static const char *const names[] = {"timestamps.txt", "exposure_timestamps.txt"};
+    tides_status status = td_session_apart(session, &path, 1, error);
+    for (int i = 0; i < 2 && status == TIDES_OK; i++) {
+        char *file = td_format(error, "%s/%s", path, names[i]);
+        const char *const output = file;
+        status = file ? td_session_apart(session, &output, 1, error) : TIDES_NO_MEMORY;
+        free(file);
+    }
+    return status;
+}
+
 tides_status tides_session_frames(tides_session *session, const char *path, tides_progress progress, void *user,
                                   tides_session_taken *done, tides_error *error) {
     if (!session || !path) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_session_frames: session or path is NULL");
@@ -103,7 +116,8 @@ tides_status tides_session_frames(tides_session *session, const char *path, tide
                        "%s: no frame's exposure fits between time.start and time.stop, %g s: shorten exposure.exposure_s or "
                        "row_time_s",
                        session->facts.run->origin, v->stop - v->start);
-    tides_status status = prepare(session, &job, progress, user, error);
+    tides_status status = check_apart(session, path, error);
+    if (status == TIDES_OK) status = prepare(session, &job, progress, user, error);
     if (status == TIDES_OK) status = make_frames(&job, count, progress, user, error);
     tides_render_stats stats = {0};
     if (status == TIDES_OK) tides_renderer_stats(job.renderer, &stats);

@@ -4,6 +4,7 @@
 #include "run/td_imu_file.h"
 #include "run/td_run.h"
 #include "run/td_session.h"
+#include "tides/inputs.h"
 #include "td_base.h"
 #include "td_folder.h"
 #include "td_text.h"
@@ -83,7 +84,9 @@ static tides_status write_pair(const recording *r, const char *path, void (*put)
     const int stem = (int)strlen(path) - ENDING;
     char *beside = td_format(error, "%.*s_bias%s", stem, path, path + stem);
     if (!beside) return TIDES_NO_MEMORY;
-    tides_status status = write_text(r, beside, put, 1, error);
+    const char *const biases = beside;
+    tides_status status = tides_run_apart(r->facts->run, &biases, 1, error);
+    if (status == TIDES_OK) status = write_text(r, beside, put, 1, error);
     if (status == TIDES_OK) status = write_text(r, path, put, 0, error);
     free(beside);
     return status;
@@ -144,7 +147,7 @@ tides_status tides_session_imu(tides_session *session, const char *path, tides_s
         return td_fail(error, TIDES_UNSUPPORTED, "%s: inertial measurements are written as .csv, .txt, .npz or .h5", path);
     recording r = {.facts = &session->facts, .count = tides_imu_count(&imu, v->start, v->stop)};
     r.samples = td_alloc(r.count, sizeof *r.samples, error);
-    tides_status status = r.samples ? TIDES_OK : TIDES_NO_MEMORY;
+    tides_status status = r.samples ? td_session_apart(session, &path, 1, error) : TIDES_NO_MEMORY;
     tides_trajectory *moved = NULL;
     if (status == TIDES_OK) status = find_imu(session, &moved, error);
     if (status == TIDES_OK)

@@ -121,7 +121,8 @@ tides_status tides_session_write(tides_session *session, const char *path, const
     if (!session || !path) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_session_write: session or path is NULL");
     const tides_event_file facts = file_facts(&session->facts);
     if (stats) memset(stats, 0, sizeof *stats);
-    tides_status status = check_frames(&session->facts, error);
+    tides_status status = td_session_apart(session, &path, 1, error);
+    if (status == TIDES_OK) status = check_frames(&session->facts, error);
     if (status == TIDES_OK) status = check_truth(&session->facts, path, how, error);
     if (status != TIDES_OK) return status;
     td_record record;

@@ -197,7 +197,8 @@ tides_status tides_session_tracks(tides_session *session, const char *path, tide
     if (form == 3)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: tracks are written as .npz, .csv, or .npy (Kubric's annotations)", path);
     track_job job = {.facts = &session->facts};
-    tides_status status = prepare(session, &job, progress, user, error);
+    tides_status status = td_session_apart(session, &path, 1, error);
+    if (status == TIDES_OK) status = prepare(session, &job, progress, user, error);
     if (status == TIDES_OK) status = choose(&job, progress, user, error);
     if (status == TIDES_OK) status = follow(&job, progress, user, error);
     if (status == TIDES_OK) status = forms[form].write(&job, path, error);

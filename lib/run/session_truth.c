@@ -46,7 +46,8 @@ tides_status tides_session_truth(tides_session *session, const char *path, tides
     const tides_run_values *v = &session->facts.values;
     truth_job job = {.camera = session->facts.camera, .start = v->start, .stop = v->stop, .progress = progress, .user = user};
     td_truth_columns wanted;
-    tides_status status = td_session_truth_columns(&session->facts, &wanted, error);
+    tides_status status = td_session_apart(session, &path, 1, error);
+    if (status == TIDES_OK) status = td_session_truth_columns(&session->facts, &wanted, error);
     if (status == TIDES_OK) status = tides_session_renderer(session, progress, user, &job.renderer, error);
     if (status == TIDES_OK) status = td_events_add_truth(path, &wanted, take, &job, error);
     tides_renderer_destroy(job.renderer);

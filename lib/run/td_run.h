@@ -16,6 +16,7 @@ enum { TD_GIVEN_FILE = 1, TD_GIVEN_SET = 2, TD_GIVEN_RIG = 3, TD_GIVEN_PRESET = 
 
 struct tides_run {
     char *origin;         /* what errors call the text: the file's name, or "run" */
+    char *file;           /* that was loaded; NULL: a text */
     char *directory;      /* what relative paths refer to */
     cJSON **values;       /* one per row of the table; NULL where required and not (yet) given */
     unsigned char *given; /* one per row: TD_GIVEN_*, who says it; 0 where its value is the default or the file's preset's */

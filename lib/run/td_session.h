@@ -17,6 +17,9 @@ struct tides_session {
     int32_t owns_camera;              /* 1 without owns_inputs: another camera of the rig */
 };
 
+/* session.c: TIDES_BAD_ARGUMENT where one of `outputs` (NULL entries count for nothing) would replace what the run reads. */
+tides_status td_session_apart(const tides_session *session, const char *const *outputs, size_t count, tides_error *error);
+
 /* session_truth.c: what sensor.truth_columns and _metres ask for; TIDES_BAD_CONFIG where that can't be had. */
 tides_status td_session_truth_columns(const tides_session_facts *facts, td_truth_columns *wanted, tides_error *error);
 

@@ -12,7 +12,7 @@ from typing import Any
 TIDES_VERSION_MAJOR = 0
 TIDES_VERSION_MINOR = 1
 TIDES_VERSION_PATCH = 0
-TIDES_NUMERICS = 8
+TIDES_NUMERICS = 9
 TIDES_OK = 0
 TIDES_BAD_ARGUMENT = 1
 TIDES_NO_MEMORY = 2
@@ -3502,10 +3502,17 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_file_check": (c_int32, [c_char_p, c_int32, P(tides_error)], "path streams error"),
     # tides_status tides_file_foreign(const char *path, tides_error *error)
     "tides_file_foreign": (c_int32, [c_char_p, P(tides_error)], "path error"),
+    # tides_status tides_file_named(const char *path, const char *ending, tides_error *error)
+    "tides_file_named": (c_int32, [c_char_p, c_char_p, P(tides_error)], "path ending error"),
     # tides_status tides_file_part(const char *path, char *part, size_t size, tides_error *error)
     "tides_file_part": (c_int32, [c_char_p, c_char_p, c_size_t, P(tides_error)], "path part size error"),
     # tides_status tides_file_write(const char *path, const void *bytes, size_t size, tides_error *error)
     "tides_file_write": (c_int32, [c_char_p, c_void_p, c_size_t, P(tides_error)], "path bytes size error"),
+    # tides_status tides_files_apart(const char *const *inputs, size_t input_count, const char *const *outputs, size_t
+    # output_count, tides_error *error)
+    "tides_files_apart": (c_int32, [
+        P(c_char_p), c_size_t, P(c_char_p), c_size_t, P(tides_error)
+    ], "inputs input_count outputs output_count error"),
     # uint64_t tides_fingerprint_text(const char *const *texts, size_t count)
     "tides_fingerprint_text": (c_uint64, [P(c_char_p), c_size_t], "texts count"),
     # tides_status tides_fingerprints_create(const char *except, tides_fingerprints **fingerprints, tides_error *error)
@@ -3813,6 +3820,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_renderer_truth": (c_int32, [
         P(tides_renderer), P(tides_trajectory), c_double, P(tides_truth), P(tides_error)
     ], "renderer camera time truth error"),
+    # tides_status tides_run_apart(const tides_run *run, const char *const *outputs, size_t count, tides_error *error)
+    "tides_run_apart": (c_int32, [P(tides_run), P(c_char_p), c_size_t, P(tides_error)], "run outputs count error"),
     # void tides_run_destroy(tides_run *run)
     "tides_run_destroy": (None, [P(tides_run)], "run"),
     # void tides_run_get(const tides_run *run, tides_run_values *values)

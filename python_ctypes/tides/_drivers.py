@@ -46,7 +46,9 @@ def _write(folder: Path, entries: dict[str, str]) -> None:
         path = folder / name
         if not path.exists() or path.read_text() != text:
             part = folder / f"{name}.{os.getpid()}"
-            part.write_text(text)
+            part.unlink(missing_ok=True)
+            with part.open("x") as file:  # makes it, and follows no link that others put there
+                file.write(text)
             part.replace(path)
     for path in folder.glob("*.icd"):
         if path.name not in entries:

@@ -157,7 +157,9 @@ def _leave_failure(job: dict[str, Any], row: Facts, words: str) -> None:
     folder = Path(job["folder"] or "", job["out_dir"], row.name)
     folder.mkdir(exist_ok=True)
     part = folder / "failure.json.part"
-    part.write_text(json.dumps({**{key: row[key] for key in ("name", "hash", "file", "set")}, "error": words}, indent=1))
+    part.unlink(missing_ok=True)
+    with part.open("x") as file:  # makes it, and follows no link that others put there
+        json.dump({**{key: row[key] for key in ("name", "hash", "file", "set")}, "error": words}, file, indent=1)
     part.replace(folder / "failure.json")
 
 

@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "td_base.h"
 #include "tests/support/scene_folder.h"
 #include "tests/support/scene_make.h"
 #include "tides.h"
@@ -322,6 +323,71 @@ static void test_changed_meanwhile(void **state) {
     assert_int_equal(got, 1);
 }
 
+/* ---- what others put where a .part will be ---- */
+
+/* Every writer refuses what isn't a file of ours alone, names it, and leaves it and what it leads to as they are. */
+static void check_planted(void **state, const writer *w, const char *ending, const char *says) {
+    char part[96], victim[700];
+    snprintf(part, sizeof part, "%s%s", w->name, ending);
+    snprintf(victim, sizeof victim, "%s", within(state, "victim"));
+    scene_file_write(victim, "ours", 4);
+    const mode_t kind = kind_of(within(state, part));
+    refuse(w, within(state, w->name), says);
+    assert_int_equal(kind_of(within(state, part)), kind);
+    assert_int_equal(kind_of(within(state, w->name)), 0);
+    size_t size = 0;
+    char *data = scene_file_read(victim, &size);
+    assert_int_equal(size, 4);
+    assert_memory_equal(data, "ours", 4);
+    free(data);
+    assert_int_equal(kind_of(within(state, "nowhere")), 0);
+    assert_int_equal(unlink(within(state, part)), 0);
+    put(w, within(state, w->name));
+    assert_int_equal(unlink(within(state, w->name)), 0);
+}
+
+static void test_planted(void **state) {
+    scene_file_write(within(state, "victim"), "ours", 4);
+    for (int i = 0; i < WRITERS; i++) {
+        char name[96], part[700];
+        snprintf(name, sizeof name, "%s.part", writers[i].name);
+        snprintf(part, sizeof part, "%s", within(state, name));
+        assert_int_equal(symlink("victim", part), 0);
+        check_planted(state, &writers[i], ".part", "is a link");
+        assert_int_equal(symlink("nowhere", part), 0);
+        check_planted(state, &writers[i], ".part", "is a link");
+        assert_int_equal(link(within(state, "victim"), part), 0);
+        check_planted(state, &writers[i], ".part", "hard link");
+        assert_int_equal(mkfifo(part, 0600), 0);
+        check_planted(state, &writers[i], ".part", "isn't a file");
+        if (geteuid() != 0) continue;
+        scene_file_write(part, "theirs", 6);
+        assert_int_equal(chown(part, 1, 1), 0);
+        check_planted(state, &writers[i], ".part", "another user");
+    }
+}
+
+/* Where the link comes after the name was looked at. */
+static void test_planted_meanwhile(void **state) {
+    char part[700], fifo[700];
+    scene_file_write(within(state, "victim"), "ours", 4);
+    snprintf(part, sizeof part, "%s", within(state, "a.part"));
+    snprintf(fifo, sizeof fifo, "%s", within(state, "b.part"));
+    assert_int_equal(symlink("victim", part), 0);
+    assert_int_equal(mkfifo(fifo, 0600), 0);
+    assert_int_equal(td_claim_file(part), -1);
+    assert_int_equal(td_open_own(part, 0), -1);
+    assert_int_equal(td_claim_file(fifo), -1);
+    assert_int_equal(td_copy_file(within(state, "victim"), part, NULL), TIDES_WRITE_FAILED);
+    const writer npz = {"e.npz", put_events, 0};
+    assert_int_equal(symlink("victim", within(state, "e.npz.part.spool")), 0);
+    refuse(&npz, within(state, "e.npz"), "spool");
+    size_t size = 0;
+    char *data = scene_file_read(within(state, "victim"), &size);
+    assert_int_equal(size, 4);
+    free(data);
+}
+
 /* ---- two runs ---- */
 
 /* Of two that write one file the second is refused, and the first one's file is what it wrote. */
@@ -375,9 +441,18 @@ static void test_two_files(void **state) {
 #define CASE(name) cmocka_unit_test_setup_teardown(name, scene_folder_setup, scene_folder_teardown)
 
 int main(void) {
-    const struct CMUnitTest tests[] = {CASE(test_replaced),       CASE(test_links),      CASE(test_circle),
-                                       CASE(test_folders),        CASE(test_fifos),      CASE(test_devices),
-                                       CASE(test_check),          CASE(test_part_names), CASE(test_changed_meanwhile),
-                                       CASE(test_two_recordings), CASE(test_two_files)};
+    const struct CMUnitTest tests[] = {CASE(test_replaced),
+                                       CASE(test_links),
+                                       CASE(test_circle),
+                                       CASE(test_folders),
+                                       CASE(test_fifos),
+                                       CASE(test_devices),
+                                       CASE(test_check),
+                                       CASE(test_part_names),
+                                       CASE(test_changed_meanwhile),
+                                       CASE(test_two_recordings),
+                                       CASE(test_two_files),
+                                       CASE(test_planted),
+                                       CASE(test_planted_meanwhile)};
     return cmocka_run_group_tests_name("where outputs go", tests, NULL, NULL);
 }

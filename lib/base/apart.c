@@ -1,0 +1,148 @@
+/* Whether what is written would replace what is read, or what else is written: by device and inode, whatever names lead there;
+ * of what isn't there yet by the folder and the name in it. And whether a file's name fits what will be in it. */
+#include "td_base.h"
+#include "td_folder.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* Where a path leads: what is there, or the nearest folder above that is, and the rest of the name. */
+typedef struct place {
+    char *path;   /* links at its end followed; NULL: nothing that can be replaced (a device, a FIFO, a pipe's "-") */
+    dev_t device; /* of what is there */
+    ino_t inode;
+    const char *rest; /* of the path, "" where all of it is there */
+    int folder;       /* it is there, and is one */
+} place;
+
+static const char *skip_slashes(const char *text) {
+    while (text[0] == '/' || (text[0] == '.' && (text[1] == '/' || text[1] == '\0'))) text++;
+    return text;
+}
+
+/* The nearest that is there. TIDES_NO_MEMORY. */
+static tides_status find_place(place *p, tides_error *error) {
+    struct stat there;
+    char *above = td_strdup(p->path, error);
+    while (above && stat(above, &there) != 0) {
+        char *next = td_folder_of(above, error);
+        const int ended = next && strcmp(next, above) == 0; /* not even a root */
+        free(above);
+        above = next;
+        if (ended) break;
+    }
+    if (!above) return TIDES_NO_MEMORY;
+    const size_t known = strlen(above);
+    p->rest = skip_slashes(strncmp(p->path, above, known) == 0 ? p->path + known : p->path); /* "." isn't in a bare name */
+    free(above);
+    p->device = there.st_dev;
+    p->inode = there.st_ino;
+    p->folder = !p->rest[0] && S_ISDIR(there.st_mode);
+    if (p->rest[0] || p->folder || S_ISREG(there.st_mode)) return TIDES_OK;
+    free(p->path);
+    p->path = NULL;
+    return TIDES_OK;
+}
+
+/* Of `path`, or with `part` of the file that is written first. */
+static tides_status place_of(const char *path, int part, place *p, tides_error *error) {
+    *p = (place){.rest = ""};
+    if (!path || strcmp(path, "-") == 0) return TIDES_OK;
+    char *plain = td_plain_path(path, error), *target = NULL;
+    tides_status status = plain ? td_follow_links(plain, &target, error) : TIDES_NO_MEMORY;
+    if (status == TIDES_OK) p->path = part ? td_format(error, "%s.part", target) : td_strdup(target, error);
+    if (status == TIDES_OK && !p->path) status = TIDES_NO_MEMORY;
+    free(target);
+    free(plain);
+    return status == TIDES_OK ? find_place(p, error) : status;
+}
+
+static int is_same(const place *a, const place *b) {
+    return a->path && b->path && a->device == b->device && a->inode == b->inode && strcmp(a->rest, b->rest) == 0;
+}
+
+/* 1 where what is there lies in the folder `a`, however deep. */
+static int is_within(const place *a, const place *b, tides_error *error) {
+    int found = 0;
+    if (!a->path || !b->path || !a->folder || b->rest[0]) return 0;
+    char *above = td_folder_of(b->path, error);
+    for (struct stat there, last = {0}; above && !found && stat(above, &there) == 0; last = there) {
+        if (last.st_ino == there.st_ino && last.st_dev == there.st_dev) break; /* the root is its own parent */
+        found = there.st_dev == a->device && there.st_ino == a->inode;
+        char *next = td_format(error, "%s/..", above);
+        free(above);
+        above = next;
+    }
+    free(above);
+    return found;
+}
+
+/* Both places of an output against those of an input, or of another output. */
+static tides_status compare(const char *output, const place own[2], const char *other, const place theirs[2], int is_input,
+                            tides_error *error) {
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 2; k++) {
+            if (!is_same(&own[i], &theirs[k]) && !(is_input && is_within(&theirs[k], &own[i], error))) continue;
+            if (!is_input)
+                return td_fail(error, TIDES_BAD_ARGUMENT, "%s: %s is written there, too: each output needs a name of its own",
+                               output, other);
+            return td_fail(error, TIDES_BAD_ARGUMENT, "%s: %s %s is read, and would be replaced: name another output", output,
+                           i                  ? "while it is written, in .part,"
+                           : theirs[k].folder ? "the folder"
+                                              : "the input",
+                           other);
+        }
+    return TIDES_OK;
+}
+
+static tides_status check_output(const char *const *inputs, size_t input_count, const char *const *outputs, size_t at,
+                                 tides_error *error) {
+    place own[2] = {{NULL}, {NULL}};
+    const char *output = outputs[at];
+    if (strcmp(output, "-") == 0)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "-: standard output isn't written to: name a file; ./- is one of that name");
+    tides_status status = place_of(output, 0, &own[0], error);
+    if (status == TIDES_OK && own[0].path && !own[0].folder) status = place_of(output, 1, &own[1], error);
+    for (size_t i = 0; status == TIDES_OK && i < input_count + at; i++) {
+        const int is_input = i < input_count;
+        const char *other = is_input ? inputs[i] : outputs[i - input_count];
+        place theirs[2] = {{NULL}, {NULL}};
+        if (!other) continue;
+        status = place_of(other, 0, &theirs[0], is_input ? NULL : error);
+        if (is_input && status == TIDES_WRITE_FAILED) status = TIDES_OK; /* links in a circle are its reader's to refuse */
+        if (status == TIDES_OK && !is_input && theirs[0].path) status = place_of(other, 1, &theirs[1], error);
+        if (status == TIDES_OK) status = compare(output, own, other, theirs, is_input, error);
+        free(theirs[0].path);
+        free(theirs[1].path);
+    }
+    free(own[0].path);
+    free(own[1].path);
+    return status;
+}
+
+tides_status tides_files_apart(const char *const *inputs, size_t input_count, const char *const *outputs, size_t output_count,
+                               tides_error *error) {
+    if ((input_count && !inputs) || (output_count && !outputs))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_files_apart: inputs or outputs is NULL");
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; status == TIDES_OK && i < output_count; i++)
+        if (outputs[i]) status = check_output(inputs, input_count, outputs, i, error);
+    return status;
+}
+
+/* ---- names ---- */
+
+tides_status tides_file_named(const char *path, const char *ending, tides_error *error) {
+    static const char *const known[] = {".h5",     ".hdf5", ".npy",  ".npz",  ".zip",  ".ply", ".spz",    ".splat",
+                                        ".ksplat", ".sog",  ".glb",  ".gltf", ".raw",  ".dat", ".es",     ".csv",
+                                        ".json",   ".png",  ".apng", ".jpg",  ".jpeg", ".exr", ".aedat4", ".svg",
+                                        ".pdf",    ".y4m",  ".mp4",  ".html", ".bag",  ".mcap"};
+    if (!path || !ending) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_file_named: an argument is NULL");
+    if (td_ends_in(path, ending)) return TIDES_OK;
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        if (td_ends_in(path, known[i]))
+            return td_fail(error, TIDES_BAD_ARGUMENT, "%s: what is written isn't %s but %s: name it so", path, known[i],
+                           ending);
+    return TIDES_OK;
+}
