@@ -275,6 +275,15 @@ static tides_status open_ergb(td_event_stream *stream, tides_error *error) {
     return status == TIDES_OK ? set_fine(stream, time, error) : status;
 }
 
+/* The types that td_format_npz writes, whose times are nanoseconds however dense events are; rpg_vid2e's others are. */
+static int is_ours(const npy_state *state) {
+    static const char *const types[TD_NPY_COLUMNS] =
+        {[TD_NPY_T] = "<i8", [TD_NPY_X] = "<u2", [TD_NPY_Y] = "<u2", [TD_NPY_P] = "|i1"};
+    int ours = 1;
+    for (int k = 0; k < TD_NPY_COLUMNS; k++) ours = ours && strcmp(state->columns[k].array->dtype, types[k]) == 0;
+    return ours;
+}
+
 static tides_status open_npz(td_event_stream *stream, tides_error *error) {
     const char *time = "";
     tides_status status = open_columns(stream, &time, error);
@@ -285,7 +294,7 @@ static tides_status open_npz(td_event_stream *stream, tides_error *error) {
     if (strcmp(time, "timestamp") == 0 && !told[0])
         snprintf(told, sizeof stream->facts.read_as, "coordinates taken as whole pixels: --from ergb for BS-ERGB's 1/32 px");
     if (strcmp(time, "t") != 0 || state->digits >= 0 || stream->reading.unit) return find_unit(stream, -1, error);
-    const int busy = busy_as_nanoseconds(state);
+    const int busy = !is_ours(state) && busy_as_nanoseconds(state);
     if (busy)
         snprintf(told, sizeof stream->facts.read_as,
                  "times taken as microseconds: as nanoseconds each pixel would have over %d events a second; --unit says "

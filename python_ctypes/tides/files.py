@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from ctypes import create_string_buffer
+from ctypes import c_char_p, create_string_buffer
+from typing import Any, Sequence
 
 from ._call import call, path
 
@@ -18,6 +19,20 @@ def write_bytes(file: str | os.PathLike[str], data: bytes) -> None:
 def check_writable(file: str | os.PathLike[str], streams: bool = True) -> None:
     """Raises where `file` can't be written, before long work. `streams`: whether it is written from beginning to end."""
     call("tides_file_check", path(file), int(streams))
+
+
+def _paths(files: Sequence[str | os.PathLike[str]]) -> Any:
+    return (c_char_p * max(1, len(files)))(*[path(file) for file in files])
+
+
+def check_apart(inputs: Sequence[str | os.PathLike[str]], outputs: Sequence[str | os.PathLike[str]]) -> None:
+    """Raises ValueError, naming both, where an output is an input or another output, by whatever names and links."""
+    call("tides_files_apart", _paths(inputs), len(inputs), _paths(outputs), len(outputs))
+
+
+def check_named(file: str | os.PathLike[str], ending: str) -> None:
+    """Raises ValueError where what `ending` (".json") stands for would be called like another kind of file ("a.h5")."""
+    call("tides_file_named", path(file), ending.encode())
 
 
 def check_kind(file: str | os.PathLike[str]) -> None:

@@ -6,7 +6,7 @@ import ctypes
 import json
 import os
 from ctypes import POINTER, byref, c_char_p, c_size_t
-from typing import Any
+from typing import Any, Sequence
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from ._progress import Progress
 from ._values import Facts, constants, plain
 from .baselines import Frames
 from .device import Device
+from .files import _paths
 from .measure import ideal_settings
 from .render import Renderer
 from .scene import Scene
@@ -155,6 +156,10 @@ class Run(Handle):
             return [Facts(plain(row), folder=bool(row.folder)) for row in rows[: count.value]]
         finally:
             lib.tides_free(ctypes.cast(rows, ctypes.c_void_p))
+
+    def check_apart(self, outputs: Sequence[str | os.PathLike[str]]) -> None:
+        """Raises ValueError where one of the outputs is another, or a file that the run reads."""
+        call("tides_run_apart", self._pointer, _paths(outputs), len(outputs))
 
     def fingerprint(self, extra: str | None = None, prints: "Fingerprints | None" = None) -> Facts:
         """A hash of the run with every default filled in, of all its inputs, and of `extra`, with their sizes: files, bytes,

@@ -71,7 +71,7 @@ for file in e.raw e.dat e.es; do
 done
 printf '0 0 0 0 0 0 0 1\n5000 0.4 0 0 0 0 0 1\n' >long.txt
 refuse 1 "e.h5: can't hold a run from 0 to 5000 s: .*several files" tides simulate run.json -qo e.h5 \
-    --set camera.file=long.txt --set time.stop=5000
+    --set camera.file=long.txt --set camera.time_unit=s --set time.stop=5000 # one step of 5000 s is taken for one of 5 ms
 expect 0 tides simulate run.json -qo e.csv $late $small
 exists e.csv
 

@@ -57,6 +57,6 @@ refuse 2 "--from must come before --to" tides metrics a.h5 b.h5 --from 2 --to 1
 refuse 2 "too few arguments" tides metrics a.h5
 refuse 1 "outside the sensor of 48x36" tides metrics a.h5 b.h5 --roi 40,0,20,20
 refuse 1 "nowhere.h5" tides metrics a.h5 nowhere.h5
-refuse 1 "scene.ply: isn't known .* as tides convert --from does$" tides metrics a.h5 scene.ply # whose own --from is a time
+refuse 1 "scene.ply: is a PLY file, not an event file" tides metrics a.h5 scene.ply
 expect 0 tides simulate run.json -q -o small.h5 --set camera.width=40
 refuse 1 "a.h5 is 48x36 px and small.h5 40x36 px" tides metrics a.h5 small.h5

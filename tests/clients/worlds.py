@@ -77,7 +77,7 @@ def make(folder, name):
                 events["right"] = other.simulate()
         us = [round(1e6 * start) + 50000 * k for k in range(3)]
         times = [one / 1e6 for one in us]
-        same = {"tracks.rate_hz": PICTURE_HZ, "tracks.count": 50, "time.stop": us[2] / 1e6 + 1e-6}
+        same = {"tracks.rate_hz": PICTURE_HZ, "tracks.count": 50, "time.stop": us[2] / 1e6}
         with session.vary(same) as other:
             other.write_tracks(folder / f"{name}.npz")
             tracks = dict(np.load(folder / f"{name}.npz"))

@@ -32,7 +32,7 @@ static void test_damage(void **state) {
     scene_file_write(spoilt, "not a checkpoint", 16);
     refuse(&j, NULL, spoilt, TIDES_BAD_FILE, "isn't a checkpoint");
     refuse(&j, NULL, scene_in_folder(*state, "none"), TIDES_FILE_NOT_FOUND, "none|can't be opened");
-    refuse(&j, NULL, *state, TIDES_BAD_FILE, "more than");
+    refuse(&j, NULL, *state, TIDES_BAD_FILE, "is a folder");
     free(bytes);
     free_job(&j);
 }

@@ -171,3 +171,11 @@ def test_run_of_a_baseline_on_a_scene():
     assert len(events) > 10 and np.array_equal(events, by_hand)
     with pytest.raises(tides.errors.Unsupported):
         run.simulation("reference")
+
+
+def test_frames_say_how_they_were_taken(tmp_path):
+    """Whole floats up to 255 are taken for eight bits, and that is said; those up to 1 are silent."""
+    np.save(tmp_path / "bytes.npy", np.arange(3 * 6 * 8, dtype=np.float32).reshape(3, 6, 8) + 50)
+    assert "255" in tides.Frames(tmp_path / "bytes.npy", frames_per_second=10).note
+    np.save(tmp_path / "ones.npy", np.linspace(0, 1, 3 * 6 * 8, dtype=np.float32).reshape(3, 6, 8))
+    assert tides.Frames(tmp_path / "ones.npy", frames_per_second=10).note == ""
