@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-enum { NAMES_MAX = 192 };
+enum { NAMES_MAX = 256 };
 
 /* Names gathered from the table, each once, NULL-terminated for tides_nearest_name. */
 typedef struct name_list {
