@@ -108,7 +108,8 @@ TD_INLINE td_path_stray td_path_compare(const td_path_splat *path, td_dual path_
  * black or the other way round (interpolate.h). Of what is seen there an opaque one is all; before black so is a faint one, but
  * for log_eps: there log_luminance changes by luminance / (opacity luminance + log_eps) times what alpha does. From an opacity of
  * 0.05 on less and less of that is counted, for the more a splat takes the less of it is seen by itself; above 0.14 it is nothing
- * (reports of such scenes are 2 to 4 times what is true without).
+ * (reports of such scenes are 2 to 4 times what is true without). What changes its light may be
+ * faint at some time.
  *
  * A shift d of the mean changes alpha by e^(-1/2) opacity sqrt(d^T Q d) at most, one standard deviation out; a change D of the
  * covariance by opacity |M|_F / e, M = Q D, on the circle of sqrt 2. |M|_F^2 = tr(M)^2 - 2 det(M) in the coordinates where the
@@ -121,11 +122,13 @@ TD_INLINE td_lanes td_path_change(const td_path_splat *own, td_lanes own_a, td_l
     td_lanes trace = ddet * inverse, swap = (da * dc - db * db) * inverse;
     td_lanes shape = td_sqrt(td_larger(td_fma(trace, trace, -2.0f * swap), td_splat(0.0f)));
     td_lanes colour = td_size(dluminance) / (td_size(own->luminance.v) + log_eps);
-    td_lanes part = td_fma(TD_REAL(0.36787944117144233), shape, TD_REAL(0.6065306597126334) * shift) + colour;
+    td_lanes place = td_fma(TD_REAL(0.36787944117144233), shape, TD_REAL(0.6065306597126334) * shift);
     td_lanes opacity = td_size(own->opacity.v), luminance = td_size(own->luminance.v);
     td_lanes alone = luminance / td_fma(opacity, luminance, td_splat(log_eps));
     td_lanes faint = TD_REAL(0.05) / td_larger(opacity, td_splat(TD_REAL(0.05)));
-    return td_fma(opacity, part, td_size(dopacity)) * td_larger(alone * faint * faint, td_splat(1.0f));
+    const td_lanes one = td_splat(1.0f);
+    td_lanes light = td_fma(opacity, colour, td_size(dopacity)) * td_larger(alone, one);
+    return td_fma(opacity * td_larger(alone * faint * faint, one), place, light);
 }
 
 /* What rounding of the numbers may make of it: mean2d to its last digits, the covariance's entries, which a needle at an angle

@@ -50,11 +50,31 @@ static void test_oracle_is_sure(void **state) {
     run_all(&options, oracle_world_kinds());
 }
 
+/* Of a million events. What is asked for is 5, each of them counted in events_uncertain, and reports within 5 times of the truth in the
+ * median: `make check-lost` says so, and isn't there yet. These scenes have 4 wrong ones of 255 328, where 7d58106 had 59 926. */
+#define MOST_WRONG 24
+#define UNCERTAIN_EACH 20
+#define MOST_UNCERTAIN 50
+
 static void test_few_are_lost(void **state) {
     trial_options options = trial_defaults();
+    trial_result results[SCENES];
+    double events = 0, wrong = 0, uncertain = 0;
     (void)state;
     options.share = SHARE;
-    run_all(&options, SCENES);
+    assert_int_equal(trial_run_all(&options, -1, first_seed(), SCENES, JOBS, results), SCENES);
+    for (int i = 0; i < SCENES; i++) {
+        const verdict *v = &results[i].v;
+        assert_int_equal(results[i].failed, 0);
+        assert_int_equal(verdict_dishonest(v), 0);
+        events += (double)v->events;
+        wrong += (double)(v->lost + v->false_ones);
+        uncertain += (double)v->uncertain;
+    }
+    print_message("%.0f events, %.0f lost or false, %.0f uncertain\n", events, wrong, uncertain);
+    assert_true(events > 1e5);
+    if (wrong > 1e-6 * MOST_WRONG * events) fail_msg("%.0f events are lost or false", wrong);
+    assert_true(uncertain <= UNCERTAIN_EACH * wrong + 1e-6 * MOST_UNCERTAIN * events);
 }
 
 int main(void) {

@@ -94,6 +94,9 @@ static void unseen(tides_sensor *s) { s->b_min = 0.3; }
 /* What is reported is worth something: p95 within so many times of the true one. */
 #define MOST_RATIO 5.0
 
+/* Times are whole nanoseconds: what is true is known to half of one, which is a twentieth of the p95 that are asked for here. */
+static const double half_a_ns_us = 5e-4;
+
 static const struct block {
     const char *name;
     void (*set)(tides_sensor *);
@@ -119,7 +122,7 @@ static void test_blocks(void **state) {
             fail_msg("%s: p95 %g us, %g without", blocks[k].name, m.dt_p95_us, before.dt_p95_us);
         if (!(1e-6 * m.dt_p95_us <= solved.stats.error_p95_s && 1e-6 * m.dt_median_us <= solved.stats.error_p50_s))
             fail_msg("%s: p95 %g us, reported %g s", blocks[k].name, m.dt_p95_us, solved.stats.error_p95_s);
-        if (isfinite(blocks[k].most_p95_us) && 1e6 * solved.stats.error_p95_s > MOST_RATIO * m.dt_p95_us)
+        if (isfinite(blocks[k].most_p95_us) && 1e6 * solved.stats.error_p95_s > MOST_RATIO * (m.dt_p95_us + half_a_ns_us))
             fail_msg("%s: p95 %g us, %g s is reported", blocks[k].name, m.dt_p95_us, solved.stats.error_p95_s);
         assert_true(m.mismatch_percent <= before.mismatch_percent + 0.05);
         assert_true(solved.stats.worst_residual < 1);
