@@ -54,8 +54,7 @@ static tides_status camera_flow(const tides_renderer *renderer, const tides_traj
 static tides_status moves_itself(const tides_renderer *renderer, int object, int *moves, tides_error *error) {
     tides_object facts;
     tides_status status = tides_scene_object(renderer->scene, renderer->store.scene_object[object], &facts, error);
-    if (status == TIDES_OK)
-        *moves = renderer->store.mover[object] >= 0 || (facts.trajectory && !tides_trajectory_is_static(facts.trajectory));
+    if (status == TIDES_OK) *moves = renderer->store.mover[object] >= 0 || td_object_travels(&facts);
     return status;
 }
 

@@ -9,20 +9,26 @@
 
 enum { LOT = 256, LOT_SPLATS = 1 << 16 }; /* points, and what they see, that are worked out together */
 
-void td_points_direct_release(td_points_direct *direct) {
+/* What a lot has, whatever is in it. */
+static void release_lot(td_points_direct *direct) {
     if (direct->engine) direct->engine->type->destroy(direct->engine);
-    direct->nodes.is_shared = 1;
-    td_point_nodes_release(&direct->nodes);
-    free(direct->bent);
+    direct->engine = NULL;
     free(direct->end);
     free(direct->time);
-    free(direct->lists);
-    free(direct->numbers);
     free(direct->tiles);
     free(direct->chunks);
     free(direct->values);
     free(direct->piece);
     for (int k = 0; k < TD_POINT_COLUMNS; k++) free(direct->column[k]);
+}
+
+void td_points_direct_release(td_points_direct *direct) {
+    release_lot(direct);
+    direct->nodes.is_shared = 1;
+    td_point_nodes_release(&direct->nodes);
+    free(direct->bent);
+    free(direct->lists);
+    free(direct->numbers);
 }
 
 /* -- who sees what is bent ------------------------------------------------------------------------------------------------- */
@@ -56,6 +62,7 @@ static tides_status create(const tides_renderer *renderer, td_points_direct *dir
     const td_image_numbers image = td_image_pack(&renderer->image);
     const size_t lot = LOT + TD_PAD;
     if (direct->engine) return TIDES_OK;
+    release_lot(direct); /* what an earlier try had, that failed */
     direct->end = td_alloc(lot, sizeof *direct->end, error);
     direct->time = td_alloc(lot, sizeof *direct->time, error);
     direct->tiles = td_alloc(lot, sizeof *direct->tiles, error);

@@ -39,14 +39,17 @@ static float extent_of(const double *geometry) {
 tides_status td_swaps_create(const td_store *store, int tiles, struct td_swaps **swaps, tides_error *error) {
     struct td_swaps *made = td_alloc(1, sizeof *made, error);
     if (!made) return TIDES_NO_MEMORY;
-    *swaps = made;
     made->extent = td_alloc((size_t)store->count, sizeof *made->extent, error);
     made->may = td_alloc((size_t)store->count, sizeof *made->may, error);
     made->group = td_alloc((size_t)store->objects, sizeof *made->group, error);
     made->turning = td_alloc((size_t)store->objects, sizeof *made->turning, error);
     made->first = td_alloc((size_t)tiles * TD_TILE_BLOCKS + 1, sizeof *made->first, error);
-    if (!made->extent || !made->may || !made->group || !made->turning || !made->first) return TIDES_NO_MEMORY;
+    if (!made->extent || !made->may || !made->group || !made->turning || !made->first) {
+        td_swaps_destroy(made);
+        return TIDES_NO_MEMORY;
+    }
     for (int i = 0; i < store->count; i++) made->extent[i] = extent_of(store->geometry + (size_t)i * TD_GEOMETRY_STRIDE);
+    *swaps = made;
     return TIDES_OK;
 }
 
@@ -72,8 +75,7 @@ static tides_status find_groups(const tides_renderer *renderer, struct td_swaps 
         tides_object object;
         tides_status status = tides_scene_object(renderer->scene, renderer->store.scene_object[i], &object, error);
         if (status != TIDES_OK) return status;
-        const int rests = !object.trajectory || tides_trajectory_is_static(object.trajectory);
-        swaps->group[i] = renderer->store.mover[i] >= 0 ? -1 : rests ? 0 : i + 1;
+        swaps->group[i] = renderer->store.mover[i] >= 0 ? -1 : td_object_travels(&object) ? i + 1 : 0;
     }
     return TIDES_OK;
 }
@@ -83,36 +85,42 @@ static double apart(const double *a, const double *b) {
     return sqrt(pow(a[0] - b[0], 2) + pow(a[1] - b[1], 2) + pow(a[2] - b[2], 2));
 }
 
+/* Views at the ends of so many parts of the interval: renderer->views. */
+static tides_status find_views(tides_renderer *renderer, const tides_trajectory *camera, int parts, tides_error *error) {
+    const double start = renderer->swept[0], stop = renderer->swept[1];
+    double time[MOST_PARTS + 1];
+    for (int k = 0; k < parts; k++) time[k] = start + (stop - start) * k / parts;
+    time[parts] = stop;
+    return td_renderer_views(renderer, camera, time, parts + 1, error);
+}
+
+/* By how much the row that makes depths turns in a part at most. */
+static double most_turned(const tides_renderer *renderer, int parts) {
+    static const double nothing[3] = {0, 0, 0};
+    const size_t objects = (size_t)renderer->store.objects;
+    double most = 0;
+    for (size_t i = 0; i < (size_t)parts * objects; i++) {
+        const double *from = renderer->views[i].r + 6, *to = renderer->views[i + objects].r + 6;
+        most = td_greater(most, apart(from, to) / apart(from, nothing));
+    }
+    return most;
+}
+
 /* Views at the ends of the interval's parts: enough of them that none turns by much in one. */
 static tides_status take_views(tides_renderer *renderer, const tides_trajectory *camera, struct td_swaps *swaps,
                                td_swap_samples *at, tides_error *error) {
-    const double start = renderer->swept[0], stop = renderer->swept[1];
-    const size_t objects = (size_t)renderer->store.objects;
-    double time[MOST_PARTS + 1], most = 2 * steady;
-    tides_status status = TIDES_OK;
-    for (at->parts = LEAST_PARTS; most > steady && at->parts <= MOST_PARTS && status == TIDES_OK;) {
-        for (int k = 0; k <= at->parts; k++) time[k] = k == at->parts ? stop : start + (stop - start) * k / at->parts;
-        status = td_renderer_views(renderer, camera, time, at->parts + 1, error);
-        most = 0;
-        for (size_t i = 0; i < objects && status == TIDES_OK; i++)
-            for (int k = 0; k < at->parts; k++) {
-                const td_view *from = renderer->views + (size_t)k * objects + i, *to = from + objects;
-                most = td_greater(most, apart(from->r + 6, to->r + 6) /
-                                            sqrt(from->r[6] * from->r[6] + from->r[7] * from->r[7] + from->r[8] * from->r[8]));
-            }
-        if (most > steady && at->parts < MOST_PARTS)
-            at->parts *= 2;
-        else
-            break;
+    int parts = LEAST_PARTS;
+    tides_status status = find_views(renderer, camera, parts, error);
+    while (status == TIDES_OK && parts < MOST_PARTS && most_turned(renderer, parts) > steady) {
+        parts *= 2;
+        status = find_views(renderer, camera, parts, error);
     }
-    const size_t count = ((size_t)at->parts + 1) * objects;
+    const size_t count = ((size_t)parts + 1) * (size_t)renderer->store.objects;
     if (status == TIDES_OK)
         status = td_reserve((void **)&swaps->view, &swaps->view_capacity, count, sizeof *swaps->view, error);
     if (status != TIDES_OK) return status;
     memcpy(swaps->view, renderer->views, count * sizeof *swaps->view);
-    at->view = swaps->view;
-    at->objects = (int)objects;
-    at->h = (stop - start) / at->parts;
+    *at = (td_swap_samples){parts, renderer->store.objects, (renderer->swept[1] - renderer->swept[0]) / parts, swaps->view};
     return status;
 }
 
@@ -316,8 +324,9 @@ tides_status td_renderer_find_swaps(tides_renderer *renderer, const tides_trajec
     td_swap_samples at;
     if (!renderer->image.soft_order) return status;
     if (!renderer->swaps) status = td_swaps_create(&renderer->store, renderer->stats.tiles, &renderer->swaps, error);
+    if (status != TIDES_OK) return status;
     struct td_swaps *swaps = renderer->swaps;
-    if (status == TIDES_OK) status = find_groups(renderer, swaps, error);
+    status = find_groups(renderer, swaps, error);
     if (status == TIDES_OK) status = take_views(renderer, camera, swaps, &at, error);
     if (status != TIDES_OK) return status;
     swaps->count = 0;

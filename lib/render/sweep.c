@@ -10,8 +10,7 @@ static tides_status note_moves(tides_renderer *renderer, const tides_trajectory 
         tides_object object;
         tides_status status = tides_scene_object(renderer->scene, renderer->store.scene_object[i], &object, error);
         if (status != TIDES_OK) return status;
-        renderer->object_moves[i] = (uint8_t)(camera_moves || renderer->store.mover[i] >= 0 ||
-                                              (object.trajectory && !tides_trajectory_is_static(object.trajectory)));
+        renderer->object_moves[i] = (uint8_t)(camera_moves || renderer->store.mover[i] >= 0 || td_object_travels(&object));
     }
     return TIDES_OK;
 }

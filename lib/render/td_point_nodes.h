@@ -80,7 +80,7 @@ tides_status td_point_nodes_find(struct tides_renderer *renderer, const tides_tr
 tides_status td_point_rows_project(struct tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
                                    int level, tides_error *error);
 
-/* Rows of Gaussians [end[k - 1], end[k]) at time[k], for k below `slots`; none where it is no instant. */
+/* Rows of Gaussians [end[k - 1], end[k]) at time[k], for k below `slots`: their first, whatever their level. */
 tides_status td_point_rows_direct(struct tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
                                   const double *time, const int *end, int slots, tides_error *error);
 

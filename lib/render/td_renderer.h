@@ -222,6 +222,11 @@ tides_status td_renderer_blurred_tiles(tides_renderer *renderer, const tides_tra
 tides_status td_renderer_sweep_alone(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                      tides_error *error);
 
+/* Whether an object goes its own way: what moves in it besides, and the camera, count for nothing. */
+static inline int td_object_travels(const tides_object *object) {
+    return object->trajectory && !tides_trajectory_is_static(object->trajectory);
+}
+
 /* Views of every object at each time, and a backdrop for each: renderer->views and backdrops. */
 tides_status td_renderer_views(tides_renderer *renderer, const tides_trajectory *camera, const double *times, int slots,
                                tides_error *error);

@@ -118,7 +118,6 @@ static uint32_t place_of(const tides_simulator *s, const td_refine_step *step) {
 static void begin_anew(td_refine_step *step) {
     step->probe = -1;
     step->deviation = step->past[0] = step->past[1] = 0;
-    step->swap = 0;
 }
 
 /* What a sample where a swap begins or ends says of the part without it is what was seen before. */
@@ -144,17 +143,17 @@ static void note_deviations(const tides_simulator *s, td_refine *r, double start
 static void cut(const tides_simulator *s, td_refine *r, double start, double stop, int32_t left, int32_t right, uint32_t at,
                 int32_t sample) {
     td_refine_step *a = &r->step[left], *b = &r->step[right];
-    const int swaps = a->swap > 0, begins = a->begins;
-    if (swaps)
+    if (a->swap) {
         keep_deviations(r, a->probe, sample, s->tile[a->tile].count);
-    else
+    } else {
         note_deviations(s, r, start, stop, a, at, sample);
+        a->past[1] = a->past[0];
+        a->past[0] = a->deviation;
+    }
     a->probe = sample;
-    if (!swaps) a->past[1] = a->past[0];
-    if (!swaps) a->past[0] = a->deviation;
     a->cuts++;
     *b = *a;
-    if (swaps) begin_anew(begins ? b : a);
+    if (a->swap) begin_anew(a->begins ? b : a);
     a->to = b->from = at;
     a->end = b->begin = sample;
     a->next = right;
