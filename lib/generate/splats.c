@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SH_C0 0.28209479177387814 /* the constant band, 1 / (2 sqrt(pi)) */
 #define OPACITY_LOGIT 2.944       /* logit of 0.95 */
 #define OVERLAP 0.62              /* standard deviation over spacing: smooth and without holes */
 #define THICKNESS 0.002           /* [m] standard deviation along the normal */
@@ -99,7 +98,7 @@ void td_splats_add(td_splats *s, const double point[3], const double along[3], c
     for (size_t i = 0; i < 3; i++) {
         g->mean[3 * at + i] = (float)point[i];
         g->log_scale[3 * at + i] = (float)log(sigma[i]);
-        g->sh[3 * at + i] = (float)((shade(n) * pow(colour[i], 2.2) - 0.5) / SH_C0);
+        g->sh[3 * at + i] = td_splat_dc(shade(n) * pow(colour[i], 2.2));
     }
     for (size_t i = 0; i < 4; i++) g->quaternion[4 * at + i] = (float)q[i];
     g->opacity_logit[at] = (float)OPACITY_LOGIT;

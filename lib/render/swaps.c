@@ -5,6 +5,7 @@
  * once and lasts, and steps are cut for it as for any jump that is seen; to come back within the interval its splats must be so
  * large, or the turn so uneven, that depth strays by the reach from going straight. Splats of different bodies are looked at
  * wherever their depths meet. What motion models move isn't looked for: of it nobody knows a path. */
+#include "scene/td_scene.h"
 #include "td_extremes.h"
 #include "td_swaps.h"
 
@@ -184,7 +185,7 @@ static double luminance_of(const tides_renderer *renderer, int g) {
     double sum = 0;
     for (int c = 0; c < 3; c++) {
         const double own = store->sh ? (double)store->sh[at + (size_t)c] : store->sh_wide[at + (size_t)c];
-        sum += renderer->image.luminance[c] * td_greater(0.28209479177387814 * own + 0.5, 0);
+        sum += renderer->image.luminance[c] * td_greater(td_splat_colour(own), 0);
     }
     return sum;
 }

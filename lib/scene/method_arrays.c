@@ -1,10 +1,8 @@
-/* Helpers for the readers of trained models that come as named arrays (.npz, .pth): colours to spherical harmonics, and the
- * last checks of Gaussians and motion together. */
+/* Helpers for the readers of trained models that come as named arrays (.npz, .pth): the last
+ * checks of Gaussians and motion together. */
 #include "scene/td_method_arrays.h"
 
 #include "motion/td_motion.h"
-
-float td_sh_of_colour(double colour) { return (float)((colour - 0.5) / 0.28209479177387814); /* kernels/sh.h */ }
 
 tides_status td_arrays_finish(tides_status status, const char *path, td_gaussians *made, tides_motion *moves,
                               td_gaussians *gaussians, tides_motion **motion, tides_error *error) {

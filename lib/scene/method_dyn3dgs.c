@@ -44,7 +44,7 @@ static tides_status read_arrays(td_npz *npz, frame_arrays *a, tides_error *error
     if (status == TIDES_OK) status = td_npz_floats(npz, "rgb_colors", 3, three, &a->sh, error);
     if (status == TIDES_OK && !(a->time = td_alloc((size_t)a->frames, sizeof *a->time, error))) status = TIDES_NO_MEMORY;
     if (status != TIDES_OK) return status;
-    for (int64_t i = 0; i < 3 * a->frames * a->count; i++) a->sh[i] = td_sh_of_colour((double)a->sh[i]);
+    for (int64_t i = 0; i < 3 * a->frames * a->count; i++) a->sh[i] = td_splat_dc((double)a->sh[i]);
     for (int64_t i = 0; i < a->frames; i++) a->time[i] = (double)i / FRAMES_PER_SECOND;
     return TIDES_OK;
 }

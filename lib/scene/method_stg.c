@@ -35,7 +35,7 @@ static tides_status read_gaussians(const td_ply_table *table, td_gaussians *g, t
     if (status == TIDES_OK) status = read_columns(table, "scale", 3, g->log_scale, error);
     if (status == TIDES_OK) status = read_columns(table, "rot", 4, g->quaternion, error);
     if (status == TIDES_OK) status = read_columns(table, "f_dc", 3, g->sh, error);
-    for (int64_t i = 0; i < 3 * table->rows && status == TIDES_OK; i++) g->sh[i] = td_sh_of_colour((double)g->sh[i]);
+    for (int64_t i = 0; i < 3 * table->rows && status == TIDES_OK; i++) g->sh[i] = td_splat_dc((double)g->sh[i]);
     return status;
 }
 

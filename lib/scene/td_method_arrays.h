@@ -14,9 +14,6 @@ tides_status td_dyn3dgs_open(const td_model_dir *dir, td_gaussians *gaussians, t
 tides_status td_freetime_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
 tides_status td_frames_open(const td_model_dir *dir, td_gaussians *gaussians, tides_motion **motion, tides_error *error);
 
-/* The zeroth coefficient that shows as this plain colour. */
-float td_sh_of_colour(double colour);
-
 /* Checks the motion against the Gaussians; on failure frees both and hands out nothing. */
 tides_status td_arrays_finish(tides_status status, const char *path, td_gaussians *made, tides_motion *moves,
                               td_gaussians *gaussians, tides_motion **motion, tides_error *error);

@@ -51,6 +51,10 @@ static inline float td_narrow(double value) { return value > FLT_MAX ? INFINITY 
 /* K: coefficients per channel of a degree. */
 static inline size_t td_sh_coefficients(int32_t degree) { return (size_t)(degree + 1) * (size_t)(degree + 1); }
 
+/* The constant SH coefficient of a colour, and back: colour = 1/2 + C0 dc (splat_values.c). */
+float td_splat_dc(double colour);
+double td_splat_colour(double dc);
+
 /* -- gaussians.c -- */
 
 /* Zeroed arrays for `count` >= 1 Gaussians of a degree in 0..4. */

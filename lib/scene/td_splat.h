@@ -71,10 +71,6 @@ float td_splat_logit(double opacity);
 /* Natural logarithm of a scale. 0, a flat Gaussian, becomes float's smallest normal number; NaN where negative. */
 float td_splat_log_scale(double scale);
 
-/* The constant SH coefficient of a colour, and back: colour = 1/2 + C0 dc. */
-float td_splat_dc(double colour);
-double td_splat_colour(double dc);
-
 /* What the logit of an opacity stands for, and a quaternion of length 1 (wxyz). */
 double td_splat_opacity(float logit);
 void td_splat_unit(const float q[4], double out[4]);

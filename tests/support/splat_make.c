@@ -74,6 +74,20 @@ scene_bytes splat_zstd(const void *plain, size_t size) {
     return packed;
 }
 
+void splat_streams(scene_bytes *bytes, const char *plain, const size_t *sizes, size_t count) {
+    scene_bytes body = {0};
+    for (size_t i = 0; i < count; i++) {
+        scene_bytes packed = splat_zstd(plain, sizes[i]);
+        splat_u64(bytes, packed.size);
+        splat_u64(bytes, sizes[i]);
+        scene_bytes_add(&body, packed.data, packed.size);
+        plain += sizes[i];
+        free(packed.data);
+    }
+    scene_bytes_add(bytes, body.data, body.size);
+    free(body.data);
+}
+
 /* What the local header and the directory have in common: version to sizes. */
 static void add_member(scene_bytes *bytes, const char *name, const void *data, size_t size) {
     splat_u16(bytes, 20);  /* version needed */

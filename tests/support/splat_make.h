@@ -20,6 +20,10 @@ void splat_patch(scene_bytes *bytes, size_t at, uint32_t value);
 scene_bytes splat_gzip(const scene_bytes *plain);
 scene_bytes splat_zstd(const void *plain, size_t size);
 
+/* At the end what SPZ 4 has behind its header: a table of packed and plain sizes, then one zstd stream for each of `count`
+ * runs of bytes that lie one behind the other. */
+void splat_streams(scene_bytes *bytes, const char *plain, const size_t *sizes, size_t count);
+
 /* A ZIP of stored members: splat_zip_add for each, then splat_zip_end. Starts as {0}. */
 typedef struct splat_zip {
     scene_bytes bytes, directory;

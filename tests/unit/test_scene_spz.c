@@ -84,21 +84,12 @@ static scene_bytes make_gzip(unsigned version, int degree, unsigned flags) {
 
 /* Version 4, with `gap` bytes of extensions before the table. */
 static scene_bytes make_streams(int degree, size_t gap) {
-    size_t sizes[ARRAYS], streams = degree ? 6 : 5, at = 0;
-    scene_bytes b = {0}, body = {0}, arrays = make_arrays(4, degree, sizes);
+    size_t sizes[ARRAYS], streams = degree ? 6 : 5;
+    scene_bytes b = {0}, arrays = make_arrays(4, degree, sizes);
     add_header(&b, 4, degree, gap ? 3 : 1, (unsigned)streams);
     splat_u32(&b, (uint32_t)(32 + gap));
     splat_zeros(&b, 12 + gap);
-    for (size_t i = 0; i < streams; i++) {
-        scene_bytes packed = splat_zstd(arrays.data + at, sizes[i]);
-        splat_u64(&b, packed.size);
-        splat_u64(&b, sizes[i]);
-        scene_bytes_add(&body, packed.data, packed.size);
-        at += sizes[i];
-        free(packed.data);
-    }
-    scene_bytes_add(&b, body.data, body.size);
-    free(body.data);
+    splat_streams(&b, arrays.data, sizes, streams);
     free(arrays.data);
     return b;
 }

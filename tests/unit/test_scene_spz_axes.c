@@ -53,22 +53,12 @@ static scene_bytes make_record(uint32_t type, uint32_t value) {
 
 /* Version 4: records between header and table. */
 static scene_bytes make_streams(const scene_bytes *records, unsigned flags) {
-    scene_bytes b = {0}, body = {0}, arrays = make_arrays();
-    size_t at = 0;
+    scene_bytes b = {0}, arrays = make_arrays();
     add_header(&b, 4, flags, 6);
     splat_u32(&b, 32 + (uint32_t)records->size);
     splat_zeros(&b, 12);
     if (records->size) scene_bytes_add(&b, records->data, records->size);
-    for (int i = 0; i < 6; i++) {
-        scene_bytes packed = splat_zstd(arrays.data + at, sizes[i]);
-        splat_u64(&b, packed.size);
-        splat_u64(&b, sizes[i]);
-        scene_bytes_add(&body, packed.data, packed.size);
-        at += sizes[i];
-        free(packed.data);
-    }
-    scene_bytes_add(&b, body.data, body.size);
-    free(body.data);
+    splat_streams(&b, arrays.data, sizes, 6);
     free(arrays.data);
     return b;
 }
