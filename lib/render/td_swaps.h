@@ -11,7 +11,7 @@
 #define TD_SWAP_REACH 4.0
 
 /* Swaps that move Y by less than this are nothing, whatever is seen. */
-#define TD_SWAP_LEAST_LIGHT 1e-4
+#define TD_SWAP_LEAST_LIGHT 1e-5
 
 /* A Gaussian of a tile's list: its box, depths within the interval, and these and their rates at the samples (parts + 1). */
 typedef struct td_swap_splat {

@@ -71,3 +71,30 @@ uint32_t td_refine_swap(const tides_simulator *s, const td_refine_step *step, in
     *begins = of.begins;
     return of.best < 0 ? 0 : (uint32_t)(of.best * part + 0.5);
 }
+
+/* -- looking at them ------------------------------------------------------------------------------------------------------- */
+
+/* Those of the block that a pixel of a unit is in. */
+static const td_swap *swaps_of(const tides_simulator *s, const td_refine_step *step, int32_t local, int *count) {
+    const td_tile *unit = &s->tile[step->tile];
+    const int across = TD_TILE / TD_BLOCK, x = local % unit->width / TD_BLOCK, y = local / unit->width / TD_BLOCK;
+    return td_units_swaps(s, step->tile, td_units_blocks(s) > 1 ? y * across + x : 0, count);
+}
+
+static double part_of(const tides_simulator *s) { return (double)((uint32_t)1 << s->refine.depth) / TD_SWAP_PARTS; }
+
+int32_t td_solve_first_swap(const tides_simulator *s, const td_refine_step *step, int32_t local) {
+    int count;
+    const td_swap *swap = swaps_of(s, step, local, &count);
+    return find_swap(swap, count, (2.0 * step->from - step->to) / part_of(s));
+}
+
+int td_solve_swap(const tides_simulator *s, const td_refine_step *step, int32_t local, int32_t i, td_swap_place *place) {
+    int count;
+    const td_swap *swap = swaps_of(s, step, local, &count);
+    const double part = part_of(s), length = (double)(step->to - step->from);
+    if (i >= count || swap[i].part * part > step->to + length) return 0;
+    *place = (td_swap_place){(swap[i].part * part - (double)step->from) / length, (double)swap[i].wide * part / length,
+                             (double)swap[i].light};
+    return 1;
+}
