@@ -202,41 +202,27 @@ TD_INLINE td_lanes td_path_misfit(TD_GLOBAL const td_real *rows, td_index row, t
     return td_select(td_splat(TD_PATH_NEVER), td_select(td_splat(TD_PATH_WILD), misfit, near), there);
 }
 
-/* Misfits of TD_LANES splats over all pieces of the interval: the largest; the share of the time in which they are above
- * TD_PATH_BENT; and in the rest the root of their mean square. */
-typedef struct td_path_misfits {
-    td_lanes worst, bent, calm;
-} td_path_misfits;
-
-/* `pieces` of lengths[piece] seconds, each cut into 2^level; a splat's rows begin at first[lane]. `level` is 1 at least. Curve
+/* Misfits of TD_LANES splats over all pieces of the interval, the largest. `pieces` of lengths[piece] seconds, each cut into 2^level; a splat's rows begin at first[lane]. `level` is 1 at least. Curve
  * k's own misfits go to each[k x stride], with a stride of 0 nowhere. */
-TD_INLINE td_path_misfits td_path_try_each(TD_GLOBAL const td_real *rows, td_index first, int level, int pieces,
-                                           TD_GLOBAL const td_real *lengths, const td_path_terms *terms, const td_image *image,
-                                           TD_GLOBAL td_real *each, int stride) {
-    td_path_misfits all = {td_splat(0.0f), td_splat(0.0f), td_splat(0.0f)};
-    const td_lanes none = td_splat(0.0f);
-    td_real whole = 0;
+TD_INLINE td_lanes td_path_try_each(TD_GLOBAL const td_real *rows, td_index first, int level, int pieces,
+                                    TD_GLOBAL const td_real *lengths, const td_path_terms *terms, const td_image *image,
+                                    TD_GLOBAL td_real *each, int stride) {
+    td_lanes worst = td_splat(0.0f);
     int parts = 1 << (level - 1);
     for (int piece = 0; piece < pieces; piece++) {
         td_real h = lengths[piece] / (td_real)parts;
         for (int k = 0; k < parts; k++) {
             td_lanes misfit = td_path_misfit(rows, first + 2 * (piece * parts + k), h, terms, image);
             if (stride) td_store_lanes(each + (piece * parts + k) * stride, misfit);
-            all.worst = td_larger(misfit, all.worst);
-            all.bent = all.bent + td_select(none, td_splat(h), misfit > TD_PATH_BENT);
-            all.calm = all.calm + td_select(h * misfit * misfit, none, misfit > TD_PATH_BENT);
+            worst = td_larger(misfit, worst);
         }
-        whole += lengths[piece];
     }
-    const td_lanes rest = whole - all.bent;
-    all.calm = td_select(none, td_sqrt(all.calm / td_larger(rest, td_splat(1e-30f))), rest > 0.0f);
-    all.bent = all.bent / whole;
-    return all;
+    return worst;
 }
 
 TD_INLINE td_lanes td_path_worst(TD_GLOBAL const td_real *rows, td_index first, int level, int pieces,
                                  TD_GLOBAL const td_real *lengths, const td_path_terms *terms, const td_image *image) {
-    return td_path_try_each(rows, first, level, pieces, lengths, terms, image, 0, 0).worst;
+    return td_path_try_each(rows, first, level, pieces, lengths, terms, image, 0, 0);
 }
 
 #endif

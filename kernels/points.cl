@@ -110,8 +110,8 @@ __kernel void td_point_make_splats(__constant const td_image *image_buffer, __gl
     td_splats_apart(image_buffer, &paths, &what);
 }
 
-/* Misfits of TD_LANES paths of a level per turn (td_path_try_each), in targets: the worst, then, each `stride` on, bent and
- * calm, and, where they are asked for, those of each curve. */
+/* Misfits of TD_LANES paths of a level per turn (td_path_try_each), in targets: the worst, then, where they are asked
+ * for, each `stride` on, those of each curve. */
 TD_APART void td_misfits_apart(__constant const td_image *image_buffer, __global const td_real *rows, __global const int *first,
                                td_share groups, int level, __global const td_real *lengths, int pieces, td_real target,
                                td_real rounding, __global td_real *misfits, int stride, int asks_each) {
@@ -119,11 +119,9 @@ TD_APART void td_misfits_apart(__constant const td_image *image_buffer, __global
     const td_path_terms terms = {target, 0, rounding, 0};
     for (int k = groups.first; k < groups.end; k += groups.step) {
         const int i = k * TD_LANES;
-        const td_path_misfits of = td_path_try_each(rows, td_load_ints(first + i), level, pieces, lengths, &terms, &image,
-                                                    misfits + 3 * stride + i, asks_each ? stride : 0);
-        td_store_lanes(misfits + i, of.worst);
-        td_store_lanes(misfits + stride + i, of.bent);
-        td_store_lanes(misfits + 2 * stride + i, of.calm);
+        const td_lanes worst = td_path_try_each(rows, td_load_ints(first + i), level, pieces, lengths, &terms, &image,
+                                                misfits + stride + i, asks_each ? stride : 0);
+        td_store_lanes(misfits + i, worst);
     }
 }
 

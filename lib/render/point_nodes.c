@@ -17,9 +17,6 @@ enum {
     FEW_BENT = 64        /* so many that move, of which one may be off by more than it should */
 };
 
-/* What is off by more is off by anything [of log_luminance]. */
-static const double most_off = 10;
-
 /* What returns within the interval does so in step with its nodes: no middle shows it, but paths that are halved stray as far
  * as before. That far counts [px], where halving leaves more than half of it. */
 static const double strays_px = 1e-3, strays_share = 0.5;
@@ -39,14 +36,10 @@ tides_status td_point_nodes_create(const tides_renderer *renderer, td_exact *sha
     nodes->halve_from = td_alloc(count, sizeof *nodes->halve_from, error);
     nodes->halve_to = td_alloc(count, sizeof *nodes->halve_to, error);
     nodes->is_direct = td_alloc(count, sizeof *nodes->is_direct, error);
-    nodes->settled = td_alloc(count, sizeof *nodes->settled, error);
     nodes->tried = td_alloc(count + TD_PAD, sizeof *nodes->tried, error);
     nodes->fit.worst = td_alloc(count + TD_PAD, sizeof *nodes->fit.worst, error);
-    nodes->fit.bent = td_alloc(count + TD_PAD, sizeof *nodes->fit.bent, error);
-    nodes->fit.calm = td_alloc(count + TD_PAD, sizeof *nodes->fit.calm, error);
     if (!nodes->path || !nodes->gaussians || !nodes->level || !nodes->first || !nodes->open_at || !nodes->halve_from ||
-        !nodes->halve_to || !nodes->is_direct || !nodes->settled || !nodes->tried || !nodes->fit.worst || !nodes->fit.bent ||
-        !nodes->fit.calm)
+        !nodes->halve_to || !nodes->is_direct || !nodes->tried || !nodes->fit.worst)
         return TIDES_NO_MEMORY;
     nodes->exact = shared;
     nodes->is_shared = shared != NULL;
@@ -67,13 +60,10 @@ void td_point_nodes_release(td_point_nodes *nodes) {
     free(nodes->halve_from);
     free(nodes->halve_to);
     free(nodes->is_direct);
-    free(nodes->settled);
     free(nodes->tried);
     free(nodes->row);
     free(nodes->length);
     free(nodes->fit.worst);
-    free(nodes->fit.bent);
-    free(nodes->fit.calm);
     free(nodes->fit.each);
     free(nodes->time);
     free(nodes->entry);
@@ -170,7 +160,6 @@ static tides_status find_listed(const tides_renderer *renderer, const td_point_s
         nodes->first[nodes->count] = (int)rows;
         nodes->level[nodes->count] = (uint8_t)level;
         nodes->open_at[nodes->count] = -1;
-        nodes->settled[nodes->count] = 0;
         nodes->is_direct[nodes->count] = 0;
         nodes->gaussians[nodes->count++] = i;
         rows += td_point_is_instant(nodes) ? 1 : ((int64_t)nodes->pieces << level) + 1;
@@ -200,11 +189,8 @@ static double target_of(const tides_renderer *renderer, const td_point_nodes *no
     return moved_by(renderer, nodes, i) && !td_renderer_is_double(renderer) ? TD_POINT_PATH_MOVED : TD_POINT_PATH_TARGET;
 }
 
-/* What a motion model does it does to many splats at once: their errors add up. Without, p95 was reported too small in 1 of 45
- * random scenes, where a lamp flickers (tests/property/test_solved.c). */
-static double added_up(const tides_renderer *renderer, const td_point_nodes *nodes, int i) {
-    return moved_by(renderer, nodes, i) ? 2 : 1;
-}
+/* A smooth path's error falls by so much with each level. */
+static const double falls = 16;
 
 /* What costs a hundred times what a cubic does isn't worked out for each pixel that sees it: a network has kinks anywhere. */
 static int may_be_direct(const tides_renderer *renderer, const td_point_nodes *nodes, int i) {
@@ -213,34 +199,18 @@ static int may_be_direct(const tides_renderer *renderer, const td_point_nodes *n
 }
 
 /* What Gaussian i needs, whose cubics of the level before are off in the middle as the fit's number k says: its level is
- * enough where a sixteenth of the worst is, by which a smooth path's error falls with each level; at the last it may have a
- * kink, and is taken to be off by all of it the share `bent` of the time. What can't be compared at all crosses the near plane:
- * it has faded where its curves can't be used, if they are short, so that it counts as bent, and isn't told. An event sees a
- * path at some time: the law is told what is off on average, outside of kinks; the worst was 20 times what is true where a lamp
- * flickers, or a splat passes the clamp. */
+ * enough where a sixteenth of the worst is; at the last it may have a kink. What can't be compared at all crosses the near plane: it has faded where its curves can't be used, if they are short. */
 static tides_status choose_level(const tides_renderer *renderer, td_point_nodes *nodes, int i, int k, tides_error *error) {
-    const double never = 2 * TD_PATH_WILD * TD_POINT_PATH_TARGET;
     const double target = target_of(renderer, nodes, i), worst = (double)nodes->fit.worst[k] * TD_POINT_PATH_TARGET;
-    double falls = 16;
     const int first = first_level(renderer, nodes, nodes->gaussians[i]);
     nodes->moving += worst > 0 && nodes->level[i] == (first < MOST_LEVEL ? first : MOST_LEVEL);
     if (worst > falls * target && nodes->level[i] < MOST_LEVEL) return refine(nodes, i, error);
     const int is_bent = worst > falls * target;
-    if (nodes->level[i] == 1 && worst <= target) {
-        nodes->level[i] = 0; /* with every other row of level 1 */
-        falls = 1;
-    }
+    if (nodes->level[i] == 1 && worst <= target) nodes->level[i] = 0; /* with every other row of level 1 */
+    const int is_direct = is_bent && may_be_direct(renderer, nodes, i);
     nodes->bent += is_bent;
-    if (is_bent && may_be_direct(renderer, nodes, i)) {
-        nodes->is_direct[i] = 1;
-        nodes->direct++;
-        return TIDES_OK;
-    }
-    if (!(worst > 0 && worst < never)) return TIDES_OK;
-    const double calm = fmaxf(nodes->fit.calm[k], nodes->settled[i]) * TD_POINT_PATH_TARGET;
-    const double smooth = is_bent || worst <= TD_PATH_BENT * TD_POINT_PATH_TARGET ? calm : worst;
-    td_path_tally_add(&nodes->tally, added_up(renderer, nodes, i) * smooth / falls, fmin(worst, most_off),
-                      is_bent ? nodes->fit.bent[k] : 0);
+    nodes->is_direct[i] = (uint8_t)is_direct;
+    nodes->direct += is_direct;
     return TIDES_OK;
 }
 
@@ -255,7 +225,6 @@ static tides_status open_curves(td_point_nodes *nodes, int i, int k, int from, i
     nodes->open_at[i] = nodes->open_count;
     for (int curve = 0; curve < curves; curve++)
         nodes->open[nodes->open_count++] = each[(size_t)curve * (size_t)tried] > TD_PATH_BENT;
-    nodes->settled[i] = fmaxf(nodes->settled[i], nodes->fit.calm[k]);
     nodes->halve_from[nodes->halves] = from;
     nodes->halve_to[nodes->halves++] = nodes->first[i];
     return status;
@@ -347,7 +316,6 @@ static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *
     *bent = 0;
     tides_status status = measure_pieces(nodes, error);
     if (status == TIDES_OK) status = find_listed(renderer, span, nodes, error);
-    nodes->tally = (td_path_tally){0};
     nodes->moving = 0;
     if (status == TIDES_OK && td_point_is_instant(nodes)) return td_point_rows_project(renderer, camera, nodes, 0, error);
     for (int level = 1, finer = 1; level <= MOST_LEVEL && finer > 0 && status == TIDES_OK && !*bent; level++) {

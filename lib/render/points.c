@@ -18,7 +18,6 @@ enum { POINTS_AT_ONCE = 1 << 16 }; /* in a launch: 5 MB with what goes with them
 /* A part of the interval that is asked for, with rows of its own. Most intervals are one. */
 typedef struct points_part {
     double start, stop;
-    td_path_law law; /* what its paths do; nothing before it has had rows */
 } points_part;
 
 /* A launch that may be under way: points numbered order[0 .. count), all of them the caller's. */
@@ -201,7 +200,6 @@ static tides_status begin_part(tides_renderer *renderer, const tides_trajectory 
     status = p->engine->type->begin(p->engine, &interval, error);
     if (status != TIDES_OK) return status;
     p->begun = k;
-    p->part[k].law = td_path_tally_law(&nodes->tally);
     return td_points_direct_begin(renderer, nodes, &p->direct, error);
 }
 
@@ -491,13 +489,23 @@ tides_status td_renderer_kept_points(tides_renderer *renderer, const tides_traje
     return td_mosaic_points(renderer, kept_points, camera, points, count, values, error);
 }
 
-td_path_law td_renderer_points_law(const tides_renderer *renderer, double time) {
-    const td_points *p = renderer->points;
-    td_path_law law = {0};
-    if (p && p->parts > 0) law = p->part[part_of(p, time)].law;
-    if (!renderer->beside) return law;
-    const td_path_law others = td_renderer_points_law(renderer->beside, time);
-    return td_path_law_worse(&law, &others);
+static tides_status direct_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
+                                  size_t count, td_point_value *values, tides_error *error) {
+    td_points *p = of_swept(renderer);
+    tides_status status = td_renew((void **)&p->which, &p->which_capacity, 2 * count, sizeof *p->which, error);
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) {
+        status = check_point(renderer, &p->at, &points[i], error);
+        p->which[i] = (int)i;
+    }
+    drop_launch(p);
+    if (status != TIDES_OK) return status;
+    return td_points_direct_values(renderer, camera, &p->direct, p->nodes.exact, &p->at, points, p->which, (int)count, values,
+                                   error);
+}
+
+tides_status td_renderer_direct_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
+                                       size_t count, td_point_value *values, tides_error *error) {
+    return td_mosaic_points(renderer, direct_points, camera, points, count, values, error);
 }
 
 int td_renderer_points_rounded(const tides_renderer *renderer) {

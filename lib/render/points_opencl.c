@@ -58,7 +58,7 @@ static tides_status misfits(td_points_engine *engine, const td_points_misfits *r
                             tides_error *error) {
     opencl_points *p = (opencl_points *)engine;
     const size_t stride = (size_t)misfit_stride(request), pieces = (size_t)request->pieces, count = (size_t)request->count;
-    const size_t each = fit->each ? td_points_tried(request) : 0, all = (3 + each) * stride;
+    const size_t each = fit->each ? td_points_tried(request) : 0, all = (1 + each) * stride;
     if (request->count == 0) return TIDES_OK;
     double *host = td_alloc(all, sizeof *host, error);
     if (!host) return TIDES_NO_MEMORY;
@@ -70,11 +70,9 @@ static tides_status misfits(td_points_engine *engine, const td_points_misfits *r
     if (status == TIDES_OK) status = td_buffer_read(p->device, &p->misfits, host, all * sizeof *host, error);
     for (int i = 0; i < request->count && status == TIDES_OK; i++) {
         fit->worst[i] = (float)host[i];
-        fit->bent[i] = (float)host[stride + (size_t)i];
-        fit->calm[i] = (float)host[2 * stride + (size_t)i];
     }
     for (size_t curve = 0; curve < each && status == TIDES_OK; curve++)
-        for (size_t i = 0; i < count; i++) fit->each[curve * count + i] = (float)host[(3 + curve) * stride + i];
+        for (size_t i = 0; i < count; i++) fit->each[curve * count + i] = (float)host[(1 + curve) * stride + i];
     free(host);
     return status;
 }

@@ -59,11 +59,9 @@ static tides_status misfits(td_points_engine *engine, const td_points_misfits *r
     if (!each) return TIDES_NO_MEMORY;
     tides_status status = take_rows(t, request->exact, request->row_count, error);
     for (int i = 0; i < request->count && status == TIDES_OK; i++) {
-        const td_path_misfits of = td_path_try_each(t->rows, request->first[i], request->level, request->pieces,
-                                                    request->lengths, &terms, &t->image, each, 1);
-        fit->worst[i] = (float)of.worst;
-        fit->bent[i] = (float)of.bent;
-        fit->calm[i] = (float)of.calm;
+        const double worst = td_path_try_each(t->rows, request->first[i], request->level, request->pieces, request->lengths,
+                                              &terms, &t->image, each, 1);
+        fit->worst[i] = (float)worst;
         for (size_t curve = 0; curve < tried && fit->each; curve++) fit->each[curve * count + (size_t)i] = (float)each[curve];
     }
     free(each);

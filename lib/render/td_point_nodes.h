@@ -3,7 +3,6 @@
 #ifndef TD_POINT_NODES_H
 #define TD_POINT_NODES_H
 
-#include "td_path_law.h"
 #include "td_points.h"
 
 /* What paths may be off by, of log_luminance, at most: at L_dot = 20 /s it is 25 ns. */
@@ -42,7 +41,6 @@ typedef struct td_point_nodes {
     int open_count;
     int *halve_from, *halve_to; /* (halves) first rows, of a level and of the next */
     int halves;
-    float *settled; /* (count) what those that were not open are off by (td_points_fit.calm) */
     int *first;     /* (count + TD_PAD) first rows */
     int rows;
     int *row;       /* (2 x curves) the rows that each begins and ends with */
@@ -52,7 +50,6 @@ typedef struct td_point_nodes {
     uint8_t *is_direct;  /* (count) 1: no curve follows it, and who may see it has all projected (points_direct.c); */
     int direct;          /* so many */
     int moving, bent;    /* those that move; of which paths are off by more than they should */
-    td_path_tally tally; /* of what paths are off by */
     int *tried;          /* (count + TD_PAD) first rows of a level's, */
     td_points_fit fit;   /* and how well they do: (count + TD_PAD) */
     double *time;        /* of a level's nodes */

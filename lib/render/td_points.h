@@ -68,11 +68,10 @@ typedef struct td_points_misfits {
     double target; /* of log_luminance */
 } td_points_misfits;
 
-/* By how many targets cubics of the level before miss the rows in their middles: at most; the share of the time in which that
- * is more than TD_PATH_BENT; the root of the mean square in the rest. (count) each. And each curve's own: each[curve x count],
- * unless that is NULL. */
+/* By how many targets cubics of the level before miss the rows in their middles at most: (count). And each curve's own:
+ * each[curve x count], unless that is NULL. */
 typedef struct td_points_fit {
-    float *worst, *bent, *calm, *each;
+    float *worst, *each;
 } td_points_fit;
 
 /* Curves of the level before. */

@@ -161,20 +161,10 @@ tides_status td_renderer_kept_points(tides_renderer *renderer, const tides_traje
 /* 1 where those are in double but for what motion models have worked out in single precision. */
 int td_renderer_points_rounded(const tides_renderer *renderer);
 
-/* What record paths make of log_luminance of exact points, as a law of errors: of all events the share `bent`, a whole number
- * of 1024ths, sees a splat where its path has a kink, and is off by `kink` in 3 and 1 of 4, the rest by `smooth` in 16, 13 and
- * 3 of 32. */
-enum { TD_PATH_SLICES = 3, TD_PATH_KINKS = 2 };
-typedef struct td_path_law {
-    double bent, smooth[TD_PATH_SLICES], kink[TD_PATH_KINKS];
-} td_path_law;
-
-/* The law around a time that some points were asked for, in the interval that was last asked for; no errors without exact
- * points. */
-td_path_law td_renderer_points_law(const tides_renderer *renderer, double time);
-
-/* One that is no better than either. */
-td_path_law td_path_law_worse(const td_path_law *a, const td_path_law *b);
+/* Exact points of the interval swept last on no record path: all that each may see is projected at its own time, at ten times the
+ * cost. What record paths are off by is the difference. */
+tides_status td_renderer_direct_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
+                                       size_t count, td_point_value *values, tides_error *error);
 
 /* -- frames ---------------------------------------------------------------------------------------------------------------- */
 

@@ -160,6 +160,13 @@ static tides_status compare_still(tides_simulator *s, double start, double stop,
     return status;
 }
 
+/* What the events' times are off by. The pixels have reached the step's end. */
+static tides_status measure(tides_simulator *s, tides_error *error) {
+    const tides_status status = td_solve_measure(s, error);
+    s->broken |= status != TIDES_OK;
+    return status;
+}
+
 /* The comparator over one macro step, refined tile by tile. */
 static tides_status compare_refined(tides_simulator *s, tides_error *error) {
     const double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
@@ -167,6 +174,7 @@ static tides_status compare_refined(tides_simulator *s, tides_error *error) {
     if (status == TIDES_OK) status = td_sweep(s, start, stop, error);
     if (status == TIDES_OK && s->moving_count > 0) status = td_renderer_find_swaps(s->renderer, s->camera, error);
     if (status == TIDES_OK && s->moving_count > 0) status = refine(s, start, stop, error);
+    if (status == TIDES_OK) status = measure(s, error);
     if (status != TIDES_OK) return status; /* whether the pixels still agree on the time has been said */
     status = compare_still(s, start, stop, error);
     s->broken = status != TIDES_OK;

@@ -74,6 +74,7 @@ tides_status td_solve_create(tides_simulator *s, tides_error *error) {
     solve->is_exact = in_double && !td_renderer_points_rounded(s->renderer);
     solve->samples = s->timing.rounding + (in_double ? TD_SOLVE_SAMPLES : 0);
     solve->enough = ENOUGH;
+    s->timing.is_sample = 1;
     solve->target_s = s->time_tolerance_s > 0 ? s->time_tolerance_s : default_target_s;
     return TIDES_OK;
 }
@@ -88,6 +89,7 @@ void td_solve_release(td_solve *solve) {
     free(solve->step);
     free(solve->reaches);
     free(solve->trust);
+    free(solve->sampled);
     for (int k = 0; k < TD_SOLVE_BATCHES; k++) {
         free(solve->batch[k].pixel);
         free(solve->batch[k].point);

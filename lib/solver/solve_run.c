@@ -211,61 +211,53 @@ static double waited(const td_visit *v, const td_change *change) {
 
 static int ends_run(const td_visit *v) { return td_ends_run(v->s, &v->s->refine.step[v->looked->step]); }
 
-/* What record paths make of the pixel's nodes. */
-static td_path_law paths_of(const td_visit *v) {
-    td_path_law law = {0};
-    for (int i = 0; i < v->nodes; i++) {
-        const double time = v->now->from + v->node[i].s * (v->now->to - v->now->from);
-        const td_path_law own = td_renderer_points_law(v->s->renderer, time);
-        law = i == 0 ? own : td_path_law_worse(&law, &own);
-    }
-    return law;
+/* What the leak has added to the signal at s. */
+static double ramp_at(const td_visit *v, double s) {
+    const td_sensor *sensor = &v->s->sensor;
+    const td_step *span = &v->now->span;
+    if (!sensor->on) return 0;
+    return sensor->leak[v->at] * (td_sensor_time(sensor, span->start_ns, span->start_fraction) + s * span->length_ns);
 }
 
-/* A share of events, which record paths put off by `paths`, and after which `left` of the step is left; what of it may be
- * undone. */
-static double add_share(td_visit *v, const td_worth *at, double left, double share, double paths) {
-    const double error = td_timing_together(at->error, v->model.floor + paths);
-    return share > 0 ? td_timing_add_solved(&v->s->timing, share, error, at->slope, at->bend, v->now->span.length_s, left) : 0;
+/* An event, for what is measured of the run's. */
+static tides_status sample(const td_visit *v, int n, double late, tides_error *error) {
+    const td_tile *tile = &v->s->tile[v->pixel->tile];
+    const td_change *change = &v->changes.change[n];
+    const double time = v->now->from + change->s * (v->now->to - v->now->from);
+    const td_sampled one = {.point = {td_lesser(time, v->now->to), tile->x0 + v->pixel->local % tile->width,
+                                      tile->y0 + v->pixel->local / tile->width},
+                            .L = td_pieces_value(&v->model.pieces, change->s) - ramp_at(v, change->s),
+                            .slope = v->worth[n].slope,
+                            .bend = v->worth[n].bend,
+                            .floor = v->model.floor,
+                            .late = late,
+                            .length_s = v->now->span.length_s};
+    return td_solve_sample(v->s, &one, error);
 }
 
-/* An event that may be undone for so much of what it may be off by is uncertain. */
-static const double much = 0.25;
-
-/* What a solved event may be off by: what is left there, and what record paths do. */
-static void note_error(td_visit *v, int n, const td_path_law *law) {
-    static const double slice[TD_PATH_SLICES] = {16.0 / 32, 13.0 / 32, 3.0 / 32}, kink[TD_PATH_KINKS] = {3.0 / 4, 1.0 / 4};
+/* May an event be undone for what is left there? */
+static int is_uncertain(const td_visit *v, int n) {
+    int touches;
     const td_worth *at = &v->worth[n];
-    const double late = waited(v, &v->changes.change[n]), left = ends_run(v) ? 1 - v->changes.change[n].s : INFINITY;
-    double undone = 0;
-    if (late > 0) {
-        td_timing_add_solved(&v->s->timing, 1, late, 1, 0, v->now->span.length_s, left);
-        return;
-    }
-    if (law->smooth[TD_PATH_SLICES - 1] > 0 || law->bent > 0) {
-        for (int k = 0; k < TD_PATH_SLICES; k++) undone += add_share(v, at, left, slice[k] * (1 - law->bent), law->smooth[k]);
-        for (int k = 0; k < TD_PATH_KINKS; k++) undone += add_share(v, at, left, kink[k] * law->bent, law->kink[k]);
-    } else {
-        undone = add_share(v, at, left, 1, 0);
-    }
-    v->s->timing.uncertain += (uint64_t)(undone > much);
+    const double error = td_timing_together(at->error, v->model.floor);
+    const double reach = td_timing_reach(at->slope, at->bend, error, &touches);
+    return touches || (ends_run(v) && reach >= 1 - v->changes.change[n].s);
 }
 
 /* What the events of a settled step are worth. Noise has times of its own. */
-static void note_events(td_visit *v, int doubts) {
+static tides_status note_events(td_visit *v, int doubts, tides_error *error) {
     tides_simulator *s = v->s;
-    const int count = v->changes.count;
-    int k = 0;
+    tides_status status = TIDES_OK;
     double residual;
     s->timing.uncertain += (uint64_t)(doubts + (ends_run(v) && left_at(v, 1, &residual) <= v->model.end + v->model.floor));
-    while (k < count && !v->changes.change[k].fired) k++;
-    if (k == count) return; /* most steps: what paths are off by is nobody's then */
-    const td_path_law law = paths_of(v);
-    for (; k < count; k++) {
+    for (int k = 0; k < v->changes.count && status == TIDES_OK; k++) {
         if (!v->changes.change[k].fired) continue;
-        note_error(v, k, &law);
+        const double late = waited(v, &v->changes.change[k]);
+        s->timing.uncertain += (uint64_t)(!(late > 0) && is_uncertain(v, k));
         s->solve.events += (uint64_t)(v->nodes > 0);
+        status = sample(v, k, late, error);
     }
+    return status;
 }
 
 /* The pixel's next step; `*asked` where something in it is to be looked up, else it is settled if all before were. */
@@ -277,7 +269,7 @@ static tides_status pass_step(td_visit *v, int *asked, tides_error *error) {
     tides_status status = advance(v, error);
     take_rounding(v);
     if (status == TIDES_OK) status = judge(v, asked, &doubts, error);
-    if (status == TIDES_OK && v->settles && !*asked) note_events(v, doubts);
+    if (status == TIDES_OK && v->settles && !*asked) status = note_events(v, doubts, error);
     return status;
 }
 

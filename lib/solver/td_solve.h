@@ -87,6 +87,14 @@ typedef struct td_solve_batch {
 } td_solve_batch;
 enum { TD_SOLVE_BATCHES = 3 };
 
+/* An event of a macro step whose time is measured at its end: what the model had there, slope and curvature towards the event's
+ * side, per step of length_s; what is rounded; and, of one that waited for coverage, how late it may be [steps]. */
+typedef struct td_sampled {
+    uint64_t order;
+    td_point point;
+    double L, slope, bend, floor, late, length_s;
+} td_sampled;
+
 typedef struct td_solve {
     int32_t precision;    /* TIDES_SOLVE_*, none of them AUTO */
     int32_t unsolved;     /* TIDES_UNSOLVED_* */
@@ -113,8 +121,11 @@ typedef struct td_solve {
     size_t trust_capacity;
     td_solve_batch batch[TD_SOLVE_BATCHES]; /* in turns (solve_batches.c) */
     int asking;                             /* which is filled: td_solve_asking */
-    size_t enough;                          /* points that are worth a batch, while a device is at the one before, */
-    size_t enough_now;                      /* and of the first ones, when it has nothing to do */
+    td_sampled *sampled;                    /* of this macro step's events, those that come first in an order of chance */
+    size_t sampled_count, sampled_capacity;
+    int sampled_is_cut; /* there were more */
+    size_t enough;      /* points that are worth a batch, while a device is at the one before, */
+    size_t enough_now;  /* and of the first ones, when it has nothing to do */
 } td_solve;
 
 /* What the parameters ask for (precision, unsolved), once the renderer has its PSF; TIDES_UNSUPPORTED where it can't be had.
@@ -134,6 +145,9 @@ TIDES_MUST_CHECK tides_status td_solve_steps(tides_simulator *s, double start, d
 /* Before tiles at rest are compared over a macro step that begins at `start`: what may do something there gets its signal and
  * its reference from what is looked up, so that slow ramps meet the levels where references say (solve_rest.c). */
 TIDES_MUST_CHECK tides_status td_solve_still(tides_simulator *s, const td_step *span, double start, tides_error *error);
+
+/* At the end of a macro step: what its events' times are off by, as a sample of them says (solve_sample.c). */
+TIDES_MUST_CHECK tides_status td_solve_measure(tides_simulator *s, tides_error *error);
 
 /* -- parts of it ---------------------------------------------------------------------------------------------------------- */
 
@@ -171,6 +185,9 @@ typedef struct td_swap_place {
 /* The first of those that a pixel of the step's unit may see, and number `i`; 0 where it is behind the step's end (swap_cuts.c). */
 int32_t td_solve_first_swap(const tides_simulator *s, const td_refine_step *step, int32_t local);
 int td_solve_swap(const tides_simulator *s, const td_refine_step *step, int32_t local, int32_t i, td_swap_place *swap);
+
+/* An event that is settled, to be measured or not (solve_sample.c). `order` is set there. */
+TIDES_MUST_CHECK tides_status td_solve_sample(tides_simulator *s, const td_sampled *one, tides_error *error);
 
 /* Runs a pixel on from where it is settled to the first step in which something is to be looked up, and asks for that; an ideal
  * one to the last step (solve_run.c). */

@@ -133,9 +133,6 @@ int main(int argc, char **argv) {
            "pixels\n",
            1e3 * frame, 1e6 * frame / (double)pixels, count, 1e3 * first, 1e6 * again / (double)count,
            again / (double)count / (frame / (double)pixels));
-    const td_path_law law = td_renderer_points_law(renderer, start);
-    printf("paths are said to be off by %.2g of L at most, in %.2g of all events by %.2g\n", law.smooth[TD_PATH_SLICES - 1],
-           law.bent, law.kink[TD_PATH_KINKS - 1]);
     static const double stops[] = {1e-12, 1e-7, 1e-6, 1e-5};
     for (size_t i = 0; i < sizeof stops / sizeof *stops && argc > 6; i++)
         compare(argv[1], stops[i], start, length, points, values);

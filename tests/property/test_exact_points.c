@@ -93,12 +93,9 @@ static void check_against_frames(const random_recipe *recipe, double length, dou
         if (off > worst) worst = off;
         if (rate > worst_rate) worst_rate = rate;
     }
-    const td_path_law law = td_renderer_points_law(w.renderer, START);
-    const double said = fmax(law.smooth[TD_PATH_SLICES - 1], law.kink[TD_PATH_KINKS - 1]);
     close_world(&w);
-    if (worst > most || worst_rate > most_rate || worst > 10 * said + 1e-9)
-        fail_msg("seed %u, %g s: L is off by %.3g, L_dot by %.3g of itself; at most %.3g was said", (unsigned)recipe->seed,
-                 length, worst, worst_rate, said);
+    if (worst > most || worst_rate > most_rate)
+        fail_msg("seed %u, %g s: L is off by %.3g, L_dot by %.3g of itself", (unsigned)recipe->seed, length, worst, worst_rate);
 }
 
 static void test_pixels_of_the_double_reference(void **state) {
