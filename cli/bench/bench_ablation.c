@@ -4,8 +4,6 @@
  *
  *   full                     cubic, error control tile by tile: the default. No risk-gated refinement, no mixed-visibility
  *                            masking, no readout (paper).
- *   with_risk                risk control in addition
- *   no_alpha_dot             the same without its alpha_dot cue
  *   risk_only                the paper's controller alone
  *   risk_only_no_alpha_dot   the same without its alpha_dot cue
  *   with_masking             full, with pixels silent where coverage is below B_MIN: what masking takes away and puts off
@@ -54,15 +52,12 @@ enum {
     FIXED = TIDES_STEPPING_FIXED,
     ERROR = TIDES_STEPPING_ERROR,
     RISK = TIDES_STEPPING_RISK,
-    BOTH = TIDES_STEPPING_ERROR_RISK,
     CUBIC = TIDES_MODEL_HERMITE,
     DIFFERENCE = TIDES_SLOPE_DIFFERENCE
 };
 
 static const variant variants[] = {
     {.name = "full", .mode = ERROR, .model = CUBIC, .local = 1},
-    {.name = "with_risk", .mode = BOTH, .model = CUBIC, .local = 1},
-    {.name = "no_alpha_dot", .mode = BOTH, .model = CUBIC, .local = 1, .no_alpha_dot = 1},
     {.name = "risk_only", .mode = RISK, .model = CUBIC, .local = 1},
     {.name = "risk_only_no_alpha_dot", .mode = RISK, .model = CUBIC, .local = 1, .no_alpha_dot = 1},
     {.name = "with_masking", .mode = ERROR, .model = CUBIC, .local = 1, .masking = 1},

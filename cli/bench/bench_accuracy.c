@@ -49,8 +49,6 @@ static const method methods[] = {
      {1e-5, 1e-6}, {1e-5}, 0},
     {"risk",         TIDES_RULES_SMOOTH, TIDES_STEPPING_RISK,  TIDES_MODEL_HERMITE,   1, LONGEST_STEP,
      {4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4}, {1e-3, 2.5e-4}, 0},
-    {"error_risk",   TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR_RISK, TIDES_MODEL_HERMITE, 1, TOLERANCE,
-     {0.1, 0.03, 0.01, 0.003}, {0.01}, 0},
     {"error_global", TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   0, TOLERANCE,
      {0.1, 0.03, 0.01}, {0.1, 0.01}, 0},
     {"esim_inria",   TIDES_RULES_INRIA,  TIDES_STEPPING_FIXED, TIDES_MODEL_SECANT,    0, RATE,

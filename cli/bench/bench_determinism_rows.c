@@ -18,7 +18,7 @@ const determinism_run determinism_runs[] =
     {{"fixed", "equal steps", {"stepping.mode=fixed"}, 0},
      {"default", "steps under error control, events looked up", {NULL}, 0},
      {"error", "steps under error control, events of the cubic", {MODEL}, 0},
-     {"error_risk", "steps by the paper's risk too", {"stepping.mode=error_risk", MODEL}, 0},
+     {"risk", "steps by the paper's risk", {"stepping.mode=risk", MODEL}, 0},
      {"blocks", "steps of 4x4 blocks", {"stepping.unit=block", MODEL}, 0},
      {"paths", "records from paths", {"stepping.paths=true", MODEL}, 0},
      {"solved_float", "events looked up in single precision", {"stepping.solve=float", "stepping.tolerance=0.1"}, 0},

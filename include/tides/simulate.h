@@ -22,9 +22,9 @@ enum {
 /* How steps are chosen. FIXED: every step_s. The others cut each macro step of step_s, tile by tile. ERROR: each in which
  * something moves once, to compare its model with a render inside it, and further until what such probes saw bounds the model's
  * error within the tolerance wherever a pixel may reach a threshold (lib/solver/td_probe.h). RISK: until it is as short as the
- * paper's risk score asks for (Eq. 13; lib/solver/control.c has the norms and kappa). Both may be asked for; FIXED and RISK
- * alone look inside no step, and miss what its ends don't show. */
-enum { TIDES_STEPPING_FIXED = 0, TIDES_STEPPING_RISK = 1, TIDES_STEPPING_ERROR = 2, TIDES_STEPPING_ERROR_RISK = 3 };
+ * paper's risk score asks for (Eq. 13; lib/solver/control.c has the norms and kappa). FIXED and RISK look inside no step, and
+ * miss what its ends don't show. */
+enum { TIDES_STEPPING_FIXED = 0, TIDES_STEPPING_RISK = 1, TIDES_STEPPING_ERROR = 2 };
 
 /* Where the slopes of S come from. DIFFERENCE is what a renderer without derivatives would have to do, to measure what they are
  * worth: at each step's end the slope of the straight line from its start (at the run's start, to the first end). It takes no

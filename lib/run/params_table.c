@@ -191,7 +191,7 @@ const td_param td_params[] = {
      .ideal = "0"},
     {NUMBER("frontend.hot_pixel_rate_hz", sensor.hot_pixel_rate_hz, "Hz", 0, 1e6, "rate of a hot pixel's ON events")},
 
-    {CHOICE("stepping.mode", stepping.mode, "fixed|risk|error|error_risk", "fixed: every step_s; else cut where asked for")},
+    {CHOICE("stepping.mode", stepping.mode, "fixed|risk|error", "fixed: every step_s; else cut where asked for")},
     {CHOICE("stepping.model", stepping.model, "hermite|quadratic|linear|secant", "how L is modelled between two renders"),
      .constants = models},
     {NUMBER("stepping.step_s", stepping.step_s, "s", 1e-9, 1e3, "time between two renders; unless fixed, the longest")},

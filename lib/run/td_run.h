@@ -36,6 +36,9 @@ int32_t td_param_is_group(const char *key);
 tides_status td_param_unknown(const char *where, const char *key, tides_error *error);
 void td_one_line(char *text);
 
+/* retired.c: what to do in place of a key that there was, or (choice not NULL) of a choice; NULL where there never was one. */
+const char *td_param_retired(const char *key, const char *choice);
+
 /* run_value.c: 1 where `value` equals the row's default; whether `value` may stand at `row`, errors starting with `where`. */
 int32_t td_param_is_default(const tides_param *row, const cJSON *value);
 tides_status td_param_check(const tides_param *row, const cJSON *value, const char *where, tides_error *error);

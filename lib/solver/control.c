@@ -3,7 +3,7 @@
  *   error   the estimated error of the model, against tolerance C and time_tolerance_s (estimate.c); and a whole macro step, in
  *           which nothing has been looked at
  *   risk    the paper's score of mixed visibility, against the step's share of the macro step (paper, Eq. 13)
- *   travel  in either mode: a splat that could pass a pixel between two samples (sweep.h)
+ *   travel  in both modes: a splat that could pass a pixel between two samples (sweep.h)
  *
  * Each gives the factor by which the step is above its limit; the largest decides. Where a budget of renders is set and a level
  * asks for more, the steps furthest above their limits go first. Without `local` a tile whose step is too long cuts those of
@@ -80,11 +80,11 @@ static double error_excess(tides_simulator *s, td_refine_step *step, double star
 void td_control_judge(tides_simulator *s, td_refine_step *step, double start, double stop) {
     const td_refine *r = &s->refine;
     double share = (double)(step->to - step->from) / (double)((uint32_t)1 << r->depth);
-    int may_cut = td_refine_may_cut(r, step), controls = s->mode & TIDES_STEPPING_ERROR;
+    int may_cut = td_refine_may_cut(r, step), controls = s->mode == TIDES_STEPPING_ERROR;
     step->excess = share * td_units_travel(s, step->tile) / most_travel;
     if (controls) step->excess = td_greater(step->excess, error_excess(s, step, start, stop));
     if (controls && may_cut && step->probe < 0) step->excess = td_greater(step->excess, unseen);
-    if (s->mode & TIDES_STEPPING_RISK) {
+    if (s->mode == TIDES_STEPPING_RISK) {
         double begin = *td_sample_risk(&r->samples, step->begin), end = *td_sample_risk(&r->samples, step->end);
         step->excess = td_greater(step->excess, share / step_factor(td_greater(begin, end)));
     }

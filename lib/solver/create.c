@@ -34,7 +34,7 @@ void tides_stepping_defaults(tides_stepping *stepping) {
 }
 
 static tides_status check_arguments(const tides_stepping *stepping, double start, double stop, tides_error *error) {
-    if (stepping->mode < TIDES_STEPPING_FIXED || stepping->mode > TIDES_STEPPING_ERROR_RISK)
+    if (stepping->mode < TIDES_STEPPING_FIXED || stepping->mode > TIDES_STEPPING_ERROR)
         return td_fail(error, TIDES_UNSUPPORTED, "stepping.mode: %d is none of TIDES_STEPPING_*", (int)stepping->mode);
     if (stepping->slope != TIDES_SLOPE_EXACT && stepping->slope != TIDES_SLOPE_DIFFERENCE)
         return td_fail(error, TIDES_UNSUPPORTED, "stepping.slope: %d is none of TIDES_SLOPE_*", (int)stepping->slope);
@@ -59,7 +59,7 @@ static tides_status check_arguments(const tides_stepping *stepping, double start
 /* What only adaptive steps read. */
 static tides_status check_adaptive(const tides_stepping *stepping, tides_error *error) {
     if (stepping->mode == TIDES_STEPPING_FIXED) return TIDES_OK;
-    if ((stepping->mode & TIDES_STEPPING_ERROR) && stepping->model != TIDES_MODEL_HERMITE)
+    if (stepping->mode == TIDES_STEPPING_ERROR && stepping->model != TIDES_MODEL_HERMITE)
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "stepping.model: error control estimates the error of the hermite model only; use it, or another mode");
     if (!(stepping->min_step_s > 0))
@@ -150,7 +150,7 @@ static void take_parameters(tides_simulator *s, const tides_sensor *sensor, cons
     s->unit = unit_of(s, sensor, stepping);
     s->sample_planes = s->refine.samples.planes = sensor->b_min > 0 ? TD_PLANES_ALL : TD_PLANES_SIGNAL;
     s->refine.samples.pixels = s->unit == TIDES_UNIT_BLOCK ? TD_BLOCK_PIXELS : TD_TILE_PIXELS;
-    s->outputs = stepping->mode & TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
+    s->outputs = stepping->mode == TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
     if (stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED)
         s->interpolates = stepping->tolerance > 0 ? stepping->tolerance : model_tolerance; /* looking up doesn't undo it */
     s->paths = stepping->paths && stepping->mode != TIDES_STEPPING_FIXED;

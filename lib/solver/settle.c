@@ -14,7 +14,7 @@ static const double hold_adds = 4;
 /* What an accepted step adds to the statistics. */
 static void note_step(tides_simulator *s, const td_refine_step *step) {
     tides_stats *stats = &s->stats;
-    int controls = s->mode & TIDES_STEPPING_ERROR, above = step->excess > 1;
+    int controls = s->mode == TIDES_STEPPING_ERROR, above = step->excess > 1;
     stats->steps++;
     stats->steps_probed += (uint64_t)(controls && step->probe >= 0);
     stats->steps_over_budget += (uint64_t)(above && td_refine_may_cut(&s->refine, step));

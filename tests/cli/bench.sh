@@ -51,7 +51,7 @@ assert len(letters) > 100 and all(0 < x < width - 6 and 0 < y < height for x, y 
 PY
 # As many results in both tables; every method is there, on its image.
 [ "$(grep -c '"method":' made/accuracy.json)" = $(($(wc -l <made/accuracy.csv) - 1)) ] || fail "JSON and CSV differ in length"
-for method in esim quadratic hermite error solved_float blocks paths error_time error_global risk error_risk; do
+for method in esim quadratic hermite error solved_float blocks paths error_time error_global risk; do
     grep -q "^handheld,$method,.*,smooth," made/accuracy.csv || fail "no $method"
 done
 grep -q "^handheld,esim_inria,.*,inria," made/accuracy.csv || fail "no esim on the inria image"
@@ -72,7 +72,7 @@ is_json
 [ ! -s err ] || fail "--quiet leaves stderr alone"
 grep -q '"bench":[[:space:]]*"ablation"' out || fail "--json should print the results"
 for file in ablation.json ablation.csv ablation.png; do exists made/$file; done
-for variant in full with_risk no_alpha_dot risk_only risk_only_no_alpha_dot with_masking with_readout global_step solved_float blocks paths one_event fixed_step compute_matched \
+for variant in full risk_only risk_only_no_alpha_dot with_masking with_readout global_step solved_float blocks paths one_event fixed_step compute_matched \
     differenced_cubic quadratic differenced_quadratic linear differenced_linear straight_line; do
     grep -q "^handheld,$variant," made/ablation.csv || fail "no $variant"
 done

@@ -118,7 +118,7 @@ enum { SETTINGS = 8 };
 static const char *const settings[][SETTINGS] = {
     {"stepping.mode=fixed", "stepping.step_s=0.0005"},
     {"stepping.mode=error"},
-    {"stepping.mode=error_risk", "stepping.local=false"},
+    {"stepping.mode=risk", "stepping.local=false"},
     {"stepping.unit=block", "stepping.paths=true", "stepping.step_s=0.001"},
     {"stepping.solve=double", "stepping.tolerance=0.1", "stepping.unit=block", "stepping.paths=true"},
     {"stepping.solve=float", "stepping.tolerance=0.1"},

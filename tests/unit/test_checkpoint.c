@@ -19,7 +19,7 @@ static const struct {
     {TIDES_STEPPING_FIXED, "reference-f32", 0, 1, 0},
     {TIDES_STEPPING_ERROR, "reference-f32", 0, 1, 0},
     {TIDES_STEPPING_RISK, "reference-f32", 0, 0, 0},
-    {TIDES_STEPPING_ERROR_RISK, "reference-f32", 0, 1, 0},
+    {TIDES_STEPPING_RISK, "reference-f32", 0, 1, 0},
     {TIDES_STEPPING_ERROR, "reference-f32", 30.0, 0, 0},
     {TIDES_STEPPING_ERROR, "reference", 0, 0, TIDES_SOLVE_DOUBLE},
     {TIDES_STEPPING_ERROR, "reference-f32", 0, 1, TIDES_SOLVE_DOUBLE}, /* some begin to move later: references by then */
