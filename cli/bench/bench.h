@@ -113,8 +113,7 @@ tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, c
 tides_status bench_measure(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
                            const tides_stepping *stepping, bench_row *row, tides_error *error);
 /* The parts of exact events, which a row may have: where unset, off, whatever the library's defaults are. */
-enum { BENCH_SOLVED_FLOAT = 1, BENCH_SOLVED = 2, BENCH_BLOCKS = 4, BENCH_PATHS = 8 };
-enum { BENCH_TOGETHER = BENCH_SOLVED | BENCH_BLOCKS | BENCH_PATHS };
+enum { BENCH_SOLVED = 1, BENCH_BLOCKS = 2, BENCH_TOGETHER = BENCH_SOLVED | BENCH_BLOCKS };
 void bench_choose_parts(tides_stepping *stepping, int32_t parts);
 /* Median and quartiles of measured values, between neighbours; puts them in order. */
 void bench_quartiles(double *values, int32_t count, double *low, double *median, double *high);

@@ -9,10 +9,9 @@
  *   with_masking             full, with pixels silent where coverage is below B_MIN: what masking takes away and puts off
  *   with_readout             full, behind the default readout: what its delays, jitter and drops add
  *   global_step              full, but one step for the whole image
- *   solved_float, solved     full, its events looked up in the image, in single or double precision
+ *   solved                   full, its events looked up in the image
  *   blocks                   full, refined by 4x4 pixels
- *   paths                    full, on a path of each splat between few projections
- *   together                 solved, blocks and paths
+ *   together                 solved, and blocks
  *   one_event                full, but at most one event per pixel and step: steps are cut until none has more
  *   fixed_step               no controller: the paper's schedule, ten equal steps where full may take one
  *
@@ -63,10 +62,8 @@ static const variant variants[] = {
     {.name = "with_masking", .mode = ERROR, .model = CUBIC, .local = 1, .masking = 1},
     {.name = "with_readout", .mode = ERROR, .model = CUBIC, .local = 1, .readout = 1},
     {.name = "global_step", .mode = ERROR, .model = CUBIC},
-    {.name = "solved_float", .mode = ERROR, .model = CUBIC, .local = 1, .parts = BENCH_SOLVED_FLOAT},
     {.name = "solved", .mode = ERROR, .model = CUBIC, .local = 1, .parts = BENCH_SOLVED},
     {.name = "blocks", .mode = ERROR, .model = CUBIC, .local = 1, .parts = BENCH_BLOCKS},
-    {.name = "paths", .mode = ERROR, .model = CUBIC, .local = 1, .parts = BENCH_PATHS},
     {.name = "together", .mode = ERROR, .model = CUBIC, .local = 1, .parts = BENCH_TOGETHER},
     {.name = "one_event", .mode = ERROR, .model = CUBIC, .local = 1, .events_per_step = 1},
     {.name = "fixed_step", .mode = FIXED, .model = CUBIC, .local = 1, .steps = STEPS_TEN},

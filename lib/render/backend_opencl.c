@@ -93,10 +93,8 @@ static tides_status launch_composite(opencl_backend *b, const td_batch *batch, c
 /* Records of all jobs, with the times of two launches. */
 static tides_status make_records(opencl_backend *b, const td_batch *batch, const td_staging *s, cl_event *own, cl_event *shared,
                                  tides_error *error) {
-    tides_status status = batch->paths ? td_opencl_send_paths(b, batch, error) : TIDES_OK;
-    if (status == TIDES_OK) status = td_opencl_share_records(b, batch, s, shared, error);
-    if (status != TIDES_OK) return status;
-    return batch->paths ? td_opencl_fetch(b, batch, own, error) : launch_project(b, batch, own, error);
+    const tides_status status = td_opencl_share_records(b, batch, s, shared, error);
+    return status == TIDES_OK ? launch_project(b, batch, own, error) : status;
 }
 
 /* All of a batch on the device, with the time of each stage; kernels are prepared. */
@@ -127,8 +125,8 @@ static tides_status warm_up(opencl_backend *b, int outputs, tides_error *error) 
     td_staging s;
     double *views = td_alloc((size_t)b->objects * TD_VIEW_REALS, sizeof *views, error);
     if (!views) return TIDES_NO_MEMORY;
-    td_batch batch = {views,  backdrop, 1, &nothing, 1,    &candidate, 1,   TD_SERIAL_OF_NOBODY,
-                      TD_PAD, outputs,  0, NULL,     NULL, NULL,       NULL};
+    td_batch batch = {views,  backdrop, 1, &nothing, 1,    &candidate, 1, TD_SERIAL_OF_NOBODY,
+                      TD_PAD, outputs,  0, NULL,     NULL, NULL};
     tides_status status = run_stages(b, &batch, &s, seconds, error);
     free(views);
     return status;
@@ -211,7 +209,6 @@ static void destroy(td_backend *backend) {
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     td_opencl_motion_release(b);
     td_opencl_cubics_release(b);
-    td_opencl_paths_release(b);
     td_opencl_share_release(b);
     td_opencl_truth_release(b);
     free(b->host);
@@ -229,13 +226,11 @@ static const td_backend_class opencl_class = {td_opencl_sweep,
                                               td_opencl_move,
                                               td_opencl_prepare_cubics,
                                               td_opencl_misfits,
-                                              td_opencl_prepare_paths,
-                                              td_opencl_nodes,
-                                              td_opencl_path_misfits,
-                                              td_opencl_path_rows,
                                               td_opencl_moved_rows,
+                                              1,
                                               NULL,
-                                              1};
+                                              NULL,
+                                              NULL};
 
 /* The scene to the device. Arrays that aren't there get one float, since kernels want an argument. */
 static tides_status write_store(opencl_backend *b, const td_store *store, tides_error *error) {

@@ -84,51 +84,17 @@ static tides_status launch_records(opencl_backend *b, int colours, int groups, i
     return launch(b, b->share_kernel[colours], groups, slots, TD_ARGUMENTS(arguments), event, error);
 }
 
-static tides_status launch_fetched(opencl_backend *b, int groups, int slots, cl_event *event, tides_error *error) {
-    cl_int group_count = groups;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer),
-                                     TD_BUFFER_ARGUMENT(b->groups),
-                                     TD_VALUE_ARGUMENT(group_count),
-                                     TD_BUFFER_ARGUMENT(b->shared_slots),
-                                     TD_SOURCE_ARGUMENTS(b),
-                                     TD_BUFFER_ARGUMENT(b->path_rows),
-                                     TD_BUFFER_ARGUMENT(b->path_low),
-                                     TD_BUFFER_ARGUMENT(b->path_cubics),
-                                     TD_BUFFER_ARGUMENT(b->path_nodes),
-                                     TD_BUFFER_ARGUMENT(b->store_paths),
-                                     TD_BUFFER_ARGUMENT(b->shared_records),
-                                     TD_BUFFER_ARGUMENT(b->extents)};
-    return launch(b, b->share_fetch_kernel, groups, slots, TD_ARGUMENTS(arguments), event, error);
-}
-
-static tides_status launch_share(opencl_backend *b, const td_batch *batch, int groups, int slots, cl_event *event,
-                                 tides_error *error) {
-    return batch->paths ? launch_fetched(b, groups, slots, event, error)
-                        : launch_records(b, batch->outputs >= TD_OUT_COLOUR, groups, slots, event, error);
-}
-
 /* Drivers such as PoCL compile when a kernel first runs: one of no groups. */
 static tides_status make_kernel(opencl_backend *b, const td_batch *batch, tides_error *error) {
     const int colours = batch->outputs >= TD_OUT_COLOUR;
-    cl_kernel *kernel = batch->paths ? &b->share_fetch_kernel : &b->share_kernel[colours];
+    cl_kernel *kernel = &b->share_kernel[colours];
     if (*kernel) return TIDES_OK;
-    tides_status status = batch->paths
-                              ? td_opencl_make_kernel(b, TD_PATH_KERNELS, "td_share_fetched", TD_OUT_SIGNAL, kernel, error)
-                              : td_opencl_make_kernel(b, TD_PROJECT_KERNELS, "td_share_records",
-                                                      colours ? TD_OUT_COLOUR : TD_OUT_SIGNAL, kernel, error);
+    tides_status status = td_opencl_make_kernel(b, TD_PROJECT_KERNELS, "td_share_records",
+                                                colours ? TD_OUT_COLOUR : TD_OUT_SIGNAL, kernel, error);
     double begun = td_now();
-    if (status == TIDES_OK) status = launch_share(b, batch, 0, 1, NULL, error);
+    if (status == TIDES_OK) status = launch_records(b, colours, 0, 1, NULL, error);
     if (status == TIDES_OK) status = td_finish(b->device, status, error);
     b->base.stats.time_build_s += td_now() - begun;
-    return status;
-}
-
-/* Which path each Gaussian of the store is on. */
-static tides_status send_store_paths(opencl_backend *b, const td_batch *batch, tides_error *error) {
-    if (!batch->paths || b->store_paths_serial == batch->paths->serial) return TIDES_OK;
-    tides_status status = td_buffer_write(b->device, &b->store_paths, batch->paths->path_of,
-                                          (size_t)b->gaussians * sizeof *batch->paths->path_of, error);
-    if (status == TIDES_OK) b->store_paths_serial = batch->paths->serial;
     return status;
 }
 
@@ -155,15 +121,16 @@ tides_status td_opencl_share_records(opencl_backend *b, const td_batch *batch, c
     status = td_buffer_write(b->device, &b->shared_slots, b->share_ints + batch->slots,
                              (size_t)s->shared * sizeof *b->share_ints, error);
     if (status == TIDES_OK) status = send_groups(b, batch, error);
-    if (status == TIDES_OK) status = send_store_paths(b, batch, error);
     if (status == TIDES_OK) status = make_kernel(b, batch, error);
-    return status == TIDES_OK ? launch_share(b, batch, batch->groups->count, s->shared, event, error) : status;
+    return status == TIDES_OK
+               ? launch_records(b, batch->outputs >= TD_OUT_COLOUR, batch->groups->count, s->shared, event, error)
+               : status;
 }
 
 void td_opencl_share_release(opencl_backend *b) {
     td_buffer *buffers[] = {&b->groups,         &b->group_places, &b->shared_slots, &b->shared_records,
-                            &b->shared_colours, &b->extents,      &b->places,       &b->store_paths};
-    cl_kernel kernels[] = {b->share_kernel[0], b->share_kernel[1], b->share_fetch_kernel};
+                            &b->shared_colours, &b->extents,      &b->places};
+    cl_kernel kernels[] = {b->share_kernel[0], b->share_kernel[1]};
     for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
         if (kernels[i]) clReleaseKernel(kernels[i]);
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);

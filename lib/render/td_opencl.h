@@ -39,23 +39,13 @@ typedef struct opencl_backend {
     td_buffer surfaces, surface_rates, object_numbers;
     int scene_objects;
 
-    cl_kernel node_kernel, measure_kernel, fetch_kernel; /* record paths (opencl_paths.c); NULL where there are none */
-    td_buffer path_rows, path_low, path_of, path_cubics, path_nodes;
-    td_buffer node_jobs, node_gaussians, node_places, path_first, path_lengths, path_terms, path_misfits;
-    uint64_t path_serials[2]; /* of paths and candidates that the device's path_of is of */
-    int *path_list;           /* that, on the host */
-    size_t path_list_capacity;
-
-    cl_kernel share_kernel[2];    /* records that tiles share (opencl_share.c), without colours and with; */
-    cl_kernel share_fetch_kernel; /* from paths; NULL until first wanted */
-    td_buffer groups, group_places, shared_slots, shared_records, shared_colours, extents, places, store_paths;
-    uint64_t groups_serial, store_paths_serial; /* of what the device has */
-    int *share_ints;                            /* (2 x slots) td_job.shared of each; then those that are shared */
-    int *group_ints;                            /* (groups of the store) */
+    cl_kernel
+        share_kernel[2]; /* records that tiles share (opencl_share.c), without colours and with; NULL until first wanted */
+    td_buffer groups, group_places, shared_slots, shared_records, shared_colours, extents, places;
+    uint64_t groups_serial; /* of what the device has */
+    int *share_ints;        /* (2 x slots) td_job.shared of each; then those that are shared */
+    int *group_ints;        /* (groups of the store) */
     size_t share_ints_capacity, group_ints_capacity;
-
-    float *path_host; /* staging, beside `host`, which a batch under way is using */
-    size_t path_host_capacity;
 } opencl_backend;
 
 /* The Gaussians, as most kernels take them: td_source (kernels/projection.h) with objects and views. */
@@ -109,10 +99,9 @@ tides_status td_opencl_motion_create(opencl_backend *b, const td_movers *movers,
 void td_opencl_motion_release(opencl_backend *b);
 
 /* Kernels that are built together and for the same decisions are one program: each costs PoCL 10 ms a process and
- * more. Those that every scene needs, those that make records, and those of record paths: */
+ * more. Those that every scene needs, and those that make records: */
 #define TD_FIRST_KERNELS "sweep.cl sort.cl"
 #define TD_PROJECT_KERNELS "project.cl share.cl"
-#define TD_PATH_KERNELS "path_nodes.cl path_misfits.cl path_project.cl"
 
 /* What an image fixes, compiled in: lines of defines, the caller's to free; NULL: out of memory (opencl_build.c). */
 char *td_opencl_defines(const char *files, const td_image *image, int outputs, tides_error *error);
@@ -126,16 +115,6 @@ tides_status td_opencl_run_cubics(opencl_backend *b, const td_move_batch *moves,
 tides_status td_opencl_prepare_cubics(td_backend *backend, tides_error *error);
 tides_status td_opencl_misfits(td_backend *backend, const td_misfit_request *request, float *misfits, tides_error *error);
 void td_opencl_cubics_release(opencl_backend *b);
-
-/* td_backend_class.prepare_paths, .nodes, .path_misfits, .path_rows; then the paths of a
- * batch to the device, and what it runs in place of the projection, its jobs and views being there (opencl_paths.c). */
-tides_status td_opencl_prepare_paths(td_backend *backend, tides_error *error);
-tides_status td_opencl_nodes(td_backend *backend, const td_node_request *request, tides_error *error);
-tides_status td_opencl_path_misfits(td_backend *backend, const td_path_request *request, float *misfits, tides_error *error);
-tides_status td_opencl_path_rows(td_backend *backend, int count, double *rows, double *low, tides_error *error);
-tides_status td_opencl_send_paths(opencl_backend *b, const td_batch *batch, tides_error *error);
-tides_status td_opencl_fetch(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error);
-void td_opencl_paths_release(opencl_backend *b);
 
 /* Which slots' tiles share records, to the jobs that go to the device; then, before a batch's own records are made, its jobs
  * and views being there, those that are shared (opencl_share.c). */

@@ -32,10 +32,6 @@ tides_status td_renderer_prepare(tides_renderer *renderer, int outputs, tides_er
  * than `tolerance` and, where time_tolerance_s > 0, late by less than that. */
 tides_status td_renderer_interpolate(tides_renderer *renderer, double tolerance, double time_tolerance_s, tides_error *error);
 
-/* From the next sweep on splats follow record paths within an interval (stepping.paths), where log_luminance is off by less
- * than `tolerance` and, where time_tolerance_s > 0, late by less than that. Scenes with a decoder have none. */
-tides_status td_renderer_paths(tides_renderer *renderer, double tolerance, double time_tolerance_s, tides_error *error);
-
 /* -- stopping -------------------------------------------------------------------------------------------------------------- */
 
 /* From now on `heed` (NULL: nobody) is asked before each launch of tiles or points. Where it says other than 0, what is under
@@ -144,9 +140,9 @@ tides_status td_renderer_points_end(tides_renderer *renderer, tides_error *error
 void td_renderer_points_drop(tides_renderer *renderer);
 int td_renderer_points_go_on(const tides_renderer *renderer);
 
-/* From now on points are worked out one by one, in double precision whatever the renderer computes in, with every splat (no
- * stop rule), on the image that record paths make of the interval swept last (kernels/points.h). TIDES_UNSUPPORTED, saying
- * why, where that can't be had: then, as before, points are pixels of whole tiles. */
+/* Before any point is asked for: the renderer gets what works them out, one by one, in double precision whatever it computes
+ * in itself, with every splat (no stop rule), on the image that record paths make of the interval swept last (kernels/points.h).
+ * TIDES_UNSUPPORTED, saying why, where that can't be had. */
 tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *error);
 
 /* Why they can't, which doesn't depend on the device; NULL: they can. */

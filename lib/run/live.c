@@ -54,11 +54,6 @@ static tides_status check_session(const tides_session_facts *f, tides_error *err
     if (f->values.event_truth)
         return td_fail(error, TIDES_UNSUPPORTED,
                        "%s: sensor.truth is true: it is for recordings, when they are finished; set it to false", origin);
-    if (f->values.stepping.budget > 0)
-        return td_fail(error, TIDES_UNSUPPORTED,
-                       "%s: stepping.budget is shared out over the whole run, whose length a live run doesn't know; set it to "
-                       "0",
-                       origin);
     return TIDES_OK;
 }
 

@@ -8,6 +8,10 @@ static const struct retired {
     const char *key, *choice, *instead;
 } retired[] = {
     {"stepping.mode", "error_risk", "\"error\" finds what the risk score asks for, and \"risk\" alone is the paper's"},
+    {"stepping.paths", NULL, "tiles are projected at each of their times, which is as quick; leave it out"},
+    {"stepping.budget", NULL,
+     "a looser stepping.tolerance takes fewer renders, and stepping.mode \"fixed\" as many as its steps"},
+    {"stepping.solve", "float", "\"double\" is as quick and exact, and \"off\" is for images that jump"},
 };
 
 const char *td_param_retired(const char *key, const char *choice) {

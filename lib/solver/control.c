@@ -5,9 +5,8 @@
  *   risk    the paper's score of mixed visibility, against the step's share of the macro step (paper, Eq. 13)
  *   travel  in both modes: a splat that could pass a pixel between two samples (sweep.h)
  *
- * Each gives the factor by which the step is above its limit; the largest decides. Where a budget of renders is set and a level
- * asks for more, the steps furthest above their limits go first. Without `local` a tile whose step is too long cuts those of
- * all. For refine.c, which makes the steps; what errors are worth to a pixel the sensor says. */
+ * Each gives the factor by which the step is above its limit; the largest decides. Without `local` a tile whose step is too
+ * long cuts those of all. For refine.c, which makes the steps; what errors are worth to a pixel the sensor says. */
 #include "td_extremes.h"
 #include "td_simulator.h"
 
@@ -70,7 +69,7 @@ static double error_excess(tides_simulator *s, td_refine_step *step, double star
     step->error = estimate.error / threshold;
     step->deviation = estimate.deviation / threshold;
     step->rounded = estimate.rounded / threshold;
-    const int asks_time = s->time_tolerance_s > 0 && s->solve.precision == TIDES_SOLVE_OFF; /* else no step's matter */
+    const int asks_time = s->time_tolerance_s > 0 && !s->solve.on; /* else no step's matter */
     double excess = is_rounding(s, step, threshold) ? 0 : step->error / s->tolerance;
     if (asks_time && excess > 0) excess = td_greater(excess, estimate.seconds / s->time_tolerance_s);
     return td_greater(excess, estimate.crossings / s->sensor.sensor.max_events_per_step);
@@ -94,87 +93,26 @@ void td_control_judge(tides_simulator *s, td_refine_step *step, double start, do
     step->open = (int16_t)(step->excess > 1 && may_cut);
 }
 
-/* A step of the whole image that some tile wants halved. */
-typedef struct joint {
-    uint32_t from;
-    double excess; /* of the tile that wants it most */
-} joint;
-
 static int by_position(const void *a, const void *b) {
-    const joint *x = a, *y = b;
-    if (x->from != y->from) return x->from < y->from ? -1 : 1;
-    return x->excess > y->excess ? -1 : x->excess < y->excess;
+    const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return x < y ? -1 : x > y;
 }
 
-/* The first of the sorted joints at or after `from`. */
-static size_t find_joint(const joint *sorted, size_t count, uint32_t from) {
-    size_t low = 0, high = count;
-    while (low < high) {
-        size_t middle = (low + high) / 2;
-        if (sorted[middle].from < from)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
-/* One step for the whole image: whatever one tile wants cut is cut in all, and as urgent in all. */
+/* One step for the whole image: whatever one tile wants cut is cut in all. */
 static tides_status join_tiles(td_refine *r, tides_error *error) {
-    size_t wanted_count = r->pending_count;
-    joint *wanted = td_alloc(wanted_count, sizeof *wanted, error);
+    const size_t count = r->pending_count;
+    uint32_t *wanted = td_alloc(count, sizeof *wanted, error);
     if (!wanted) return TIDES_NO_MEMORY;
-    for (size_t i = 0; i < wanted_count; i++) {
-        const td_refine_step *step = &r->step[r->pending[i]];
-        wanted[i].from = step->from;
-        wanted[i].excess = step->excess;
-    }
-    qsort(wanted, wanted_count, sizeof *wanted, by_position);
+    for (size_t i = 0; i < count; i++) wanted[i] = r->step[r->pending[i]].from;
+    qsort(wanted, count, sizeof *wanted, by_position);
     r->pending_count = 0;
     for (size_t i = 0; i < r->fresh_count; i++) {
         td_refine_step *step = &r->step[r->fresh[i]];
-        size_t at = find_joint(wanted, wanted_count, step->from);
-        if (at == wanted_count || wanted[at].from != step->from) continue;
-        step->excess = wanted[at].excess;
+        if (!bsearch(&step->from, wanted, count, sizeof *wanted, by_position)) continue;
         step->open = 1;
         r->pending[r->pending_count++] = r->fresh[i];
     }
     free(wanted);
-    return TIDES_OK;
-}
-
-/* A pending step and what orders it. */
-typedef struct ranked_step {
-    double excess;
-    uint32_t from; /* steps of the whole image stay together */
-    int32_t step;
-} ranked_step;
-
-static int by_falling_excess(const void *a, const void *b) {
-    const ranked_step *x = a, *y = b;
-    if (x->excess != y->excess) return x->excess > y->excess ? -1 : 1;
-    if (x->from != y->from) return x->from < y->from ? -1 : 1;
-    return x->step < y->step ? -1 : x->step > y->step;
-}
-
-/* Cuts the pending steps to what is left of the macro step's share of the budget; without `local` all tiles' or none's. */
-static tides_status keep_to_budget(tides_simulator *s, td_refine *r, tides_error *error) {
-    double share = s->budget * s->tiles / (double)s->steps, used = (double)r->cuts;
-    size_t left = share > used ? (size_t)(share - used) : 0;
-    if (s->budget <= 0 || r->pending_count <= left) return TIDES_OK;
-    if (!s->local) left -= left % (size_t)s->moving_count;
-    ranked_step *ranked = td_alloc(r->pending_count, sizeof *ranked, error);
-    if (!ranked) return TIDES_NO_MEMORY;
-    for (size_t i = 0; i < r->pending_count; i++) {
-        const td_refine_step *step = &r->step[r->pending[i]];
-        ranked_step next = {step->excess, step->from, r->pending[i]};
-        ranked[i] = next;
-    }
-    qsort(ranked, r->pending_count, sizeof *ranked, by_falling_excess);
-    for (size_t i = left; i < r->pending_count; i++) r->step[ranked[i].step].open = 0;
-    r->pending_count = left;
-    for (size_t i = 0; i < left; i++) r->pending[i] = ranked[i].step;
-    free(ranked);
     return TIDES_OK;
 }
 
@@ -186,7 +124,6 @@ tides_status td_control_steps(tides_simulator *s, tides_error *error) {
     for (size_t i = 0; i < r->fresh_count; i++)
         if (r->step[r->fresh[i]].open) r->pending[r->pending_count++] = r->fresh[i];
     if (!s->local && r->pending_count > 0) status = join_tiles(r, error);
-    if (status == TIDES_OK) status = keep_to_budget(s, r, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&r->open, &r->open_capacity, r->open_count + r->pending_count, sizeof *r->open, error);
     if (status != TIDES_OK) return status;

@@ -13,23 +13,17 @@ enum { BATCH_TILES = 1 << 14 }; /* (tile, step) samples per launch at most: 64 M
 static const double most_steps = 1e12;
 
 void tides_stepping_defaults(tides_stepping *stepping) {
-    static const tides_stepping defaults = {sizeof defaults,
-                                            TIDES_STEPPING_ERROR,
-                                            TIDES_MODEL_HERMITE,
-                                            1,
-                                            0.01,
-                                            1e-6,
-                                            0,
-                                            0,
-                                            0,
-                                            {0.3, 0.3, 0.4},
-                                            TIDES_SLOPE_EXACT,
-                                            0,
-                                            256,
-                                            TIDES_SOLVE_AUTO,
-                                            0,
-
-                                            TIDES_UNIT_AUTO};
+    static const tides_stepping defaults = {.size = sizeof defaults,
+                                            .mode = TIDES_STEPPING_ERROR,
+                                            .model = TIDES_MODEL_HERMITE,
+                                            .local = 1,
+                                            .step_s = 0.01,
+                                            .min_step_s = 1e-6,
+                                            .risk = {0.3, 0.3, 0.4},
+                                            .slope = TIDES_SLOPE_EXACT,
+                                            .memory_mb = 256,
+                                            .solve = TIDES_SOLVE_AUTO,
+                                            .unit = TIDES_UNIT_AUTO};
     memcpy(stepping, &defaults, sizeof defaults); /* padding too, so that two of them are the same bytes */
 }
 
@@ -64,10 +58,9 @@ static tides_status check_adaptive(const tides_stepping *stepping, tides_error *
                        "stepping.model: error control estimates the error of the hermite model only; use it, or another mode");
     if (!(stepping->min_step_s > 0))
         return td_fail(error, TIDES_BAD_ARGUMENT, "stepping: min_step_s %g must be above 0", stepping->min_step_s);
-    if (!(stepping->tolerance >= 0) || !(stepping->time_tolerance_s >= 0) || !(stepping->budget >= 0))
-        return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "stepping: tolerance %g, time_tolerance_s %g and budget %g must not be below 0", stepping->tolerance,
-                       stepping->time_tolerance_s, stepping->budget);
+    if (!(stepping->tolerance >= 0) || !(stepping->time_tolerance_s >= 0))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "stepping: tolerance %g and time_tolerance_s %g must not be below 0",
+                       stepping->tolerance, stepping->time_tolerance_s);
     if (!(stepping->memory_mb >= 1) || !(stepping->memory_mb <= 1e9))
         return td_fail(error, TIDES_BAD_ARGUMENT, "stepping.memory_mb: %g is not from 1 to 1e9 MB", stepping->memory_mb);
     if (!(stepping->risk.w_b >= 0) || !(stepping->risk.w_c >= 0) || !(stepping->risk.w_alpha >= 0))
@@ -124,7 +117,7 @@ static int unit_of(const tides_simulator *s, const tides_sensor *sensor, const t
     const int own = stepping->mode != TIDES_STEPPING_FIXED && stepping->local && sensor->surround_lambda_px == 0;
     if (!own) return TIDES_UNIT_TILE;
     if (stepping->unit != TIDES_UNIT_AUTO) return stepping->unit;
-    return s->solve.precision == TIDES_SOLVE_OFF ? TIDES_UNIT_TILE : TIDES_UNIT_BLOCK;
+    return s->solve.on ? TIDES_UNIT_BLOCK : TIDES_UNIT_TILE;
 }
 
 /* The tolerance where none is given: steps whose model decides when events are, and steps that only have to find them. */
@@ -132,7 +125,7 @@ static const double model_tolerance = 0.01, finding_tolerance = 0.1;
 
 static double tolerance_of(const tides_simulator *s, const tides_stepping *stepping) {
     if (stepping->tolerance > 0) return stepping->tolerance;
-    return s->solve.precision == TIDES_SOLVE_OFF ? model_tolerance : finding_tolerance;
+    return s->solve.on ? finding_tolerance : model_tolerance;
 }
 
 /* What the parameters say, once it is known whether events are looked up. */
@@ -143,7 +136,6 @@ static void take_parameters(tides_simulator *s, const tides_sensor *sensor, cons
     s->min_step_s = stepping->min_step_s;
     s->tolerance = tolerance_of(s, stepping);
     s->time_tolerance_s = stepping->time_tolerance_s;
-    s->budget = stepping->budget;
     s->memory_mb = stepping->memory_mb;
     s->risk = stepping->risk;
     s->slope = stepping->slope;
@@ -153,7 +145,6 @@ static void take_parameters(tides_simulator *s, const tides_sensor *sensor, cons
     s->outputs = stepping->mode == TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
     if (stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED)
         s->interpolates = stepping->tolerance > 0 ? stepping->tolerance : model_tolerance; /* looking up doesn't undo it */
-    s->paths = stepping->paths && stepping->mode != TIDES_STEPPING_FIXED;
     td_refine_bound(s);
 }
 
@@ -179,18 +170,12 @@ static tides_status lay_out(tides_simulator *s, const tides_intrinsics *intrinsi
     return status == TIDES_OK ? allocate(s, (size_t)s->width * (size_t)s->height, error) : status;
 }
 
-/* What record paths may be off by, of both tolerances: of what steps may be off by a part that nobody misses. */
-static const double path_share = 1e-2;
-
 /* The backend builds what samples at step ends render, then what the controller's do; interpolation asks the first of them. */
 static tides_status prepare(tides_simulator *s, const tides_sensor *sensor, tides_error *error) {
     tides_status status = td_renderer_prepare(s->renderer, td_fixed_outputs(s), error);
     if (status == TIDES_OK && s->interpolates > 0)
         status = td_renderer_interpolate(s->renderer, s->interpolates * td_sensor_least_threshold(sensor), s->time_tolerance_s,
                                          error);
-    if (status == TIDES_OK && s->paths)
-        status = td_renderer_paths(s->renderer, path_share * s->tolerance * td_sensor_least_threshold(sensor),
-                                   path_share * s->time_tolerance_s, error);
     return status == TIDES_OK ? td_renderer_prepare(s->renderer, s->outputs, error) : status;
 }
 
@@ -244,7 +229,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     if (status == TIDES_OK)
         status = td_sensor_create(sensor, stepping->model, image->log_eps, 0, s->width, s->tile, s->tiles, &s->sensor, error);
     s->sensor.start_ns += s->epoch_ns;
-    if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, stepping, intrinsics->height, error);
+    if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, intrinsics->height, error);
     if (status == TIDES_OK) status = td_solve_create(s, error);
     if (status != TIDES_OK) {
         tides_simulator_destroy(s);

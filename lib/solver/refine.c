@@ -234,7 +234,7 @@ tides_status td_refine_level(tides_simulator *s, double start, double stop, tide
 
 /* Level 0: every moving tile at the macro step's end, and where nothing else is known than that all will be cut, inside it. */
 static tides_status first_level(tides_simulator *s, td_refine *r, double start, double stop, tides_error *error) {
-    int looks = s->mode == TIDES_STEPPING_ERROR && !(s->budget > 0) && td_refine_may_cut(r, &r->step[r->fresh[0]]);
+    int looks = s->mode == TIDES_STEPPING_ERROR && td_refine_may_cut(r, &r->step[r->fresh[0]]);
     size_t count = r->fresh_count;
     tides_status status = td_reserve((void **)&r->pending, &r->pending_capacity, count, sizeof *r->pending, error);
     for (size_t i = 0; i < count && status == TIDES_OK; i++) status = add_job(s, r->step[r->fresh[i]].tile, stop, error);

@@ -17,8 +17,7 @@ static void note_step(tides_simulator *s, const td_refine_step *step) {
     int controls = s->mode == TIDES_STEPPING_ERROR, above = step->excess > 1;
     stats->steps++;
     stats->steps_probed += (uint64_t)(controls && step->probe >= 0);
-    stats->steps_over_budget += (uint64_t)(above && td_refine_may_cut(&s->refine, step));
-    stats->steps_at_minimum += (uint64_t)(above && !td_refine_may_cut(&s->refine, step));
+    stats->steps_at_minimum += (uint64_t)above;
     stats->steps_at_rounding += (uint64_t)(!above && step->rounded > s->tolerance);
     stats->worst_error = td_greater(stats->worst_error, step->error);
     stats->worst_deviation = td_greater(stats->worst_deviation, step->deviation);
@@ -93,10 +92,9 @@ static void pass_head(td_refine *r, int t) {
 /* The accepted steps of a tile: compared where they weren't solved. */
 static tides_status settle_tile(tides_simulator *s, int t, double start, double stop, int early, tides_error *error) {
     td_refine *r = &s->refine;
-    const int is_solved = s->solve.precision != TIDES_SOLVE_OFF;
     for (int32_t i = r->head[t]; i >= 0 && !r->step[i].open;) {
         const td_refine_step step = r->step[i];
-        tides_status status = is_solved ? TIDES_OK : compare_step(s, &step, start, stop, error);
+        tides_status status = s->solve.on ? TIDES_OK : compare_step(s, &step, start, stop, error);
         if (status != TIDES_OK) return status;
         note_step(s, &step);
         if (step.next < 0) reach(s, t, step.end, &s->now);
@@ -160,7 +158,7 @@ tides_status td_settle(tides_simulator *s, double start, double stop, int early,
     double begun = td_now();
     tides_status status = early ? keep_references(s, error) : TIDES_OK;
     if (status != TIDES_OK) return status;
-    if (s->solve.precision != TIDES_SOLVE_OFF) status = td_solve_steps(s, start, stop, error);
+    if (s->solve.on) status = td_solve_steps(s, start, stop, error);
     if (s->surround.surround.on)
         status = settle_together(s, start, stop, early, error);
     else

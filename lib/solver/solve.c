@@ -31,7 +31,7 @@ static tides_status find_obstacle(const tides_simulator *s, const tides_sensor *
         *why = TIDES_UNSOLVED_MODEL;
     else if (!shows)
         *why = TIDES_UNSOLVED_SENSOR;
-    else if (asked != TIDES_SOLVE_FLOAT && td_renderer_lacks_exact_points(s->renderer))
+    else if (td_renderer_lacks_exact_points(s->renderer))
         *why = TIDES_UNSOLVED_IMAGE;
     else
         *why = TIDES_UNSOLVED_NOT;
@@ -58,21 +58,20 @@ tides_status td_solve_choose(tides_simulator *s, const tides_sensor *sensor, con
     tides_status status = find_obstacle(s, sensor, stepping, asked, &s->solve.unsolved, error);
     if (status != TIDES_OK) return status;
     const int solves = s->solve.unsolved == TIDES_UNSOLVED_NOT;
-    if (!solves && asked != TIDES_SOLVE_OFF && asked != TIDES_SOLVE_AUTO) return refuse(s, s->solve.unsolved, error);
-    s->solve.precision = !solves ? TIDES_SOLVE_OFF : asked == TIDES_SOLVE_AUTO ? TIDES_SOLVE_DOUBLE : asked;
+    if (!solves && asked == TIDES_SOLVE_DOUBLE) return refuse(s, s->solve.unsolved, error);
+    s->solve.on = solves;
     return TIDES_OK;
 }
 
 tides_status td_solve_create(tides_simulator *s, tides_error *error) {
     td_solve *solve = &s->solve;
-    const int in_double = solve->precision == TIDES_SOLVE_DOUBLE;
-    if (solve->precision == TIDES_SOLVE_OFF) return TIDES_OK;
-    tides_status status = in_double ? td_renderer_exact_points(s->renderer, error) : TIDES_OK;
+    if (!solve->on) return TIDES_OK;
+    tides_status status = td_renderer_exact_points(s->renderer, error);
     if (status != TIDES_OK) return status;
-    if (in_double) solve->known = td_alloc(s->first_pixel[s->tiles], sizeof *solve->known, error);
-    if (in_double && !solve->known) return TIDES_NO_MEMORY;
-    solve->is_exact = in_double && !td_renderer_points_rounded(s->renderer);
-    solve->samples = s->timing.rounding + (in_double ? TD_SOLVE_SAMPLES : 0);
+    solve->known = td_alloc(s->first_pixel[s->tiles], sizeof *solve->known, error);
+    if (!solve->known) return TIDES_NO_MEMORY;
+    solve->is_exact = !td_renderer_points_rounded(s->renderer);
+    solve->samples = s->timing.rounding + TD_SOLVE_SAMPLES;
     solve->enough = ENOUGH;
     solve->target_s = s->time_tolerance_s > 0 ? s->time_tolerance_s : default_target_s;
     return TIDES_OK;
@@ -94,7 +93,7 @@ void td_solve_release(td_solve *solve) {
         free(solve->batch[k].asked);
         free(solve->batch[k].value);
     }
-    *solve = (td_solve){.precision = solve->precision, .unsolved = solve->unsolved};
+    *solve = (td_solve){.on = solve->on, .unsolved = solve->unsolved};
 }
 
 /* -- before anything is looked up ----------------------------------------------------------------------------------------- */
@@ -186,7 +185,7 @@ static tides_status run_last(tides_simulator *s, tides_error *error) {
     const td_solve *solve = &s->solve;
     td_solve_batch *batch = td_solve_asking(&s->solve);
     td_solving *pixel = &batch->pixel[batch->pixels - 1];
-    if (solve->known && solve->known[s->first_pixel[pixel->tile] + (size_t)pixel->local] == 0) {
+    if (solve->known[s->first_pixel[pixel->tile] + (size_t)pixel->local] == 0) {
         pixel->waits = 1;
         return td_solve_ask_reference(s, pixel->tile, pixel->local, error);
     }

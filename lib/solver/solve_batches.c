@@ -31,7 +31,7 @@ tides_status td_solve_ask(tides_simulator *s, const td_tile *tile, int32_t local
 
 void td_solve_note_time(tides_simulator *s, double begun) {
     const double took = td_now() - begun;
-    if (s->solve.precision == TIDES_SOLVE_DOUBLE) s->stats.time_look_up_s += took;
+    s->stats.time_look_up_s += took;
     s->stats.time_compare_s -= took; /* which it is no part of */
 }
 

@@ -1,5 +1,4 @@
-/* What pixels were before anything moved, for solve.c: their references, and ramps that meet them at rest. In double precision:
- * in single, what is looked up is what samples are. */
+/* What pixels were before anything moved, for solve.c: their references, and ramps that meet them at rest. */
 #include "td_simulator.h"
 
 /* -- references ------------------------------------------------------------------------------------------------------------ */
@@ -9,7 +8,7 @@ static int begins(const tides_simulator *s) { return s->step == 0; }
 
 tides_status td_solve_keep_start(tides_simulator *s, tides_error *error) {
     td_solve *solve = &s->solve;
-    if (!solve->known || solve->kept || begins(s)) return TIDES_OK;
+    if (!solve->on || solve->kept || begins(s)) return TIDES_OK;
     tides_status status = td_renderer_sweep(s->renderer, s->camera, 0, 0, error);
     if (status == TIDES_OK) status = td_renderer_keep_instant(s->renderer, s->camera, error);
     solve->kept = status == TIDES_OK;
@@ -25,7 +24,7 @@ void td_solve_doubt(const tides_simulator *s, int t, double *doubt) {
     const double *known = s->solve.known, *rest = s->sensor.pixels.initial + first;
     for (int32_t i = 0; i < tile->count; i++) {
         doubt[i] = 0;
-        if (known && known[first + (size_t)i] == 0)
+        if (known[first + (size_t)i] == 0)
             doubt[i] = s->solve.samples + ROUNDINGS * td_timing_rounding(&s->timing, tile, rest, i);
     }
 }
@@ -91,7 +90,7 @@ tides_status td_solve_still(tides_simulator *s, const td_step *span, double star
     const td_solve *solve = &s->solve;
     const td_solve_batch *batch = td_solve_asking(&s->solve);
     tides_status status = TIDES_OK;
-    if (!solve->known || !s->sensor.active_at_rest) return TIDES_OK;
+    if (!solve->on || !s->sensor.active_at_rest) return TIDES_OK;
     td_solve_clear_batches(s);
     for (int t = 0, moved = 0; t < s->tiles && status == TIDES_OK; t++) { /* both lists ascend */
         const int moves = moved < s->moving_count && s->moving[moved] == t;

@@ -80,7 +80,7 @@ static void take_nodes(visit *v) {
 /* What else the model is off by. */
 static void take_rounding(visit *v) {
     const tides_simulator *s = v->s;
-    const double samples = s->solve.precision == TIDES_SOLVE_DOUBLE ? s->solve.samples : 0;
+    const double samples = s->solve.samples;
     v->model.start = v->looked->known_ends & TD_KNOWS_START ? 0 : samples;
     v->model.end = v->looked->known_ends & TD_KNOWS_END ? 0 : samples;
     v->model.floor = s->solve.is_exact

@@ -49,16 +49,12 @@ static const tides_stat table[] = {
     COUNT("gaussians_projected", SUM, render.gaussians_projected),
     COUNT("gaussians_shared", SUM, render.gaussians_shared),
     COUNT("gaussians_culled", SUM, render.gaussians_culled),
-    COUNT("path_nodes", SUM, render.path_nodes),
-    COUNT("gaussians_at_nodes", SUM, render.gaussians_at_nodes),
-    COUNT("gaussians_on_paths", SUM, render.gaussians_on_paths),
     COUNT("sweeps", SUM, render.sweeps),
     COUNT("pairs_evaluated", SUM, render.pairs_evaluated),
     COUNT("lists_kept", SUM, render.lists_kept),
     COUNT("pixels_nonfinite", SUM, render.pixels_nonfinite),
     COUNT("steps", SUM, steps),
     COUNT("steps_rejected", SUM, steps_rejected),
-    COUNT("steps_over_budget", SUM, steps_over_budget),
     COUNT("steps_at_minimum", SUM, steps_at_minimum),
     COUNT("steps_at_rounding", SUM, steps_at_rounding),
     COUNT("steps_probed", SUM, steps_probed),
@@ -121,7 +117,7 @@ static void collect(const tides_simulator *s, tides_stats *stats) {
     stats->events_on = s->sensor.counts.events_on;
     stats->events_off = s->sensor.counts.events_off;
     stats->events_uncertain = s->timing.uncertain;
-    stats->solve = (uint64_t)s->solve.precision;
+    stats->solve = s->solve.on ? TIDES_SOLVE_DOUBLE : TIDES_SOLVE_OFF;
     stats->unsolved = (uint64_t)s->solve.unsolved;
     stats->unit = (uint64_t)s->unit;
     stats->tolerance = s->tolerance;

@@ -4,14 +4,10 @@
 
 #include <stdlib.h>
 
-tides_status td_surround_steps_create(tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping,
-                                      int height, tides_error *error) {
+tides_status td_surround_steps_create(tides_simulator *s, const tides_sensor *sensor, int height, tides_error *error) {
     td_surround_steps *steps = &s->surround;
     size_t pixels = (size_t)s->width * (size_t)height;
     if (sensor->surround_lambda_px == 0) return TIDES_OK;
-    if (stepping->budget > 0)
-        return td_fail(error, TIDES_UNSUPPORTED,
-                       "stepping.budget: can't be kept with a centre-surround, whose pixels have their steps in common; set 0");
     if (sensor->bandwidth != TIDES_BANDWIDTH_FIRST_ORDER ||
         (sensor->photoreceptor_cutoff_hz > 0 && sensor->photoreceptor_law != TIDES_PHOTORECEPTOR_CONSTANT))
         return td_fail(error, TIDES_UNSUPPORTED,

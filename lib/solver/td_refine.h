@@ -102,7 +102,7 @@ void td_settle_timing(tides_simulator *s, const td_refine_step *refined, const t
                       const double *const end[], size_t first);
 
 /* How many of the moving units are refined together: nothing that decides a unit's steps is another's, so that a large image
- * needs the memory of a part of it; all, where they share a budget or have their steps in common (window.c). */
+ * needs the memory of a part of it; all, where they have their steps in common (window.c). */
 int td_window_units(const tides_simulator *s);
 
 /* Takes the steps of the next launch from refine->open to refine->pending (window.c). */

@@ -50,9 +50,8 @@ struct tides_simulator {
     int64_t epoch_ns;           /* the nearest nanosecond; event times are whole nanoseconds after it */
     td_grid grid;               /* where steps begin and end */
     int mode, local;            /* TIDES_STEPPING_*; each tile has its own steps */
-    double min_step_s, tolerance, time_tolerance_s, budget, memory_mb;
+    double min_step_s, tolerance, time_tolerance_s, memory_mb;
     double interpolates; /* rows of motions within macro steps, as far as that stays within so much [thresholds]; 0: not */
-    int paths;           /* records of splats within macro steps */
     tides_risk risk;
     int slope;              /* TIDES_SLOPE_* */
     int outputs;            /* planes that each sample renders: risk, a mask and the readout want diagnostics */

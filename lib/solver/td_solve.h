@@ -88,14 +88,14 @@ typedef struct td_solve_batch {
 enum { TD_SOLVE_BATCHES = 3 };
 
 typedef struct td_solve {
-    int32_t precision;    /* TIDES_SOLVE_*, none of them AUTO */
+    int on;               /* events are looked up */
     int32_t unsolved;     /* TIDES_UNSOLVED_* */
     int is_exact;         /* what is looked up is in double, all of it */
     double target_s;      /* times that are as good as that are settled */
     double samples;       /* what samples may be off by beside what is looked up [log units] */
     uint64_t events;      /* that were looked up, */
     uint64_t lookups;     /* and points for them */
-    double *known;        /* (pixels) 1 where the reference is one that was looked up; NULL in single precision */
+    double *known;        /* (pixels) 1 where the reference is one that was looked up */
     int kept;             /* the renderer has kept the run's start (td_solve_keep_start) */
     size_t *wanted;       /* pixels whose references are to be looked up, */
     td_point *start;      /* and where they are */
@@ -117,7 +117,7 @@ typedef struct td_solve {
     size_t enough_now;                      /* and of the first ones, when it has nothing to do */
 } td_solve;
 
-/* What the parameters ask for (precision, unsolved), once the renderer has its PSF; TIDES_UNSUPPORTED where it can't be had.
+/* What the parameters ask for (on, unsolved), once the renderer has its PSF; TIDES_UNSUPPORTED where it can't be had.
  * The device has no say in it. Then, when there is a sensor, what that takes. */
 TIDES_MUST_CHECK tides_status td_solve_choose(tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping,
                                               tides_error *error);

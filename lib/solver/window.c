@@ -34,7 +34,7 @@ enum { SAMPLES_A_UNIT = 4 };
 
 int td_window_units(const tides_simulator *s) {
     const size_t units = s->refine.limit / SAMPLES_A_UNIT;
-    if (!s->local || s->budget > 0 || s->surround.surround.on || units >= (size_t)s->moving_count) return s->moving_count;
+    if (!s->local || s->surround.surround.on || units >= (size_t)s->moving_count) return s->moving_count;
     return units < 1 ? 1 : (int)units;
 }
 
@@ -85,15 +85,10 @@ tides_status td_window_take(tides_simulator *s, double start, double stop, tides
     tides_status status = td_reserve((void **)&r->pending, &r->pending_capacity, r->open_count, sizeof *r->pending, error);
     if (status != TIDES_OK) return status;
     r->pending_count = 0;
-    if (2 * (td_samples_live(&r->samples) + r->open_count) > r->limit && !(s->budget > 0)) {
+    if (2 * (td_samples_live(&r->samples) + r->open_count) > r->limit) {
         status = td_settle(s, start, stop, 1, error);
         return status == TIDES_OK ? take_earliest(s, r, error) : status;
     }
-    if (s->budget > 0 && td_samples_live(&r->samples) + r->open_count > r->limit)
-        return td_fail(error, TIDES_NO_MEMORY,
-                       "stepping.memory_mb: a budget is shared out among all steps of a level, whose samples need more than %g "
-                       "MB: raise it, or lower stepping.budget",
-                       s->memory_mb);
     memcpy(r->pending, r->open, r->open_count * sizeof *r->open);
     r->pending_count = r->open_count;
     r->open_count = 0;

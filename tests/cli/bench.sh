@@ -51,7 +51,7 @@ assert len(letters) > 100 and all(0 < x < width - 6 and 0 < y < height for x, y 
 PY
 # As many results in both tables; every method is there, on its image.
 [ "$(grep -c '"method":' made/accuracy.json)" = $(($(wc -l <made/accuracy.csv) - 1)) ] || fail "JSON and CSV differ in length"
-for method in esim quadratic hermite error solved_float blocks paths error_time error_global risk; do
+for method in esim quadratic hermite error solved blocks error_time error_global risk; do
     grep -q "^handheld,$method,.*,smooth," made/accuracy.csv || fail "no $method"
 done
 grep -q "^handheld,esim_inria,.*,inria," made/accuracy.csv || fail "no esim on the inria image"
@@ -63,8 +63,8 @@ less "$(column dt_p95_us esim 32000)" "$(column dt_p95_us esim 2000)" "p95 of 32
 less "$(column dt_p95_us hermite 2000)" "$(column dt_p95_us esim 2000)" "p95 of the cubic against the secant"
 less "$(column dt_p95_us error 0.003)" "$(column dt_p95_us error 0.1)" "p95 of tolerance 0.003 against 0.1"
 less "$(column worst_residual error 0.003)" 1 "the residual"
-less "$(column dt_p95_us solved_float 0.1)" "$(column dt_p95_us error 0.1)" "p95 of events looked up against the cubic alone"
-less 0 "$(column points_looked_up solved_float 0.1)" "points"
+less "$(column dt_p95_us solved 0.1)" "$(column dt_p95_us error 0.1)" "p95 of events looked up against the cubic alone"
+less 0 "$(column points_looked_up solved 0.1)" "points"
 [ "$(column points_looked_up error 0.1)" = 0 ] || fail "the cubic alone looks nothing up"
 
 expect 0 tides bench ablation --quick --json --quiet --scene handheld -o made
@@ -72,7 +72,7 @@ is_json
 [ ! -s err ] || fail "--quiet leaves stderr alone"
 grep -q '"bench":[[:space:]]*"ablation"' out || fail "--json should print the results"
 for file in ablation.json ablation.csv ablation.png; do exists made/$file; done
-for variant in full risk_only risk_only_no_alpha_dot with_masking with_readout global_step solved_float blocks paths one_event fixed_step compute_matched \
+for variant in full risk_only risk_only_no_alpha_dot with_masking with_readout global_step solved blocks one_event fixed_step compute_matched \
     differenced_cubic quadratic differenced_quadratic linear differenced_linear straight_line; do
     grep -q "^handheld,$variant," made/ablation.csv || fail "no $variant"
 done

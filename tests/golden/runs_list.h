@@ -62,7 +62,6 @@ static const run_entry runs[] = {
     {"stepping/error long steps", "rigid", F32, ERROR "stepping.step_s=0.02 stepping.memory_mb=1", 0},
     {"stepping/error of time", "rigid", F32, ERROR "stepping.time_tolerance_s=0.00001", 0},
     {"stepping/error tight", "rigid", F64, ERROR "stepping.tolerance=0.001", 0},
-    {"stepping/error budget", "rigid", F32, ERROR "stepping.step_s=0.01 stepping.budget=2", 0},
     {"stepping/error blocks", "rigid", F32, ERROR "stepping.unit=block", RUN_CPU | RUN_RESUME},
     {"stepping/default", "rigid", F32, "", RUN_CPU | RUN_RESUME},
     {"stepping/default double", "rigid", F64, "", RUN_RESUME},

@@ -158,10 +158,7 @@ static void test_any_window_and_cut(void **state) {
         job j = loose_job(&w);
         j.stepping.tolerance = 0.003; /* many samples */
         if (trial >= 2) hold(&j.sensor);
-        if (trial % 2) {
-            j.device = "reference-f32";
-            j.stepping.solve = TIDES_SOLVE_FLOAT;
-        }
+        if (trial % 2) j.device = "reference-f32";
         outcome whole = run(&j), cut = run_cut(&j);
         j.stepping.memory_mb = 1;
         outcome windows = run(&j);

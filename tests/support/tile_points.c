@@ -1,5 +1,6 @@
-/* Points that needn't be exact (points.c): whole tiles at as many times, of which one pixel each is taken. */
-#include "td_renderer.h"
+#include "tile_points.h"
+
+#include "render/td_renderer.h"
 
 #include <stdlib.h>
 
@@ -24,8 +25,8 @@ static void take(const td_point *points, int count, const double *planes, td_poi
     }
 }
 
-tides_status td_points_of_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
-                                td_point_value *values, tides_error *error) {
+tides_status tile_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
+                         td_point_value *values, tides_error *error) {
     double times[TILES_AT_ONCE];
     td_request requests[TILES_AT_ONCE];
     double *planes = td_alloc((size_t)TILES_AT_ONCE * TD_OUT_SIGNAL * TD_TILE_PIXELS, sizeof *planes, error);
