@@ -259,14 +259,10 @@ tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_traje
                                      double *planes, tides_error *error);
 
 /* Likewise, whatever comes out; td_renderer_sharp_tiles then refuses what isn't finite, naming pixel, time and splat
- * (nonfinite.c). */
-tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
-                                         double *planes, tides_error *error);
-
-/* Likewise to whole images, of one time, by a backend that draws: without the tiles in between, which were a third of a large
- * frame (1280x720) that is cheap to render. */
-tides_status td_renderer_draw_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
-                                    td_pictures *pictures, tides_error *error);
+ * (nonfinite.c). To planes, or (not NULL) to whole images of one time, by a backend that draws: without the tiles in between,
+ * which were a third of a large frame (1280x720) that is cheap to render. */
+tides_status td_renderer_raw_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
+                                   double *planes, td_pictures *pictures, tides_error *error);
 tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
                                       const double *planes, tides_error *error);
 

@@ -116,9 +116,8 @@ static tides_status reserve(tides_renderer *renderer, size_t count, tides_error 
     return status;
 }
 
-/* To planes, or to pictures in their place. */
-static tides_status run_requests(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *asked,
-                                 double *planes, td_pictures *pictures, tides_error *error) {
+tides_status td_renderer_raw_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *asked,
+                                   double *planes, td_pictures *pictures, tides_error *error) {
     const td_request *requests = asked->requests;
     const int outputs = asked->outputs;
     tides_status status = td_renderer_views(renderer, camera, asked->times, asked->slots, error);
@@ -149,18 +148,8 @@ static tides_status run_requests(tides_renderer *renderer, const tides_trajector
     return status;
 }
 
-tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *asked,
-                                         double *planes, tides_error *error) {
-    return run_requests(renderer, camera, asked, planes, NULL, error);
-}
-
-tides_status td_renderer_draw_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *asked,
-                                    td_pictures *pictures, tides_error *error) {
-    return run_requests(renderer, camera, asked, NULL, pictures, error);
-}
-
 tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
                                      double *planes, tides_error *error) {
-    tides_status status = td_renderer_unchecked_tiles(renderer, camera, batch, planes, error);
+    tides_status status = td_renderer_raw_tiles(renderer, camera, batch, planes, NULL, error);
     return status == TIDES_OK ? td_renderer_check_finite(renderer, camera, batch, planes, error) : status;
 }

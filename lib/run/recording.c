@@ -59,7 +59,7 @@ static tides_status remove_checkpoint(const td_record *r, tides_error *error) {
 
 tides_status td_record_anew(td_record *r, tides_error *error) {
     tides_status status = remove_checkpoint(r, error);
-    if (status == TIDES_OK) status = tides_event_writer_open_as(r->path, r->how.format, r->facts, &r->writer, error);
+    if (status == TIDES_OK) status = tides_event_writer_open(r->path, r->how.format, r->facts, &r->writer, error);
     r->done->began = status == TIDES_OK;
     return status;
 }
@@ -83,7 +83,7 @@ int td_record_take(void *user, const tides_event *events, size_t count) {
     td_record *r = user;
     r->whole = 1;
     const int64_t *fired = r->simulator ? tides_simulator_fired(r->simulator) : NULL;
-    tides_status status = tides_event_writer_append_fired(r->writer, events, fired, count, &r->cause);
+    tides_status status = tides_event_writer_append(r->writer, events, fired, count, &r->cause);
     if (status == TIDES_OK) r->done->events += count;
     return status;
 }

@@ -3369,14 +3369,9 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     ], "file first_ns end_ns start_ns stop_ns rebased error"),
     # void tides_event_writer_abandon(tides_event_writer *writer)
     "tides_event_writer_abandon": (None, [P(tides_event_writer)], "writer"),
-    # tides_status tides_event_writer_append(tides_event_writer *writer, const tides_event *events, size_t count,
-    # tides_error *error)
-    "tides_event_writer_append": (c_int32, [
-        P(tides_event_writer), P(tides_event), c_size_t, P(tides_error)
-    ], "writer events count error"),
-    # tides_status tides_event_writer_append_fired(tides_event_writer *writer, const tides_event *events, const int64_t
+    # tides_status tides_event_writer_append(tides_event_writer *writer, const tides_event *events, const int64_t
     # *fired, size_t count, tides_error *error)
-    "tides_event_writer_append_fired": (c_int32, [
+    "tides_event_writer_append": (c_int32, [
         P(tides_event_writer), P(tides_event), P(c_int64), c_size_t, P(tides_error)
     ], "writer events fired count error"),
     # int32_t tides_event_writer_can_resume(const char *path)
@@ -3389,14 +3384,9 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_event_writer_finish": (c_int32, [P(tides_event_writer), c_int64, P(tides_error)], "writer stop_ns error"),
     # tides_status tides_event_writer_flush(tides_event_writer *writer, tides_error *error)
     "tides_event_writer_flush": (c_int32, [P(tides_event_writer), P(tides_error)], "writer error"),
-    # tides_status tides_event_writer_open(const char *path, const tides_event_file *file, tides_event_writer **writer,
-    # tides_error *error)
-    "tides_event_writer_open": (c_int32, [
-        c_char_p, P(tides_event_file), P(P(tides_event_writer)), P(tides_error)
-    ], "path file writer error"),
-    # tides_status tides_event_writer_open_as(const char *path, const char *format, const tides_event_file *file,
+    # tides_status tides_event_writer_open(const char *path, const char *format, const tides_event_file *file,
     # tides_event_writer **writer, tides_error *error)
-    "tides_event_writer_open_as": (c_int32, [
+    "tides_event_writer_open": (c_int32, [
         c_char_p, c_char_p, P(tides_event_file), P(P(tides_event_writer)), P(tides_error)
     ], "path format file writer error"),
     # tides_status tides_event_writer_resume(const char *path, const tides_event_file *file, uint64_t count,
