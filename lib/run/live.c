@@ -30,14 +30,14 @@ struct tides_live {
 };
 
 /* What clocks that add intervals up may lose until they are a step's end still, beside what the grid takes for rounding
- * (lib/solver/grid.c): half of what open paths allow (lib/camera/trajectory.c), so that a path that was told up to then covers
+ * (lib/solver/steps/grid.c): half of what open paths allow (lib/camera/trajectory.c), so that a path that was told up to then covers
  * the step. Then, what of two times may be rounding. */
 static const double lost_in_sums = 0.5e-10;
 static double slack_of(const tides_live *live, double time) {
     return lost_in_sums + DBL_EPSILON * (fabs(live->start) + fabs(time));
 }
 
-/* Steps that a run may have (lib/solver/create.c), and what a run without an end has of them. */
+/* Steps that a run may have (lib/solver/run/create.c), and what a run without an end has of them. */
 static const double most_steps = 0.999e12, furthest_s = 9.2e9;
 
 void tides_live_options_defaults(tides_live_options *options) {

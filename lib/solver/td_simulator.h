@@ -47,7 +47,6 @@ struct tides_simulator {
     td_surround_steps surround; /* between the pixels and the comparator, where the sensor has one */
     double epoch;               /* [s] the run's start: every other time in the solver is an offset from it, */
     double length, step_s;      /* [s] up to `length` */
-    int64_t epoch_ns;           /* the nearest nanosecond; event times are whole nanoseconds after it */
     td_grid grid;               /* where steps begin and end */
     int mode, local;            /* TIDES_STEPPING_*; each tile has its own steps */
     double min_step_s, tolerance, time_tolerance_s, memory_mb;
@@ -150,10 +149,13 @@ tides_status td_compare_tile(tides_simulator *simulator, int tile, const td_step
 /* The sensor over one step of the tiles in which nothing moves, where it wants that. */
 tides_status td_compare_still(tides_simulator *simulator, const td_step *step, tides_error *error);
 
-/* The step between two times [s after the epoch], in absolute nanoseconds. What fires at its very end is a nanosecond earlier,
- * except at the run's: so a packet never ends with the nanosecond that the next one begins with, and the stream is in order
- * however it is cut into packets. */
-tides_status td_step_of_run(const tides_simulator *simulator, double start, double stop, td_step *step, tides_error *error);
+/* The events from number `first` on came of a tile's accepted step, compared between these planes (tile_step.c). */
+void td_time_events(tides_simulator *simulator, const td_refine_step *refined, const td_step *step, const double *const begin[],
+                    const double *const end[], size_t first);
+
+/* Compares, in time order, the accepted steps that nothing open is before. With `early` their samples are given back, and more
+ * is to come; else all are accepted (settle.c). */
+tides_status td_settle(tides_simulator *simulator, double start, double stop, int early, tides_error *error);
 
 /* With a readout: the events of the step that ends at the grid point reached go through it (readout.c). */
 tides_status td_readout_step(tides_simulator *simulator, tides_error *error);

@@ -146,7 +146,10 @@ TIDES_MUST_CHECK tides_status td_solve_ask(tides_simulator *s, const td_tile *ti
 /* Looking up has taken the time since `begun` [s]. */
 void td_solve_note_time(tides_simulator *s, double begun);
 
-/* Looks up all that is asked for in it, to its values. */
+/* Gives a batch to the renderer; its values are there when what was given last has been received. Then both at once, of what is
+ * asked for: looks it all up (solve_ask.c). */
+TIDES_MUST_CHECK tides_status td_solve_send(tides_simulator *s, td_solve_batch *batch, tides_error *error);
+TIDES_MUST_CHECK tides_status td_solve_receive(tides_simulator *s, tides_error *error);
 TIDES_MUST_CHECK tides_status td_solve_look_up(tides_simulator *s, tides_error *error);
 
 /* The batch that is filled goes to the device; of the one that was there pixels are run, which may ask again. Whether one is
@@ -167,7 +170,7 @@ TIDES_MUST_CHECK tides_status td_solve_refer(tides_simulator *s, tides_error *er
 TIDES_MUST_CHECK tides_status td_solve_run(tides_simulator *s, td_solving *pixel, tides_error *error);
 
 /* What the models of pixels [first, first + count) of a unit on a step of h seconds may be off by before anything is looked up:
- * (count) (solve.c). */
+ * (count) (solve_nodes.c). */
 void td_solve_first_trust(const tides_simulator *s, const td_refine_step *refined, double h, int32_t first, int32_t count,
                           td_trust *trust);
 

@@ -26,7 +26,9 @@ void td_surround_steps_release(td_surround_steps *steps);
 void td_surround_steps_begin(struct tides_simulator *s);
 void td_surround_steps_resume(struct tides_simulator *s);
 
-/* The comparator over the step of all tiles from s->now, at `start`, to s->next, at `stop`. */
-tides_status td_surround_compare(struct tides_simulator *s, double start, double stop, tides_error *error);
+/* The comparator over the step of all tiles from s->now, at `start`, to s->next, at `stop`; `which` (nullable) are the refined
+ * steps (tiles) that these are. */
+tides_status td_surround_compare(struct tides_simulator *s, double start, double stop, const int32_t *which,
+                                 tides_error *error);
 
 #endif

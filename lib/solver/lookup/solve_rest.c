@@ -1,5 +1,5 @@
 /* What pixels were before anything moved, for solve.c: their references, and ramps that meet them at rest. */
-#include "td_simulator.h"
+#include "solver/td_simulator.h"
 
 /* -- references ------------------------------------------------------------------------------------------------------------ */
 

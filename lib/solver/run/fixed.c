@@ -1,7 +1,7 @@
 /* Fixed steps: several are rendered in one launch, each tile that moves at each step's end, and taken from there one by one as
  * samples of the whole image. How many go to a launch changes the cost, never the events. Also the first sample of any run. For
  * run.c; steps that are refined render for themselves (refine.c). */
-#include "td_simulator.h"
+#include "solver/td_simulator.h"
 
 /* A longer batch has wider swept boxes, so more candidates that miss their tile, each of which costs a projection: above the
  * first share of these the batch is halved, below the second it is doubled. Chosen, not measured: where half of the projections
@@ -67,7 +67,8 @@ void td_fixed_adapt(tides_simulator *s, const tides_render_stats *before) {
         s->batch = 2 * s->batch < s->batch_limit ? 2 * s->batch : s->batch_limit;
 }
 
-static void store_first(tides_simulator *s, const td_ask *ask, const double *planes) {
+static void store_first(tides_simulator *s, const td_ask *ask, const double *planes, void *user) {
+    (void)user;
     store_tile(s, ask->unit, planes, &s->now);
 }
 
@@ -75,7 +76,7 @@ static tides_status render_first(tides_simulator *s, tides_error *error) {
     tides_status status = TIDES_OK;
     td_launch_clear(&s->launch);
     for (int t = 0; t < s->tiles && status == TIDES_OK; t++) status = td_launch_add(&s->launch, t, 0, 0, error);
-    return status == TIDES_OK ? td_launch_take_all(s, TD_SIDE_BEGINS, td_fixed_outputs(s), store_first, error) : status;
+    return status == TIDES_OK ? td_launch_take_all(s, TD_SIDE_BEGINS, td_fixed_outputs(s), store_first, NULL, error) : status;
 }
 
 tides_status td_begin(tides_simulator *s, tides_error *error) {

@@ -1,6 +1,6 @@
 /* Steps of all pixels together, through the centre-surround to the comparator. For run.c and settle.c, where the sensor has a
  * surround; the modes' arithmetic is lib/sensor/surround's, and which steps there are the controller's. */
-#include "td_simulator.h"
+#include "solver/td_simulator.h"
 
 #include <stdlib.h>
 
@@ -98,7 +98,7 @@ static void take_tile(const tides_simulator *s, int t, const td_surround_sample 
 }
 
 static tides_status compare_piece(tides_simulator *s, const td_step *step, const double part[2],
-                                  const td_surround_sample sample[2], tides_error *error) {
+                                  const td_surround_sample sample[2], const int32_t *which, tides_error *error) {
     tides_status status = TIDES_OK;
     for (int t = 0; t < s->tiles && status == TIDES_OK; t++) {
         tile_sample begin, end;
@@ -109,13 +109,12 @@ static tides_status compare_piece(tides_simulator *s, const td_step *step, const
         s->sensor.light = &light;
         status = td_compare_tile(s, t, step, begin.plane, end.plane, error);
         s->sensor.light = NULL;
-        if (s->refine.comparing && status == TIDES_OK)
-            td_settle_timing(s, &s->refine.step[s->refine.comparing[t]], step, begin.plane, end.plane, first);
+        if (which && status == TIDES_OK) td_time_events(s, &s->refine.step[which[t]], step, begin.plane, end.plane, first);
     }
     return status;
 }
 
-tides_status td_surround_compare(tides_simulator *s, double start, double stop, tides_error *error) {
+tides_status td_surround_compare(tides_simulator *s, double start, double stop, const int32_t *which, tides_error *error) {
     td_surround_steps *steps = &s->surround;
     td_surround_sample sample[2];
     double part[2];
@@ -127,8 +126,8 @@ tides_status td_surround_compare(tides_simulator *s, double start, double stop, 
     while (status == TIDES_OK && td_surround_next(&steps->surround, &part[0], &part[1], &sample[0], &sample[1])) {
         td_step step;
         double from = start + (stop - start) * part[0], to = part[1] < 1 ? start + (stop - start) * part[1] : stop;
-        status = td_step_of_run(s, from, to, &step, error);
-        if (status == TIDES_OK) status = compare_piece(s, &step, part, sample, error);
+        status = td_grid_step(&s->grid, from, to, &step, error);
+        if (status == TIDES_OK) status = compare_piece(s, &step, part, sample, which, error);
     }
     if (status == TIDES_OK) note_reached(s, &sample[1]);
     return status;

@@ -1,7 +1,7 @@
 /* Where steps are cut because of swaps of depth (td_renderer_swaps): what is accepted otherwise, and has one within it that is too
  * short to show in its samples, is cut where that begins and ends, and looked into between. */
 #include "td_extremes.h"
-#include "td_simulator.h"
+#include "solver/td_simulator.h"
 
 #include <math.h>
 

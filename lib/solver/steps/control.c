@@ -8,7 +8,7 @@
  * Each gives the factor by which the step is above its limit; the largest decides. Without `local` a tile whose step is too
  * long cuts those of all. For refine.c, which makes the steps; what errors are worth to a pixel the sensor says. */
 #include "td_extremes.h"
-#include "td_simulator.h"
+#include "solver/td_simulator.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* Units and their samples: how an image is divided into what has steps of its own, and what is asked for of it, at times, as
  * jobs of the renderer. For whatever renders in a run (fixed.c, sweep.c, refine.c); what becomes of the planes is theirs. */
-#include "td_simulator.h"
+#include "solver/td_simulator.h"
 
 #include <stdlib.h>
 
@@ -151,12 +151,14 @@ tides_status td_launch_render(tides_simulator *s, size_t first, size_t most, int
     return td_renderer_tiles(s->renderer, s->camera, &batch, l->planes, error);
 }
 
-tides_status td_launch_take_all(tides_simulator *s, int side, int outputs, td_launch_taker take, tides_error *error) {
+tides_status td_launch_take_all(tides_simulator *s, int side, int outputs, td_launch_taker take, void *user,
+                                tides_error *error) {
     td_launch *l = &s->launch;
     tides_status status = TIDES_OK;
     for (size_t first = 0; first < l->count && status == TIDES_OK; first += l->done) {
         status = td_launch_render(s, first, s->refine.batch, side, outputs, error);
-        for (size_t i = first; i < first + l->done && status == TIDES_OK; i++) take(s, &l->ask[i], td_launch_planes(l, i));
+        for (size_t i = first; i < first + l->done && status == TIDES_OK; i++)
+            take(s, &l->ask[i], td_launch_planes(l, i), user);
     }
     return status;
 }

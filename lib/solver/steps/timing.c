@@ -1,11 +1,11 @@
 /* Estimated errors of event times, event by event, for the statistics that the simulator reports (error_p50_s and so on) and
  * for what counts as uncertain. For settle.c. What is wrong with S it is told: by probes, and by
  * the embedded estimate (signal/td_model_error.h); it changes no step and no event. */
-#include "td_timing.h"
+#include "solver/td_timing.h"
 #include "render/td_render.h"
 #include "signal/td_model_error.h"
 #include "td_extremes.h"
-#include "td_probe.h"
+#include "solver/td_probe.h"
 #include "td_wide.h"
 
 #include <float.h>

@@ -1,6 +1,6 @@
 /* The beginning of a step: which tiles can change in it, and the rates that they begin with. For both kinds of steps, fixed and
  * refined; what a sweep does is the renderer's. */
-#include "td_simulator.h"
+#include "solver/td_simulator.h"
 
 /* Tiles that can change in the interval swept last; all of them where tiles don't go their own ways. */
 static void list_moving(tides_simulator *s) {
@@ -16,7 +16,8 @@ static void list_moving(tides_simulator *s) {
 }
 
 /* S is the same on both sides of a knot. */
-static void store_rate(tides_simulator *s, const td_ask *ask, const double *planes) {
+static void store_rate(tides_simulator *s, const td_ask *ask, const double *planes, void *user) {
+    (void)user;
     double S[TD_TILE_PIXELS];
     td_unpack_tile(&s->tile[ask->unit], planes, S, s->now.plane[TD_PLANE_S_DOT] + s->first_pixel[ask->unit]);
 }
@@ -29,7 +30,7 @@ static tides_status turn_knot(tides_simulator *s, tides_error *error) {
     tides_status status = TIDES_OK;
     for (int i = 0; i < s->moving_count && status == TIDES_OK; i++)
         status = td_launch_add(&s->launch, s->moving[i], time, 0, error);
-    return status == TIDES_OK ? td_launch_take_all(s, TD_SIDE_BEGINS, TD_OUT_SIGNAL, store_rate, error) : status;
+    return status == TIDES_OK ? td_launch_take_all(s, TD_SIDE_BEGINS, TD_OUT_SIGNAL, store_rate, NULL, error) : status;
 }
 
 tides_status td_sweep(tides_simulator *s, double start, double stop, tides_error *error) {

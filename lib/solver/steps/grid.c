@@ -1,6 +1,6 @@
 /* The grid of steps: regular points and knots, by number and by time. For create.c, which asks the renderer for the knots, and
  * for whoever walks along it (run.c, fixed.c). A run's epoch is tides_simulator's; how macro steps are cut is refine.c's. */
-#include "td_grid.h"
+#include "solver/td_grid.h"
 #include "td_base.h"
 
 #include <float.h>
@@ -130,4 +130,13 @@ int64_t td_grid_last_until(const td_grid *grid, double epoch, double time) {
             high = middle - 1;
     }
     return low;
+}
+
+tides_status td_grid_step(const td_grid *grid, double start, double stop, td_step *step, tides_error *error) {
+    tides_status status = td_step_between(start, stop, step, error);
+    if (status != TIDES_OK) return status;
+    step->start_ns += grid->epoch_ns;
+    step->stop_ns += grid->epoch_ns;
+    if (stop < grid->stop && step->stop_ns > step->start_ns) step->stop_ns--;
+    return TIDES_OK;
 }

@@ -1,7 +1,9 @@
 /* What has been looked up of a pixel in a step, and how far the cubics through it are to be trusted. For solve.c and
  * solve_run.c. */
+#include "solver/td_probe.h"
+#include "solver/td_simulator.h"
+#include "signal/td_model_error.h"
 #include "td_extremes.h"
-#include "td_simulator.h"
 
 #include <math.h>
 
@@ -40,6 +42,26 @@ int td_solve_nodes(const td_solve *solve, const td_looked *looked, td_node *node
         trust[count] = solve->found[i].trust;
     }
     return count;
+}
+
+void td_solve_first_trust(const tides_simulator *s, const td_refine_step *refined, double h, int32_t first, int32_t count,
+                          td_trust *trust) {
+    const td_samples *samples = &s->refine.samples;
+    if (refined->probe >= 0) {
+        const double *deviation = td_sample_deviation(samples, refined->probe) + first;
+        const uint8_t *fall = td_sample_fall(samples, refined->probe) + first;
+        for (int32_t i = 0; i < count; i++) {
+            const double most = td_probe_most(deviation[i], fall[i]);
+            const int is_smooth = td_probe_is_smooth(fall[i]);
+            trust[i] = (td_trust){most, is_smooth, is_smooth ? TD_PROBE_SMOOTH_UNSEEN * most : most};
+        }
+        return;
+    }
+    const double *begin[TD_PLANES_ALL], *end[TD_PLANES_ALL];
+    td_refine_planes(s, refined, begin, end);
+    const double *S0 = begin[TD_PLANE_S] + first, *S0_dot = begin[TD_PLANE_S_DOT] + first;
+    const double *S1 = end[TD_PLANE_S] + first, *S1_dot = end[TD_PLANE_S_DOT] + first;
+    for (int32_t i = 0; i < count; i++) trust[i] = (td_trust){td_embedded(S1[i] - S0[i], h * S0_dot[i], h * S1_dot[i]), 1, 0};
 }
 
 /* -- what a node says of the piece that it divides ------------------------------------------------------------------------ */

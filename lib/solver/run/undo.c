@@ -3,7 +3,7 @@
  *
  * What is kept is the table that checkpoints save, so that a part with a new array is undone without a thought: some 40 bytes
  * of an ideal pixel are copied for each step, a thousandth of what it takes to render them. For run.c. */
-#include "td_simulator.h"
+#include "solver/td_simulator.h"
 
 /* Of the first step's launches nothing is known. */
 static const int64_t usual_at_first = 16;

@@ -1,6 +1,6 @@
 /* The simulator's state for a checkpoint: the table of what is at the end of a step, and taking it up again. The file, and what
  * makes it one of this run, is lib/checkpoint's; the sensor's own arrays are in its own table. */
-#include "td_simulator.h"
+#include "solver/td_simulator.h"
 
 void td_simulator_state(tides_simulator *s, td_state *state) {
     const size_t pixels = s->first_pixel[s->tiles];

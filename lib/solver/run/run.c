@@ -2,38 +2,35 @@
  *
  *   sweep      which tiles can change, and what each may see                  td_sweep (sweep.c; renderer)
  *   render     tiles at times: S and S_dot                                   td_fixed_render; td_refine_begin, td_refine_level
- *   estimate   how far each step may be off                                  td_control_judge, _steps (control.c, estimate.c)
+ *   estimate   how far each step may be off                                  td_control_judge, _steps (control.c, in steps)
  *   refine     those that are too coarse are cut in two, and rendered         td_window_take, td_refine_level (refine.c)
- *   compare    each tile over each step: events                              td_settle; td_compare_tile (tile_step.c; sensor)
+ *   look up    by default: events on the image itself, pixel by pixel         td_settle -> td_solve_steps (solve.c, in lookup)
+ *   compare    else each tile over each step: events of the model             td_settle -> td_compare_tile (tile_step.c)
+ *   at rest    tiles in which nothing moves, where they may fire              td_solve_still, td_compare_still
  *   read out   the step's events through the arbiter, where there is one      td_readout_step (readout.c)
  *   emit       the events, sorted, to the sink as one packet                 emit
+ *
+ * A default run's event so gets its time in three jumps from here: td_settle (settle.c) has the accepted steps solved by
+ * td_solve_steps (solve.c, in lookup), which runs each pixel that may do something through td_solve_run (solve_run.c): its
+ * comparator on a model whose nodes are what was looked up there, until the time moves no more.
  *
  * Fixed steps skip what is between. Times count from the run's start; steps lie on the grid k step_s, joined by the knots of
  * motions (grid.c). What each stage does is in its own file; here is their order, and what becomes of a failure. */
 #include "camera/td_trajectory.h"
 #include "signal/td_event_sort.h"
-#include "td_simulator.h"
+#include "solver/td_simulator.h"
 
 #include <stdlib.h>
 
 /* -- one step of the grid -------------------------------------------------------------------------------------------------- */
-
-tides_status td_step_of_run(const tides_simulator *s, double start, double stop, td_step *step, tides_error *error) {
-    tides_status status = td_step_between(start, stop, step, error);
-    if (status != TIDES_OK) return status;
-    step->start_ns += s->epoch_ns;
-    step->stop_ns += s->epoch_ns;
-    if (stop < s->length && step->stop_ns > step->start_ns) step->stop_ns--;
-    return TIDES_OK;
-}
 
 /* The comparator over one step of every tile that moves, from now to next. */
 static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
     td_step step;
     double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
     if (s->slope == TIDES_SLOPE_DIFFERENCE) td_difference_slopes(s, stop - start);
-    if (s->surround.surround.on) return td_surround_compare(s, start, stop, error);
-    tides_status status = td_step_of_run(s, start, stop, &step, error);
+    if (s->surround.surround.on) return td_surround_compare(s, start, stop, NULL, error);
+    tides_status status = td_grid_step(&s->grid, start, stop, &step, error);
     for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {
         int t = s->moving[i];
         const double *begin_planes[TD_PLANES_ALL], *end_planes[TD_PLANES_ALL];
@@ -126,7 +123,9 @@ static tides_status refine_group(tides_simulator *s, double start, double stop, 
     while (status == TIDES_OK) {
         status = td_control_steps(s, error);
         if (status != TIDES_OK || s->refine.open_count == 0) break;
-        status = td_window_take(s, start, stop, error);
+        const int is_short = td_window_is_short(s);
+        if (is_short) status = td_settle(s, start, stop, 1, error);
+        if (status == TIDES_OK) status = td_window_take(s, is_short, error);
         if (status == TIDES_OK) status = td_refine_level(s, start, stop, error);
     }
     return status == TIDES_OK ? td_settle(s, start, stop, 0, error) : status;
@@ -153,7 +152,7 @@ static tides_status refine(tides_simulator *s, double start, double stop, tides_
 static tides_status compare_still(tides_simulator *s, double start, double stop, tides_error *error) {
     td_step whole;
     double begun = td_now();
-    tides_status status = td_step_of_run(s, start, stop, &whole, error);
+    tides_status status = td_grid_step(&s->grid, start, stop, &whole, error);
     if (status == TIDES_OK) status = td_solve_still(s, &whole, start, error);
     if (status == TIDES_OK) status = td_compare_still(s, &whole, error);
     s->stats.time_compare_s += td_now() - begun;

@@ -1,6 +1,6 @@
 /* Which of the open steps are refined next: all, or where their samples would be too many the earliest. For refine.c; it counts
  * samples, and judges no step. */
-#include "td_simulator.h"
+#include "solver/td_simulator.h"
 
 #include <stdlib.h>
 
@@ -80,15 +80,17 @@ static tides_status take_earliest(tides_simulator *s, td_refine *r, tides_error 
     return TIDES_OK;
 }
 
-tides_status td_window_take(tides_simulator *s, double start, double stop, tides_error *error) {
+int td_window_is_short(const tides_simulator *s) {
+    const td_refine *r = &s->refine;
+    return 2 * (td_samples_live(&r->samples) + r->open_count) > r->limit;
+}
+
+tides_status td_window_take(tides_simulator *s, int is_short, tides_error *error) {
     td_refine *r = &s->refine;
     tides_status status = td_reserve((void **)&r->pending, &r->pending_capacity, r->open_count, sizeof *r->pending, error);
     if (status != TIDES_OK) return status;
     r->pending_count = 0;
-    if (2 * (td_samples_live(&r->samples) + r->open_count) > r->limit) {
-        status = td_settle(s, start, stop, 1, error);
-        return status == TIDES_OK ? take_earliest(s, r, error) : status;
-    }
+    if (is_short) return take_earliest(s, r, error);
     memcpy(r->pending, r->open, r->open_count * sizeof *r->open);
     r->pending_count = r->open_count;
     r->open_count = 0;

@@ -1,6 +1,6 @@
 /* A step of one tile: its signals go to the sensor, which appends events; and what the sensor says of where pixels stand. For
  * the run over steps, and for settling. */
-#include "td_simulator.h"
+#include "solver/td_simulator.h"
 
 #include <math.h>
 
@@ -9,7 +9,7 @@ static double time_now(const tides_simulator *s) {
     td_step step;
     double time = td_grid_time(s, s->step);
     if (td_step_between(time, time + 1, &step, NULL) != TIDES_OK) return 0; /* the run's steps have all been like it */
-    return td_sensor_time(&s->sensor, s->epoch_ns + step.start_ns, step.start_fraction);
+    return td_sensor_time(&s->sensor, s->grid.epoch_ns + step.start_ns, step.start_fraction);
 }
 
 /* Planes are finite (lib/render/nonfinite.c): it is the front end that has made of them what isn't. */
@@ -53,6 +53,31 @@ tides_status td_compare_still(tides_simulator *s, const td_step *step, tides_err
         if (status != TIDES_OK) return status;
     }
     return TIDES_OK;
+}
+
+/* Where a hold takes the reference from the signal anew after each event, an event that is late or early makes a wrong
+ * reference, and the errors of a pixel's events add up: in quadrature over the 16 or so of a busy pixel in a run. */
+static const double hold_adds = 4;
+
+void td_time_events(tides_simulator *s, const td_refine_step *refined, const td_step *step, const double *const begin[],
+                    const double *const end[], size_t first) {
+    const td_signals signals = {begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
+    const td_samples *samples = &s->refine.samples;
+    const int holds = td_sensor_holds(&s->sensor);
+    td_timed timed = {.step = step,
+                      .tile = &s->tile[refined->tile],
+                      .signals = &signals,
+                      .deviation = refined->probe < 0 ? NULL : td_sample_deviation(samples, refined->probe),
+                      .fall = refined->probe < 0 ? NULL : td_sample_fall(samples, refined->probe),
+                      .adds = holds ? hold_adds : 1,
+                      .is_last = td_refine_ends_run(s, refined),
+                      .levels = td_sensor_levels(&s->sensor, step, s->first_pixel[refined->tile]),
+                      .frontend = &s->sensor.frontend,
+                      .log_eps = s->sensor.log_eps,
+                      .events = s->events.count > first ? s->events.events + first : NULL,
+                      .count = s->events.count - first};
+    td_timing_add(&s->timing, &timed);
+    td_timing_add_turns(&s->timing, &timed);
 }
 
 /* S of every pixel at the time reached, past the surround. */

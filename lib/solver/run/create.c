@@ -1,7 +1,7 @@
 /* Making, asking and freeing a simulator, for the public API: parameters checked, steps and tiles laid out, memory taken. The
  * run itself is run.c's, its statistics statistics.c's. */
 #include "motion/td_motion.h"
-#include "td_simulator.h"
+#include "solver/td_simulator.h"
 #include "td_struct.h"
 
 #include <math.h>
@@ -216,7 +216,6 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     s->scene = scene;
     s->camera = camera;
     s->epoch = start;
-    s->epoch_ns = td_time_ns(start);
     s->length = stop - start;
     status = td_sensor_check_levels(sensor, stepping->model, error);
     if (status == TIDES_OK)
@@ -228,7 +227,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     if (status == TIDES_OK) status = prepare(s, sensor, error);
     if (status == TIDES_OK)
         status = td_sensor_create(sensor, stepping->model, image->log_eps, 0, s->width, s->tile, s->tiles, &s->sensor, error);
-    s->sensor.start_ns += s->epoch_ns;
+    s->sensor.start_ns += s->grid.epoch_ns;
     if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, intrinsics->height, error);
     if (status == TIDES_OK) status = td_solve_create(s, error);
     if (status != TIDES_OK) {

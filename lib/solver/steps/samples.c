@@ -1,6 +1,6 @@
 /* Samples of a macro step: chunks, and a stack of what has been given back. For refine.c and settle.c, which fill them and know
  * when one isn't needed any more; how many there may be at once window.c sees to. */
-#include "td_samples.h"
+#include "solver/td_samples.h"
 
 #include <stdlib.h>
 

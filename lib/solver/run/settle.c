@@ -2,14 +2,10 @@
  * the end of a macro step, and before that for window.c, where memory is short. What an event time is worth timing.c estimates;
  * sorting events and handing them out are run.c's. */
 #include "td_extremes.h"
-#include "td_probe.h"
-#include "td_simulator.h"
+#include "solver/td_probe.h"
+#include "solver/td_simulator.h"
 
 #include <stdlib.h>
-
-/* Where a hold takes the reference from the signal anew after each event, an event that is late or early makes a wrong
- * reference, and the errors of a pixel's events add up: in quadrature over the 16 or so of a busy pixel in a run. */
-static const double hold_adds = 4;
 
 /* What an accepted step adds to the statistics. */
 static void note_step(tides_simulator *s, const td_refine_step *step) {
@@ -23,51 +19,18 @@ static void note_step(tides_simulator *s, const td_refine_step *step) {
     stats->worst_deviation = td_greater(stats->worst_deviation, step->deviation);
 }
 
-int td_ends_run(const tides_simulator *s, const td_refine_step *step) {
-    return s->step + 1 == s->steps && step->to == (uint32_t)1 << s->refine.depth;
-}
-
-void td_settle_timing(tides_simulator *s, const td_refine_step *refined, const td_step *step, const double *const begin[],
-                      const double *const end[], size_t first) {
-    const td_signals signals = {begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
-    const td_samples *samples = &s->refine.samples;
-    const int holds = td_sensor_holds(&s->sensor);
-    td_timed timed = {.step = step,
-                      .tile = &s->tile[refined->tile],
-                      .signals = &signals,
-                      .deviation = refined->probe < 0 ? NULL : td_sample_deviation(samples, refined->probe),
-                      .fall = refined->probe < 0 ? NULL : td_sample_fall(samples, refined->probe),
-                      .adds = holds ? hold_adds : 1,
-                      .is_last = td_ends_run(s, refined),
-                      .levels = td_sensor_levels(&s->sensor, step, s->first_pixel[refined->tile]),
-                      .frontend = &s->sensor.frontend,
-                      .log_eps = s->sensor.log_eps,
-                      .events = s->events.count > first ? s->events.events + first : NULL,
-                      .count = s->events.count - first};
-    td_timing_add(&s->timing, &timed);
-    td_timing_add_turns(&s->timing, &timed);
-}
-
-void td_settle_planes(const tides_simulator *s, const td_refine_step *refined, const double *begin[], const double *end[]) {
-    const double *from = td_sample_at(&s->refine.samples, refined->begin), *to = td_sample_at(&s->refine.samples, refined->end);
-    for (int p = 0; p < s->sample_planes; p++) {
-        begin[p] = from + p * s->refine.samples.pixels;
-        end[p] = to + p * s->refine.samples.pixels;
-    }
-}
-
 static tides_status compare_step(tides_simulator *s, const td_refine_step *refined, double start, double stop,
                                  tides_error *error) {
     const td_refine *r = &s->refine;
     const double *begin_planes[TD_PLANES_ALL], *end_planes[TD_PLANES_ALL];
-    td_settle_planes(s, refined, begin_planes, end_planes);
+    td_refine_planes(s, refined, begin_planes, end_planes);
     td_step step;
     size_t first = s->events.count;
-    tides_status status = td_step_of_run(s, td_refine_time(r, start, stop, refined->from),
-                                         td_refine_time(r, start, stop, refined->to), &step, error);
+    tides_status status = td_grid_step(&s->grid, td_refine_time(r, start, stop, refined->from),
+                                       td_refine_time(r, start, stop, refined->to), &step, error);
     if (status == TIDES_OK) status = td_compare_tile(s, refined->tile, &step, begin_planes, end_planes, error);
     if (status != TIDES_OK) return status;
-    td_settle_timing(s, refined, &step, begin_planes, end_planes, first);
+    td_time_events(s, refined, &step, begin_planes, end_planes, first);
     return TIDES_OK;
 }
 
@@ -114,9 +77,7 @@ static tides_status settle_common_step(tides_simulator *s, const int32_t *which,
         reach(s, t, r->step[which[t]].end, &s->next);
         note_step(s, &r->step[which[t]]);
     }
-    r->comparing = which;
-    tides_status status = td_surround_compare(s, from, to, error);
-    r->comparing = NULL;
+    tides_status status = td_surround_compare(s, from, to, which, error);
     if (status != TIDES_OK) return status;
     td_turn_samples(s);
     return TIDES_OK;

@@ -3,8 +3,8 @@
 #include "signal/td_model_error.h"
 #include "td_extremes.h"
 #include "td_hash.h"
-#include "td_probe.h"
-#include "td_simulator.h"
+#include "solver/td_probe.h"
+#include "solver/td_simulator.h"
 
 #include <math.h>
 
@@ -337,7 +337,7 @@ static double waited(const visit *v, const td_change *change) {
     return td_lesser(0.25 * bow / fabs(rise), 1);
 }
 
-static int ends_run(const visit *v) { return td_ends_run(v->s, &v->s->refine.step[v->looked->step]); }
+static int ends_run(const visit *v) { return td_refine_ends_run(v->s, &v->s->refine.step[v->looked->step]); }
 
 /* What record paths make of the pixel's nodes. */
 static td_path_law paths_of(const visit *v) {

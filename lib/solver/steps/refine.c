@@ -6,8 +6,8 @@
  *
  * For run.c. Whether a step is too long is control.c's to say, which of too many come first window.c's; what becomes of
  * accepted steps is settle.c's. */
-#include "td_probe.h"
-#include "td_simulator.h"
+#include "solver/td_probe.h"
+#include "solver/td_simulator.h"
 
 #include <float.h>
 #include <math.h>
@@ -23,11 +23,6 @@ static const double least_steps = 16;
 /* What is between two knots is looked into however short it is, to this part of it: a leap of a microsecond that was one step
  * of min_step_s had a third of its events. */
 static const double parts_between_knots = 64;
-
-double td_refine_time(const td_refine *refine, double start, double stop, uint32_t at) {
-    uint32_t whole = (uint32_t)1 << refine->depth;
-    return at == whole ? stop : start + (stop - start) * ((double)at / (double)whole);
-}
 
 /* Halvings until steps are no longer than min_step. */
 static int depth_for(double length, double min_step) {
@@ -197,18 +192,17 @@ static void store_sample(tides_simulator *s, const td_ask *ask, const double *pl
 }
 
 /* What the samples of a step say of it is read while they are at hand: of a level they are more than caches hold. */
-static void take_sample(tides_simulator *s, const td_ask *ask, const double *planes) {
+static void take_sample(tides_simulator *s, const td_ask *ask, const double *planes, void *user) {
     const td_refine *r = &s->refine;
-    const size_t number = (size_t)(ask - s->launch.ask);
+    const size_t number = (size_t)(ask - s->launch.ask), first_cut = *(const size_t *)user;
     store_sample(s, ask, planes);
-    if (number >= r->first_cut) cut_pending(s, r->pending[number - r->first_cut], ask->sample);
+    if (number >= first_cut) cut_pending(s, r->pending[number - first_cut], ask->sample);
 }
 
 /* All of the level's jobs. Those from number `first_cut` on are where the pending steps are cut. */
 static tides_status render_level(tides_simulator *s, size_t first_cut, tides_error *error) {
-    s->refine.first_cut = first_cut;
     tides_status status = reserve_parts(&s->refine, error);
-    return status == TIDES_OK ? td_launch_take_all(s, TD_SIDE_ENDS, s->outputs, take_sample, error) : status;
+    return status == TIDES_OK ? td_launch_take_all(s, TD_SIDE_ENDS, s->outputs, take_sample, &first_cut, error) : status;
 }
 
 /* -- levels ---------------------------------------------------------------------------------------------------------------- */
@@ -261,6 +255,18 @@ tides_status td_refine_begin(tides_simulator *s, double start, double stop, tide
     r->stop = stop;
     tides_status status = begin_lists(s, r, error);
     return status == TIDES_OK ? first_level(s, r, start, stop, error) : status;
+}
+
+void td_refine_planes(const tides_simulator *s, const td_refine_step *refined, const double *begin[], const double *end[]) {
+    const double *from = td_sample_at(&s->refine.samples, refined->begin), *to = td_sample_at(&s->refine.samples, refined->end);
+    for (int p = 0; p < s->sample_planes; p++) {
+        begin[p] = from + p * s->refine.samples.pixels;
+        end[p] = to + p * s->refine.samples.pixels;
+    }
+}
+
+int td_refine_ends_run(const tides_simulator *s, const td_refine_step *step) {
+    return s->step + 1 == s->steps && step->to == (uint32_t)1 << s->refine.depth;
 }
 
 void td_refine_release(td_refine *refine) {

@@ -6,7 +6,7 @@
  * 100 events a second and pixel are as busy as tiles of recordings come; 64 is where the risk score's norm ends too
  * (control.c). In a tile in which nothing moved in the step both rates are 0. */
 #include "signal/td_event_sort.h"
-#include "td_simulator.h"
+#include "solver/td_simulator.h"
 #include "td_struct.h"
 
 #include <math.h>
@@ -35,7 +35,7 @@ static tides_status attach(tides_simulator *s, const tides_readout *params, tide
     int32_t width = s->width, height = s->height, down;
     tides_status status = tides_arbiter_create(params, width, height, s->sensor.sensor.seed, &readout->arbiter, error);
     if (status != TIDES_OK) return status;
-    tides_arbiter_start(readout->arbiter, s->epoch_ns);
+    tides_arbiter_start(readout->arbiter, s->grid.epoch_ns);
     readout->params = *params;
     tides_arbiter_tiles(readout->arbiter, &readout->across, &down);
     readout->psi = td_alloc((size_t)readout->across * (size_t)down, sizeof *readout->psi, error);

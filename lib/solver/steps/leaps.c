@@ -5,7 +5,7 @@
  * of a microsecond had 10 ms simulated in microseconds: 12 279 renders where 69 do (bench stability, leap-1e-6). With steps of
  * its own it costs what happens in it. What paths do that are told as they go isn't known in time; there it stays as it was. */
 #include "camera/td_trajectory.h"
-#include "td_simulator.h"
+#include "solver/td_simulator.h"
 #include "td_sort.h"
 
 #include <math.h>
@@ -97,6 +97,7 @@ tides_status td_lay_grid(tides_simulator *s, tides_error *error) {
         knot = all.time, knots = all.count;
     }
     if (status == TIDES_OK) status = td_grid_create(0, s->length, s->step_s, knot, knots, s->min_step_s, &s->grid, error);
+    s->grid.epoch_ns = td_time_ns(s->epoch);
     free(all.time);
     return status;
 }

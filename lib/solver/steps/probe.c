@@ -1,5 +1,5 @@
 /* Probes: where a step is cut, and how far its cubic is off there. */
-#include "td_probe.h"
+#include "solver/td_probe.h"
 #include "td_wide.h"
 
 #include <math.h>

@@ -1,62 +1,13 @@
-/* What is to be looked up, batch after batch. Three take turns: one is filled, the one before is with the device meanwhile, and
- * of the one before that, which is back, pixels are run, which may ask for more. For solve.c.
+/* Batches in turns: one is filled, the one before is with the device meanwhile, and of the one before that, which is back, pixels
+ * are run, which may ask for more. For solve.c; what is asked for is solve_ask.c's.
  *
  * Which points make a batch decides about nothing but time: pixels don't depend on one another, and all that a pixel asks for
  * at once is in one batch. */
-#include "td_simulator.h"
+#include "solver/td_simulator.h"
 #include "td_wide.h"
 
 /* Steps of a macro step are too many for caches, and are asked for so many pixels ahead. */
 enum { AHEAD = 6 };
-
-/* Points of the first batch: the device has nothing to do till then. Each next one is twice as large: asking for a point takes
- * as long as a core of two takes to look it up, or half of that. */
-enum { FIRST = 1024 };
-
-/* -- asking ---------------------------------------------------------------------------------------------------------------- */
-
-tides_status td_solve_ask(tides_simulator *s, const td_tile *tile, int32_t local, double time, const td_asked *asked,
-                          tides_error *error) {
-    td_solve_batch *batch = td_solve_asking(&s->solve);
-    const size_t k = batch->points;
-    tides_status status = td_reserve((void **)&batch->point, &batch->point_capacity, k + 1, sizeof *batch->point, error);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&batch->asked, &batch->asked_capacity, k + 1, sizeof *batch->asked, error);
-    if (status != TIDES_OK) return status;
-    batch->point[k] = (td_point){time, tile->x0 + local % tile->width, tile->y0 + local / tile->width};
-    batch->asked[k] = *asked;
-    batch->points++;
-    return TIDES_OK;
-}
-
-void td_solve_note_time(tides_simulator *s, double begun) {
-    const double took = td_now() - begun;
-    s->stats.time_look_up_s += took;
-    s->stats.time_compare_s -= took; /* which it is no part of */
-}
-
-/* Gives a batch to the renderer; its values are there when the renderer has ended. */
-static tides_status send(tides_simulator *s, td_solve_batch *batch, tides_error *error) {
-    tides_status status = td_renew((void **)&batch->value, &batch->value_capacity, batch->points, sizeof *batch->value, error);
-    if (status != TIDES_OK || batch->points == 0) return status;
-    const double begun = td_now();
-    s->solve.lookups += batch->points;
-    status = td_renderer_points_begin(s->renderer, s->camera, batch->point, batch->points, batch->value, error);
-    td_solve_note_time(s, begun);
-    return status;
-}
-
-static tides_status receive(tides_simulator *s, tides_error *error) {
-    const double begun = td_now();
-    const tides_status status = td_renderer_points_end(s->renderer, error);
-    td_solve_note_time(s, begun);
-    return status;
-}
-
-tides_status td_solve_look_up(tides_simulator *s, tides_error *error) {
-    tides_status status = send(s, td_solve_asking(&s->solve), error);
-    return status == TIDES_OK ? receive(s, error) : status;
-}
 
 /* -- what comes back ------------------------------------------------------------------------------------------------------- */
 
@@ -118,34 +69,16 @@ static tides_status run_pixels(tides_simulator *s, td_solve_batch *from, int wai
 
 /* -- taking turns ---------------------------------------------------------------------------------------------------------- */
 
-int td_solve_is_busy(const td_solve *solve) {
-    size_t left = solve->references;
-    for (int k = 0; k < TD_SOLVE_BATCHES; k++) left += solve->batch[k].points;
-    return left > 0;
-}
-
-int td_solve_has_enough(const tides_simulator *s) {
-    const td_solve *solve = &s->solve;
-    return solve->batch[solve->asking].points >= solve->enough_now && td_renderer_points_go_on(s->renderer);
-}
-
-void td_solve_clear_batches(tides_simulator *s) {
-    td_renderer_points_drop(s->renderer);
-    for (int k = 0; k < TD_SOLVE_BATCHES; k++) s->solve.batch[k].points = s->solve.batch[k].pixels = 0;
-    s->solve.references = 0;
-    s->solve.enough_now = s->solve.enough < FIRST ? s->solve.enough : FIRST;
-}
-
 tides_status td_solve_turn(tides_simulator *s, tides_error *error) {
     td_solve *solve = &s->solve;
     td_solve_batch *full = td_solve_asking(solve),
                    *back = &solve->batch[(solve->asking + TD_SOLVE_BATCHES - 1) % TD_SOLVE_BATCHES];
-    tides_status status = receive(s, error);
+    tides_status status = td_solve_receive(s, error);
     if (status == TIDES_OK && solve->references > 0) { /* nothing is away now */
         status = td_solve_refer(s, error);
         if (status == TIDES_OK) status = run_pixels(s, full, 1, error);
     }
-    if (status == TIDES_OK) status = send(s, full, error);
+    if (status == TIDES_OK) status = td_solve_send(s, full, error);
     solve->asking = (solve->asking + 1) % TD_SOLVE_BATCHES;
     solve->enough_now = 2 * solve->enough_now < solve->enough ? 2 * solve->enough_now : solve->enough;
     if (status == TIDES_OK) status = take(s, back, error);

@@ -3,7 +3,7 @@
  * Counts are made where things happen (comparator, sensor, refinement, renderer); here they are collected, joined with those of
  * the parts of the run before a restore, and what follows from them is worked out. The tool's --stats, checkpoints and bindings
  * walk the table: a new statistic is a field of tides_stats, a row here, and the line of collect() that fetches it. */
-#include "td_simulator.h"
+#include "solver/td_simulator.h"
 
 #define ROW(name, unit, type, joined, member) \
     { name, unit, TIDES_STAT_##type, TIDES_JOIN_##joined, offsetof(tides_stats, member) }

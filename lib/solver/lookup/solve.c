@@ -2,9 +2,9 @@
  * settle.c. What a pixel needs is solve_run.c's to say, what was found solve_nodes.c's to keep, and batches are
  * solve_batches.c's. */
 #include "td_extremes.h"
-#include "td_probe.h"
+#include "solver/td_probe.h"
 #include "signal/td_model_error.h"
-#include "td_simulator.h"
+#include "solver/td_simulator.h"
 #include "td_wide.h"
 
 #include <stdlib.h>
@@ -98,38 +98,18 @@ void td_solve_release(td_solve *solve) {
 
 /* -- before anything is looked up ----------------------------------------------------------------------------------------- */
 
-void td_solve_first_trust(const tides_simulator *s, const td_refine_step *refined, double h, int32_t first, int32_t count,
-                          td_trust *trust) {
-    const td_samples *samples = &s->refine.samples;
-    if (refined->probe >= 0) {
-        const double *deviation = td_sample_deviation(samples, refined->probe) + first;
-        const uint8_t *fall = td_sample_fall(samples, refined->probe) + first;
-        for (int32_t i = 0; i < count; i++) {
-            const double most = td_probe_most(deviation[i], fall[i]);
-            const int is_smooth = td_probe_is_smooth(fall[i]);
-            trust[i] = (td_trust){most, is_smooth, is_smooth ? TD_PROBE_SMOOTH_UNSEEN * most : most};
-        }
-        return;
-    }
-    const double *begin[TD_PLANES_ALL], *end[TD_PLANES_ALL];
-    td_settle_planes(s, refined, begin, end);
-    const double *S0 = begin[TD_PLANE_S] + first, *S0_dot = begin[TD_PLANE_S_DOT] + first;
-    const double *S1 = end[TD_PLANE_S] + first, *S1_dot = end[TD_PLANE_S_DOT] + first;
-    for (int32_t i = 0; i < count; i++) trust[i] = (td_trust){td_embedded(S1[i] - S0[i], h * S0_dot[i], h * S1_dot[i]), 1, 0};
-}
-
 /* What all pixels of a step share. */
 static tides_status lay_step(tides_simulator *s, const td_refine_step *refined, double start, double stop, td_solve_step *at,
                              tides_error *error) {
     const double *begin[TD_PLANES_ALL], *end[TD_PLANES_ALL];
-    td_settle_planes(s, refined, begin, end);
+    td_refine_planes(s, refined, begin, end);
     at->from = td_refine_time(&s->refine, start, stop, refined->from);
     at->to = td_refine_time(&s->refine, start, stop, refined->to);
     at->signals = (td_signals){begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
     at->coverage = at->alpha_dot = (td_coverage){NULL, NULL};
     if (s->sensor.masks) at->coverage = (td_coverage){begin[TD_PLANE_ALPHA], end[TD_PLANE_ALPHA]};
     if (s->sensor.masks) at->alpha_dot = (td_coverage){begin[TD_PLANE_ALPHA_DOT], end[TD_PLANE_ALPHA_DOT]};
-    return td_step_of_run(s, at->from, at->to, &at->span, error);
+    return td_grid_step(&s->grid, at->from, at->to, &at->span, error);
 }
 
 /* Lists a pixel of a unit with its steps from `first` on, the `row`th, which is the first in which it may do something. */
