@@ -19,7 +19,7 @@ enum {
 };
 
 /* What makes 3DGS continuous in time under TIDES_RULES_SMOOTH, measure by measure; each can be switched off, which brings back
- * inria's jump (tides bench image shows what it costs). Other rules don't read it. */
+ * inria's jump (tests/bench/own/bench_image.c shows what it costs). Other rules don't read it. */
 typedef struct tides_smoothing {
     /* Splat alpha rises from 0 to its full value between these (C2), 0 < begin <= end < 1; equal: a hard cutoff there. */
     double taper_begin, taper_end;

@@ -126,7 +126,7 @@ static tides_status check_params(const tides_image_params *params, tides_error *
 }
 
 void tides_image_params_defaults(tides_image_params *params) {
-    /* The measures of smooth were chosen by error against run time (tides bench image). */
+    /* The measures of smooth were chosen by error against run time (tests/bench/own/bench_image.c). */
     static const tides_image_params defaults = {.size = sizeof defaults,
                                                 .rules = TIDES_RULES_SMOOTH,
                                                 .antialias = TIDES_ANTIALIAS_FILE,

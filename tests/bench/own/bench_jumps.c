@@ -1,5 +1,5 @@
 /* How often and how far L jumps in an image, how far its colours are from inria's, and what a frame costs. */
-#include "bench.h"
+#include "bench_image.h"
 
 #include <math.h>
 #include <stdlib.h>

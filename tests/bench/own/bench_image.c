@@ -10,7 +10,7 @@
  *
  * Of a jump's size, J = |L1 - L0 - h (L0_dot + L1_dot) / 2| between neighbouring samples, the share that a measure removes is
  * what its absence adds to smooth (bench_jumps.c). */
-#include "bench.h"
+#include "bench_image.h"
 
 #include <math.h>
 #include <stdio.h>
