@@ -330,12 +330,20 @@ static void destroy(td_backend *backend) {
     free(r);
 }
 
-static const td_backend_class reference_class = {sweep,   render, empty_pixel,    prepare,  inspect,
-                                                 destroy, move,   prepare_cubics, misfits,  moved_rows,
+static const td_backend_class reference_class = {.sweep = sweep,
+                                                 .render = render,
+                                                 .empty_pixel = empty_pixel,
+                                                 .prepare = prepare,
+                                                 .inspect = inspect,
+                                                 .destroy = destroy,
+                                                 .move = move,
+                                                 .prepare_cubics = prepare_cubics,
+                                                 .misfits = misfits,
+                                                 .moved_rows = moved_rows,
 #ifdef TD_REAL_DOUBLE
-                                                 0,       nodes,  halve_paths,    path_rows
-#else
-                                                 0,       NULL,   NULL,           NULL
+                                                 .nodes = nodes,
+                                                 .halve_paths = halve_paths,
+                                                 .path_rows = path_rows
 #endif
 };
 
