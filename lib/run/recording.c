@@ -4,7 +4,7 @@
 #include "run/td_recording.h"
 
 #include "events/td_event_format.h"
-#include "solver/td_simulator.h"
+#include "solver/td_reached.h"
 #include "td_base.h"
 #include "td_struct.h"
 
@@ -71,8 +71,7 @@ tides_status td_record_again(td_record *r, tides_error *error) {
     tides_simulator_stats(r->simulator, &stats);
     r->done->events = stats.events_written;
     r->done->resumed_s = stats.simulated_s;
-    const tides_event *last = r->simulator->last.polarity ? &r->simulator->last : NULL;
-    status = td_event_writer_resume(r->path, r->facts, r->done->events, last, &r->writer, error);
+    status = td_event_writer_resume(r->path, r->facts, r->done->events, td_simulator_last(r->simulator), &r->writer, error);
     r->done->began = status == TIDES_OK;
     return status;
 }

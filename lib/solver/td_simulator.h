@@ -7,6 +7,7 @@
 #include "td_state.h"
 #include "td_grid.h"
 #include "td_refine.h"
+#include "td_reached.h"
 #include "td_readout.h"
 #include "td_solve.h"
 #include "td_surround_steps.h"
@@ -39,49 +40,72 @@ typedef struct td_undo {
     uint64_t uncertain, solved, lookups;
 } td_undo;
 
+/* What was asked for, as far as it could be had: final when the run begins. */
+typedef struct td_parameters {
+    double step_s, min_step_s; /* [s] */
+    double tolerance;          /* [thresholds] */
+    double time_tolerance_s;
+    double memory_mb;
+    double interpolates; /* rows of motions within macro steps, as far as that stays within so much [thresholds]; 0: not */
+    tides_risk risk;
+    int mode, local, slope; /* TIDES_STEPPING_*; each unit has its own steps; TIDES_SLOPE_* */
+    int unit;               /* TIDES_UNIT_* */
+    int outputs;            /* planes that each sample renders: risk, a mask and the readout want diagnostics */
+    int sample_planes;      /* of these, TD_PLANES_SIGNAL or TD_PLANES_ALL */
+} td_parameters;
+
+/* The image and its units (td_units.h), which the solver calls tiles. */
+typedef struct td_layout {
+    int width, height;
+    int image_tiles; /* the renderer's */
+    int tiles;
+    td_tile *tile;       /* (tiles) */
+    size_t *first_pixel; /* (tiles + 1): where a tile's pixels begin in all arrays of pixels */
+} td_layout;
+
+/* Tiles that can change in the interval swept last. */
+typedef struct td_moving {
+    int *list; /* (tiles) */
+    int count;
+    int tiles; /* in so many of the renderer's tiles */
+} td_moving;
+
+/* Events that wait to be given away. */
+typedef struct td_packet {
+    td_event_buffer events;
+    tides_event *scratch; /* for sorting */
+    size_t scratch_capacity;
+    tides_event last; /* that was given away, of the run's parts before too; of no polarity: there was none */
+} td_packet;
+
 struct tides_simulator {
     tides_renderer *renderer;
     const tides_scene *scene; /* the caller's, as is the camera's path */
     const tides_trajectory *camera;
+    td_parameters given;
+    td_layout layout;
+    double epoch;  /* [s] the run's start: every other time in the solver is an offset from it, */
+    double length; /* [s] up to `length` */
+    td_grid grid;  /* where steps begin and end */
     td_sensor sensor;
     td_surround_steps surround; /* between the pixels and the comparator, where the sensor has one */
-    double epoch;               /* [s] the run's start: every other time in the solver is an offset from it, */
-    double length, step_s;      /* [s] up to `length` */
-    td_grid grid;               /* where steps begin and end */
-    int mode, local;            /* TIDES_STEPPING_*; each tile has its own steps */
-    double min_step_s, tolerance, time_tolerance_s, memory_mb;
-    double interpolates; /* rows of motions within macro steps, as far as that stays within so much [thresholds]; 0: not */
-    tides_risk risk;
-    int slope;              /* TIDES_SLOPE_* */
-    int outputs;            /* planes that each sample renders: risk, a mask and the readout want diagnostics */
-    td_run_readout readout; /* the readout, where one is attached */
-    int sample_planes;      /* of these, TD_PLANES_SIGNAL or TD_PLANES_ALL */
-    double *tile_risk;      /* (tiles) at the time reached */
-    td_refine refine;       /* TIDES_STEPPING_ERROR */
-    td_timing timing;       /* likewise: estimated errors of event times */
-    td_solve solve;         /* likewise: events on the image itself */
+    td_run_readout readout;     /* where one is attached */
+
+    int broken;          /* a step failed half way: the pixels no longer agree on the time */
+    int started;         /* the first sample is there */
+    int64_t step;        /* steps taken */
+    td_sample now, next; /* at the step's two ends */
+    double *tile_risk;   /* (tiles) at the time reached */
+
+    td_moving moving;
+    int batch, batch_limit; /* steps per launch: now, and at most */
+    td_launch launch;       /* what was rendered last */
+    td_refine refine;       /* adaptive steps; */
+    td_timing timing;       /* of theirs, estimated errors of event times, */
+    td_solve solve;         /* and events on the image itself */
+    td_packet packet;
     td_asking asking;
     td_undo undo;
-    int broken;    /* a step failed half way: the pixels no longer agree on the time */
-    int64_t steps; /* of the whole run */
-    int64_t step;  /* steps taken */
-    int started;   /* the first sample is there */
-    int width, height;
-    int unit;               /* TIDES_UNIT_* */
-    int image_tiles;        /* the renderer's; s->tile are units (td_units.h) */
-    int tiles;              /* so many of them */
-    td_tile *tile;          /* (tiles) */
-    size_t *first_pixel;    /* (tiles + 1): where a tile's pixels begin in the arrays below */
-    td_sample now, next;    /* at the step's two ends */
-    int batch, batch_limit; /* steps per launch: now, and at most */
-    int *moving;            /* (tiles) those that can change in the interval swept last, */
-    int moving_count;       /* so many of them, */
-    int moving_tiles;       /* in so many of the renderer's tiles */
-    td_launch launch;       /* what was rendered last */
-    td_event_buffer events; /* of the packet */
-    tides_event *scratch;   /* for sorting */
-    size_t scratch_capacity;
-    tides_event last;   /* that was given away, of the run's parts before too; of no polarity: there was none */
     tides_stats stats;  /* times and steps; the rest is put together when asked for (statistics.c) */
     tides_stats before; /* what was counted in the parts of the run before a restore */
 };
@@ -96,7 +120,7 @@ static inline void td_turn_samples(tides_simulator *simulator) {
 /* Largest risk score of a tile's pixels, from planes of TD_OUT_DIAGNOSTICS. */
 double td_tile_risk(const tides_simulator *simulator, const td_tile *tile, const double *planes);
 
-/* The renderer's sweep of [start, stop], from the time reached on; then s->moving lists the tiles that can change in it, and
+/* The renderer's sweep of [start, stop], from the time reached on; then s->moving.list lists the tiles that can change in it, and
  * where motions have a knot at `start` their S_dot becomes that of what begins there (sweep.c). */
 tides_status td_sweep(tides_simulator *simulator, double start, double stop, tides_error *error);
 
@@ -139,7 +163,7 @@ static inline void td_unpack_diagnostics(const td_tile *tile, const double *plan
 
 /* What fixed steps and the first sample render: risk isn't asked there. */
 static inline int td_fixed_outputs(const tides_simulator *simulator) {
-    return simulator->sample_planes == TD_PLANES_ALL ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
+    return simulator->given.sample_planes == TD_PLANES_ALL ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
 }
 
 /* The sensor over one step of a tile between two samples of it: sample_planes pointers each (tile_step.c). */
@@ -172,9 +196,6 @@ void td_undo_stopped(tides_simulator *simulator, tides_status status);
 
 /* What a pixel's comparator sees at the time reached: S with its leak's ramp. */
 double td_signal_now(const tides_simulator *simulator, size_t pixel);
-
-/* run.c: up to when a run that is asked for up to `until` [s] is the same as a longer one: where its last whole step began. */
-double td_simulator_extends_from(const tides_simulator *simulator, double until);
 
 /* Adds the arrays that a checkpoint holds; then, with these and the sensor's as they were at grid point `step`, makes the
  * simulator go on from there. `before` is what had been counted (state.c). */

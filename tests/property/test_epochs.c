@@ -121,7 +121,7 @@ static outcome run_cut(const job *j, tides_device *device, int cuts, const char 
     assert_non_null(o.signal);
     tides_simulator_state(s, o.signal, NULL, NULL, NULL);
     tides_simulator_stats(s, &o.stats);
-    assert_true(s->step == s->steps); /* it ran to its end */
+    assert_true(s->step == s->grid.steps); /* it ran to its end */
     if (o.stats.simulated_s != j->stop - j->start) fail_msg("%.17g s of %.17g", o.stats.simulated_s, j->stop - j->start);
     tides_simulator_destroy(s);
     return o;

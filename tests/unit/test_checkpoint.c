@@ -40,7 +40,7 @@ static void test_cut_at_every_step(void **state) {
             outcome *whole = run_whole(&j, device), *pieces = new_outcome();
             assert_true((whole->stats.events_solved > 0) == (kinds[k].solve != TIDES_SOLVE_OFF));
             tides_simulator *s = make_simulator(&j, device);
-            for (int64_t step = 0; step <= s->steps; step++) {
+            for (int64_t step = 0; step <= s->grid.steps; step++) {
                 advance(s, s->epoch + td_grid_time(s, step), pieces);
                 cut(&j, device, kept, &s);
                 assert_true(s->step == step);
@@ -127,7 +127,7 @@ static void stop_and_go_on(const job *j, tides_device *device, int stop_at, cons
     tides_simulator *s = make_simulator(j, device);
     const watcher w = run_watched(s, j, stop_at, TIDES_CANCELLED, pieces);
     assert_int_equal(w.calls, stop_at);
-    if (w.last < 1.0 / (double)s->steps) {
+    if (w.last < 1.0 / (double)s->grid.steps) {
         assert_true(s->step == 0 && pieces->count == 0);
         assert_int_equal(s->asking.launches, stop_at + 1); /* the first isn't asked, and the last not done */
     }

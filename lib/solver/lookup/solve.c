@@ -68,12 +68,12 @@ tides_status td_solve_create(tides_simulator *s, tides_error *error) {
     if (!solve->on) return TIDES_OK;
     tides_status status = td_renderer_exact_points(s->renderer, error);
     if (status != TIDES_OK) return status;
-    solve->known = td_alloc(s->first_pixel[s->tiles], sizeof *solve->known, error);
+    solve->known = td_alloc(s->layout.first_pixel[s->layout.tiles], sizeof *solve->known, error);
     if (!solve->known) return TIDES_NO_MEMORY;
     solve->is_exact = !td_renderer_points_rounded(s->renderer);
     solve->samples = s->timing.rounding + TD_SOLVE_SAMPLES;
     solve->enough = ENOUGH;
-    solve->target_s = s->time_tolerance_s > 0 ? s->time_tolerance_s : default_target_s;
+    solve->target_s = s->given.time_tolerance_s > 0 ? s->given.time_tolerance_s : default_target_s;
     return TIDES_OK;
 }
 
@@ -144,9 +144,9 @@ static tides_status find_active(tides_simulator *s, int32_t step, size_t row, co
                                 tides_error *error) {
     td_solve *solve = &s->solve;
     const td_refine_step *refined = &s->refine.step[step];
-    const td_tile *tile = &s->tile[refined->tile];
+    const td_tile *tile = &s->layout.tile[refined->tile];
     const td_solve_step *at = &solve->step[step];
-    const size_t pixels = (size_t)s->refine.samples.pixels, first = s->first_pixel[refined->tile];
+    const size_t pixels = (size_t)s->refine.samples.pixels, first = s->layout.first_pixel[refined->tile];
     double widen[TD_TILE_PIXELS];
     tides_status status = td_reserve((void **)&solve->reaches, &solve->reach_capacity, (row + 1) * pixels, 1, error);
     if (status == TIDES_OK)
@@ -165,7 +165,7 @@ static tides_status run_last(tides_simulator *s, tides_error *error) {
     const td_solve *solve = &s->solve;
     td_solve_batch *batch = td_solve_asking(&s->solve);
     td_solving *pixel = &batch->pixel[batch->pixels - 1];
-    if (solve->known[s->first_pixel[pixel->tile] + (size_t)pixel->local] == 0) {
+    if (solve->known[s->layout.first_pixel[pixel->tile] + (size_t)pixel->local] == 0) {
         pixel->waits = 1;
         return td_solve_ask_reference(s, pixel->tile, pixel->local, error);
     }
@@ -187,10 +187,10 @@ static tides_status begin_unit(tides_simulator *s, int t, double start, double s
         memcpy(before, active, sizeof before);
         status = lay_step(s, &r->step[k], start, stop, &s->solve.step[k], error);
         if (status == TIDES_OK) status = find_active(s, k, rows, doubt, active, error);
-        for (int32_t i = 0; i < s->tile[t].count; i++)
+        for (int32_t i = 0; i < s->layout.tile[t].count; i++)
             if (active[i] != before[i]) first[i] = k, row[i] = rows;
     }
-    for (int32_t i = 0; i < s->tile[t].count && status == TIDES_OK; i++) {
+    for (int32_t i = 0; i < s->layout.tile[t].count && status == TIDES_OK; i++) {
         if (!active[i]) continue;
         /* NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): where it became active its step was kept */
         status = list_pixel(s, first[i], row[i], i, error);
@@ -205,9 +205,9 @@ static tides_status begin_unit(tides_simulator *s, int t, double start, double s
 static tides_status begin_units(tides_simulator *s, double start, double stop, tides_error *error) {
     td_solve *solve = &s->solve;
     tides_status status = td_reserve((void **)&solve->step, &solve->step_capacity, s->refine.steps, sizeof *solve->step, error);
-    for (int k = 0; k < s->moving_count && status == TIDES_OK; k++) {
-        const int t = s->moving[k];
-        const int begins_tile = k > 0 && td_units_tile(s, t) != td_units_tile(s, s->moving[k - 1]);
+    for (int k = 0; k < s->moving.count && status == TIDES_OK; k++) {
+        const int t = s->moving.list[k];
+        const int begins_tile = k > 0 && td_units_tile(s, t) != td_units_tile(s, s->moving.list[k - 1]);
         if (begins_tile && td_solve_has_enough(s)) status = td_solve_turn(s, error);
         if (status == TIDES_OK) status = begin_unit(s, t, start, stop, error);
     }

@@ -19,8 +19,8 @@ tides_status td_solve_keep_start(tides_simulator *s, tides_error *error) {
  * of samples stay below (timing.c), for a pixel that is taken to rest here loses its event, and one that isn't costs a look. */
 void td_solve_doubt(const tides_simulator *s, int t, double *doubt) {
     enum { ROUNDINGS = 4 };
-    const td_tile *tile = &s->tile[t];
-    const size_t first = s->first_pixel[t];
+    const td_tile *tile = &s->layout.tile[t];
+    const size_t first = s->layout.first_pixel[t];
     const double *known = s->solve.known, *rest = s->sensor.pixels.initial + first;
     for (int32_t i = 0; i < tile->count; i++) {
         doubt[i] = 0;
@@ -31,13 +31,13 @@ void td_solve_doubt(const tides_simulator *s, int t, double *doubt) {
 
 tides_status td_solve_ask_reference(tides_simulator *s, int t, int32_t local, tides_error *error) {
     td_solve *solve = &s->solve;
-    const td_tile *tile = &s->tile[t];
+    const td_tile *tile = &s->layout.tile[t];
     const size_t k = solve->references;
     tides_status status = td_reserve((void **)&solve->wanted, &solve->wanted_capacity, k + 1, sizeof *solve->wanted, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&solve->start, &solve->start_capacity, k + 1, sizeof *solve->start, error);
     if (status != TIDES_OK) return status;
-    solve->wanted[k] = s->first_pixel[t] + (size_t)local;
+    solve->wanted[k] = s->layout.first_pixel[t] + (size_t)local;
     solve->start[k] = (td_point){0, tile->x0 + local % tile->width, tile->y0 + local / tile->width};
     solve->references++;
     return TIDES_OK;
@@ -67,20 +67,20 @@ tides_status td_solve_refer(tides_simulator *s, tides_error *error) {
  * their references where they aren't known. */
 static tides_status ask_still(tides_simulator *s, int t, const td_step *span, double start, tides_error *error) {
     static const double no_rate[TD_TILE_PIXELS] = {0};
-    const td_tile *tile = &s->tile[t];
-    const double *S = s->now.plane[TD_PLANE_S] + s->first_pixel[t];
+    const td_tile *tile = &s->layout.tile[t];
+    const double *S = s->now.plane[TD_PLANE_S] + s->layout.first_pixel[t];
     const td_signals signals = {S, no_rate, S, no_rate};
     double widen[TD_TILE_PIXELS];
     uint8_t active[TD_TILE_PIXELS] = {0};
     tides_status status = TIDES_OK;
     td_solve_doubt(s, t, widen);
     for (int32_t i = 0; i < tile->count; i++) widen[i] += s->solve.samples;
-    td_sensor_find(&s->sensor, span, tile, s->first_pixel[t], &signals, widen, active);
+    td_sensor_find(&s->sensor, span, tile, s->layout.first_pixel[t], &signals, widen, active);
     for (int32_t i = 0; i < tile->count && status == TIDES_OK; i++) {
-        const td_asked asked = {(int32_t)(s->first_pixel[t] + (size_t)i), i, 0};
+        const td_asked asked = {(int32_t)(s->layout.first_pixel[t] + (size_t)i), i, 0};
         if (!active[i]) continue;
         status = td_solve_ask(s, tile, i, start, &asked, error);
-        if (status == TIDES_OK && s->solve.known[s->first_pixel[t] + (size_t)i] == 0)
+        if (status == TIDES_OK && s->solve.known[s->layout.first_pixel[t] + (size_t)i] == 0)
             status = td_solve_ask_reference(s, t, i, error);
     }
     return status;
@@ -92,8 +92,8 @@ tides_status td_solve_still(tides_simulator *s, const td_step *span, double star
     tides_status status = TIDES_OK;
     if (!solve->on || !s->sensor.active_at_rest) return TIDES_OK;
     td_solve_clear_batches(s);
-    for (int t = 0, moved = 0; t < s->tiles && status == TIDES_OK; t++) { /* both lists ascend */
-        const int moves = moved < s->moving_count && s->moving[moved] == t;
+    for (int t = 0, moved = 0; t < s->layout.tiles && status == TIDES_OK; t++) { /* both lists ascend */
+        const int moves = moved < s->moving.count && s->moving.list[moved] == t;
         moved += moves;
         if (!moves) status = ask_still(s, t, span, start, error);
     }

@@ -85,7 +85,7 @@ static void take_rounding(visit *v) {
     v->model.end = v->looked->known_ends & TD_KNOWS_END ? 0 : samples;
     v->model.floor = s->solve.is_exact
                          ? TD_DOUBLE_ROUNDING * (1 + fabs(v->looked->ends.S1))
-                         : td_timing_rounding(&s->timing, &s->tile[v->pixel->tile], v->now->signals.S1, v->pixel->local);
+                         : td_timing_rounding(&s->timing, &s->layout.tile[v->pixel->tile], v->now->signals.S1, v->pixel->local);
 }
 
 /* -- what is to be looked up ---------------------------------------------------------------------------------------------- */
@@ -93,7 +93,7 @@ static void take_rounding(visit *v) {
 static tides_status ask(const visit *v, double s, tides_error *error) {
     const double time = v->now->from + s * (v->now->to - v->now->from);
     const td_asked asked = {v->number, v->pixel->local, s};
-    return td_solve_ask(v->s, &v->s->tile[v->pixel->tile], v->pixel->local, td_lesser(time, v->now->to), &asked, error);
+    return td_solve_ask(v->s, &v->s->layout.tile[v->pixel->tile], v->pixel->local, td_lesser(time, v->now->to), &asked, error);
 }
 
 static void weigh(visit *v) {
@@ -311,7 +311,7 @@ static tides_status judge(visit *v, int *asked, int *doubts, tides_error *error)
 /* -- the pixel ------------------------------------------------------------------------------------------------------------- */
 
 static tides_status advance(visit *v, tides_error *error) {
-    const td_tile *tile = &v->s->tile[v->pixel->tile];
+    const td_tile *tile = &v->s->layout.tile[v->pixel->tile];
     const int32_t i = v->pixel->local;
     td_sensor_single single = {.step = &v->now->span,
                                .pixel = v->at,
@@ -321,7 +321,7 @@ static tides_status advance(visit *v, tides_error *error) {
                                .pieces = &v->model.pieces,
                                .changes = &v->changes};
     if (v->now->coverage.begin) single.coverage = (td_coverage){v->now->coverage.begin + i, v->now->coverage.end + i};
-    return td_sensor_advance(&v->s->sensor, &single, &v->s->events, error);
+    return td_sensor_advance(&v->s->sensor, &single, &v->s->packet.events, error);
 }
 
 /* Of an event that waited for its pixel to become visible coverage decides when, which the comparator takes to be linear: by
@@ -413,19 +413,19 @@ tides_status td_solve_run(tides_simulator *s, td_solving *pixel, tides_error *er
     visit v; /* large: what a step has no use for isn't set */
     td_kept_pixel settled = {.words = 0};
     td_sensor_counts counts = s->sensor.counts;
-    size_t events = s->events.count;
+    size_t events = s->packet.events.count;
     int32_t unsettled = pixel->end;
     tides_status status = TIDES_OK;
     v.s = s;
     v.pixel = pixel;
-    v.at = s->first_pixel[pixel->tile] + (size_t)pixel->local;
+    v.at = s->layout.first_pixel[pixel->tile] + (size_t)pixel->local;
     for (int32_t k = pixel->next; k < pixel->end && status == TIDES_OK; k++) {
         int asked = 0;
         enter(&v, k);
         v.settles = unsettled == pixel->end;
         if (v.settles) {
             counts = s->sensor.counts;
-            events = s->events.count;
+            events = s->packet.events.count;
         }
         status = pass_step(&v, &asked, error);
         if (asked && v.settles) {
@@ -437,7 +437,7 @@ tides_status td_solve_run(tides_simulator *s, td_solving *pixel, tides_error *er
     pixel->next = unsettled;
     if (unsettled == pixel->end) return status;
     s->sensor.counts = counts;
-    s->events.count = events;
+    s->packet.events.count = events;
     td_sensor_put_back(&s->sensor, v.at, &settled);
     return status;
 }

@@ -103,10 +103,10 @@ static tides_status check_paths(const tides_scene *scene, const tides_trajectory
 }
 
 static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *error) {
-    int ok = (s->tile_risk = td_alloc((size_t)s->tiles, sizeof *s->tile_risk, error)) != NULL;
-    ok = ok && (s->refine.head = td_alloc((size_t)s->tiles, sizeof *s->refine.head, error)) != NULL;
-    ok = ok && (s->moving = td_alloc((size_t)s->tiles, sizeof *s->moving, error)) != NULL;
-    for (int p = 0; ok && p < s->sample_planes; p++)
+    int ok = (s->tile_risk = td_alloc((size_t)s->layout.tiles, sizeof *s->tile_risk, error)) != NULL;
+    ok = ok && (s->refine.head = td_alloc((size_t)s->layout.tiles, sizeof *s->refine.head, error)) != NULL;
+    ok = ok && (s->moving.list = td_alloc((size_t)s->layout.tiles, sizeof *s->moving.list, error)) != NULL;
+    for (int p = 0; ok && p < s->given.sample_planes; p++)
         ok = (s->now.plane[p] = td_alloc(pixels, sizeof *s->now.plane[p], error)) != NULL &&
              (s->next.plane[p] = td_alloc(pixels, sizeof *s->next.plane[p], error)) != NULL;
     return ok ? TIDES_OK : TIDES_NO_MEMORY;
@@ -130,21 +130,22 @@ static double tolerance_of(const tides_simulator *s, const tides_stepping *stepp
 
 /* What the parameters say, once it is known whether events are looked up. */
 static void take_parameters(tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping) {
-    s->step_s = stepping->step_s;
-    s->mode = stepping->mode;
-    s->local = stepping->local != 0;
-    s->min_step_s = stepping->min_step_s;
-    s->tolerance = tolerance_of(s, stepping);
-    s->time_tolerance_s = stepping->time_tolerance_s;
-    s->memory_mb = stepping->memory_mb;
-    s->risk = stepping->risk;
-    s->slope = stepping->slope;
-    s->unit = unit_of(s, sensor, stepping);
-    s->sample_planes = s->refine.samples.planes = sensor->b_min > 0 ? TD_PLANES_ALL : TD_PLANES_SIGNAL;
-    s->refine.samples.pixels = s->unit == TIDES_UNIT_BLOCK ? TD_BLOCK_PIXELS : TD_TILE_PIXELS;
-    s->outputs = stepping->mode == TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
+    s->given.step_s = stepping->step_s;
+    s->given.mode = stepping->mode;
+    s->given.local = stepping->local != 0;
+    s->given.min_step_s = stepping->min_step_s;
+    s->given.tolerance = tolerance_of(s, stepping);
+    s->given.time_tolerance_s = stepping->time_tolerance_s;
+    s->given.memory_mb = stepping->memory_mb;
+    s->given.risk = stepping->risk;
+    s->given.slope = stepping->slope;
+    s->given.unit = unit_of(s, sensor, stepping);
+    s->given.sample_planes = s->refine.samples.planes = sensor->b_min > 0 ? TD_PLANES_ALL : TD_PLANES_SIGNAL;
+    s->refine.samples.pixels = s->given.unit == TIDES_UNIT_BLOCK ? TD_BLOCK_PIXELS : TD_TILE_PIXELS;
+    s->given.outputs = stepping->mode == TIDES_STEPPING_RISK ? TD_OUT_DIAGNOSTICS : td_fixed_outputs(s);
     if (stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED)
-        s->interpolates = stepping->tolerance > 0 ? stepping->tolerance : model_tolerance; /* looking up doesn't undo it */
+        s->given.interpolates =
+            stepping->tolerance > 0 ? stepping->tolerance : model_tolerance; /* looking up doesn't undo it */
     td_refine_bound(s);
 }
 
@@ -158,25 +159,24 @@ static tides_status lay_out(tides_simulator *s, const tides_intrinsics *intrinsi
     tides_status status = td_lay_grid(s, error);
     if (status != TIDES_OK) return status;
     tides_renderer_stats(s->renderer, &facts);
-    s->steps = s->grid.steps;
-    s->width = intrinsics->width;
-    s->height = intrinsics->height;
-    s->image_tiles = facts.tiles;
+    s->layout.width = intrinsics->width;
+    s->layout.height = intrinsics->height;
+    s->layout.image_tiles = facts.tiles;
     s->batch = 1;
-    s->batch_limit = BATCH_TILES / s->image_tiles;
+    s->batch_limit = BATCH_TILES / s->layout.image_tiles;
     if (s->batch_limit > TD_BATCH_STEPS) s->batch_limit = TD_BATCH_STEPS;
     if (s->batch_limit < 1) s->batch_limit = 1;
     status = td_units_lay(s, error);
-    return status == TIDES_OK ? allocate(s, (size_t)s->width * (size_t)s->height, error) : status;
+    return status == TIDES_OK ? allocate(s, (size_t)s->layout.width * (size_t)s->layout.height, error) : status;
 }
 
 /* The backend builds what samples at step ends render, then what the controller's do; interpolation asks the first of them. */
 static tides_status prepare(tides_simulator *s, const tides_sensor *sensor, tides_error *error) {
     tides_status status = td_renderer_prepare(s->renderer, td_fixed_outputs(s), error);
-    if (status == TIDES_OK && s->interpolates > 0)
-        status = td_renderer_interpolate(s->renderer, s->interpolates * td_sensor_least_threshold(sensor), s->time_tolerance_s,
-                                         error);
-    return status == TIDES_OK ? td_renderer_prepare(s->renderer, s->outputs, error) : status;
+    if (status == TIDES_OK && s->given.interpolates > 0)
+        status = td_renderer_interpolate(s->renderer, s->given.interpolates * td_sensor_least_threshold(sensor),
+                                         s->given.time_tolerance_s, error);
+    return status == TIDES_OK ? td_renderer_prepare(s->renderer, s->given.outputs, error) : status;
 }
 
 /* What the caller gave, as this version has it. */
@@ -226,7 +226,8 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     if (status == TIDES_OK) status = lay_out(s, intrinsics, error);
     if (status == TIDES_OK) status = prepare(s, sensor, error);
     if (status == TIDES_OK)
-        status = td_sensor_create(sensor, stepping->model, image->log_eps, 0, s->width, s->tile, s->tiles, &s->sensor, error);
+        status = td_sensor_create(sensor, stepping->model, image->log_eps, 0, s->layout.width, s->layout.tile, s->layout.tiles,
+                                  &s->sensor, error);
     s->sensor.start_ns += s->grid.epoch_ns;
     if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, intrinsics->height, error);
     if (status == TIDES_OK) status = td_solve_create(s, error);
@@ -253,23 +254,23 @@ void tides_simulator_destroy(tides_simulator *simulator) {
         free(simulator->now.plane[p]);
         free(simulator->next.plane[p]);
     }
-    free(simulator->tile);
-    free(simulator->first_pixel);
-    free(simulator->moving);
+    free(simulator->layout.tile);
+    free(simulator->layout.first_pixel);
+    free(simulator->moving.list);
     free(simulator->tile_risk);
-    free(simulator->events.events);
-    free(simulator->scratch);
+    free(simulator->packet.events.events);
+    free(simulator->packet.scratch);
     free(simulator->undo.bytes);
     free(simulator);
 }
 
 void tides_simulator_state(const tides_simulator *simulator, double *signal, double *reference, uint32_t *count_on,
                            uint32_t *count_off) {
-    for (int t = 0; t < simulator->tiles; t++) {
-        const td_tile *tile = &simulator->tile[t];
+    for (int t = 0; t < simulator->layout.tiles; t++) {
+        const td_tile *tile = &simulator->layout.tile[t];
         for (int i = 0; i < tile->count; i++) {
-            size_t from = simulator->first_pixel[t] + (size_t)i;
-            size_t to = (size_t)(tile->y0 + i / tile->width) * simulator->width + (size_t)(tile->x0 + i % tile->width);
+            size_t from = simulator->layout.first_pixel[t] + (size_t)i;
+            size_t to = (size_t)(tile->y0 + i / tile->width) * simulator->layout.width + (size_t)(tile->x0 + i % tile->width);
             if (signal) signal[to] = simulator->started ? td_signal_now(simulator, from) : NAN;
             if (reference) reference[to] = simulator->started ? simulator->sensor.pixels.reference[from] : NAN;
             if (count_on) count_on[to] = simulator->sensor.pixels.count_on[from];

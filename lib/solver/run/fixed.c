@@ -11,11 +11,11 @@ static const double too_many_culled = 0.5, few_culled = 0.3;
 
 /* One rendered tile to its place in a sample. */
 static void store_tile(const tides_simulator *s, int t, const double *planes, td_sample *sample) {
-    size_t first = s->first_pixel[t], bytes = (size_t)s->tile[t].count * sizeof(double);
-    td_unpack_tile(&s->tile[t], planes, sample->plane[TD_PLANE_S] + first, sample->plane[TD_PLANE_S_DOT] + first);
-    if (s->sample_planes == TD_PLANES_SIGNAL) return;
+    size_t first = s->layout.first_pixel[t], bytes = (size_t)s->layout.tile[t].count * sizeof(double);
+    td_unpack_tile(&s->layout.tile[t], planes, sample->plane[TD_PLANE_S] + first, sample->plane[TD_PLANE_S_DOT] + first);
+    if (s->given.sample_planes == TD_PLANES_SIGNAL) return;
     double unpacked[TD_PLANES_ALL * TD_TILE_PIXELS];
-    td_unpack_diagnostics(&s->tile[t], planes, TD_TILE_PIXELS, unpacked);
+    td_unpack_diagnostics(&s->layout.tile[t], planes, TD_TILE_PIXELS, unpacked);
     for (int k = TD_PLANES_SIGNAL; k < TD_PLANES_ALL; k++)
         memcpy(sample->plane[k] + first, unpacked + k * TD_TILE_PIXELS, bytes);
 }
@@ -24,23 +24,23 @@ tides_status td_fixed_render(tides_simulator *s, int count, tides_error *error) 
     tides_status status = TIDES_OK;
     td_launch_clear(&s->launch);
     for (int k = 1; k <= count; k++)
-        for (int i = 0; i < s->moving_count && status == TIDES_OK; i++)
-            status = td_launch_add(&s->launch, s->moving[i], td_grid_time(s, s->step + k), 0, error);
+        for (int i = 0; i < s->moving.count && status == TIDES_OK; i++)
+            status = td_launch_add(&s->launch, s->moving.list[i], td_grid_time(s, s->step + k), 0, error);
     if (status != TIDES_OK) return status;
     return td_launch_render(s, 0, s->launch.count, TD_SIDE_ENDS, td_fixed_outputs(s), error);
 }
 
 void td_fixed_take(tides_simulator *s, int k, td_sample *sample) {
-    const size_t bytes = s->first_pixel[s->tiles] * sizeof(double);
-    if (s->moving_count < s->tiles)
-        for (int p = 0; p < s->sample_planes; p++) memcpy(sample->plane[p], s->now.plane[p], bytes);
-    for (int i = 0; i < s->moving_count; i++)
-        store_tile(s, s->moving[i], td_launch_planes(&s->launch, (size_t)k * (size_t)s->moving_count + (size_t)i), sample);
+    const size_t bytes = s->layout.first_pixel[s->layout.tiles] * sizeof(double);
+    if (s->moving.count < s->layout.tiles)
+        for (int p = 0; p < s->given.sample_planes; p++) memcpy(sample->plane[p], s->now.plane[p], bytes);
+    for (int i = 0; i < s->moving.count; i++)
+        store_tile(s, s->moving.list[i], td_launch_planes(&s->launch, (size_t)k * (size_t)s->moving.count + (size_t)i), sample);
 }
 
 /* Slopes of S without derivatives: what a renderer that knows none could do. */
 void td_difference_slopes(tides_simulator *s, double h) {
-    for (size_t i = 0; i < s->first_pixel[s->tiles]; i++) {
+    for (size_t i = 0; i < s->layout.first_pixel[s->layout.tiles]; i++) {
         double slope = (s->next.plane[TD_PLANE_S][i] - s->now.plane[TD_PLANE_S][i]) / h;
         s->next.plane[TD_PLANE_S_DOT][i] = slope;
         if (s->step == 0) s->now.plane[TD_PLANE_S_DOT][i] = slope;
@@ -75,7 +75,7 @@ static void store_first(tides_simulator *s, const td_ask *ask, const double *pla
 static tides_status render_first(tides_simulator *s, tides_error *error) {
     tides_status status = TIDES_OK;
     td_launch_clear(&s->launch);
-    for (int t = 0; t < s->tiles && status == TIDES_OK; t++) status = td_launch_add(&s->launch, t, 0, 0, error);
+    for (int t = 0; t < s->layout.tiles && status == TIDES_OK; t++) status = td_launch_add(&s->launch, t, 0, 0, error);
     return status == TIDES_OK ? td_launch_take_all(s, TD_SIDE_BEGINS, td_fixed_outputs(s), store_first, NULL, error) : status;
 }
 

@@ -18,21 +18,21 @@ static const double full_rate = 100, full_contributors = 64;
 
 /* From now on samples have diagnostics. */
 static tides_status keep_all(tides_simulator *s, tides_error *error) {
-    size_t pixels = s->first_pixel[s->tiles];
+    size_t pixels = s->layout.first_pixel[s->layout.tiles];
     for (int p = TD_PLANES_SIGNAL; p < TD_PLANES_ALL; p++) {
         if (!s->now.plane[p]) s->now.plane[p] = td_alloc(pixels, sizeof(double), error);
         if (!s->next.plane[p]) s->next.plane[p] = td_alloc(pixels, sizeof(double), error);
         if (!s->now.plane[p] || !s->next.plane[p]) return TIDES_NO_MEMORY;
     }
-    s->sample_planes = s->refine.samples.planes = TD_PLANES_ALL;
-    s->outputs = TD_OUT_DIAGNOSTICS;
+    s->given.sample_planes = s->refine.samples.planes = TD_PLANES_ALL;
+    s->given.outputs = TD_OUT_DIAGNOSTICS;
     td_refine_bound(s);
     return td_renderer_prepare(s->renderer, TD_OUT_DIAGNOSTICS, error);
 }
 
 static tides_status attach(tides_simulator *s, const tides_readout *params, tides_error *error) {
     td_run_readout *readout = &s->readout;
-    int32_t width = s->width, height = s->height, down;
+    int32_t width = s->layout.width, height = s->layout.height, down;
     tides_status status = tides_arbiter_create(params, width, height, s->sensor.sensor.seed, &readout->arbiter, error);
     if (status != TIDES_OK) return status;
     tides_arbiter_start(readout->arbiter, s->grid.epoch_ns);
@@ -81,12 +81,12 @@ static double share(double value, double full) { return fmin(value / full, 1); }
 
 /* What one of the simulator's tiles adds to the sums of the arbiter's. */
 static void add_tile(tides_simulator *s, int t, int moves) {
-    const td_tile *tile = &s->tile[t];
+    const td_tile *tile = &s->layout.tile[t];
     const double threshold = 0.5 * (s->sensor.sensor.threshold_on + s->sensor.sensor.threshold_off);
     for (int32_t i = 0; i < tile->count; i++) {
         int32_t x = tile->x0 + i % tile->width, y = tile->y0 + i / tile->width;
         td_activity *sum = &s->readout.sums[y / s->readout.params.tile_px * s->readout.across + x / s->readout.params.tile_px];
-        size_t at = s->first_pixel[t] + (size_t)i;
+        size_t at = s->layout.first_pixel[t] + (size_t)i;
         double L_dot = fabs(s->now.plane[TD_PLANE_S_DOT][at]), alpha_dot = fabs(s->now.plane[TD_PLANE_ALPHA_DOT][at]);
         if (moves && isfinite(L_dot)) sum->rate += L_dot / threshold;
         if (moves && isfinite(alpha_dot)) sum->alpha += alpha_dot;
@@ -94,13 +94,13 @@ static void add_tile(tides_simulator *s, int t, int moves) {
     }
 }
 
-/* readout->psi of the time reached; the tiles in s->moving moved on the way there. */
+/* readout->psi of the time reached; the tiles in s->moving.list moved on the way there. */
 static void measure_activity(tides_simulator *s) {
     td_run_readout *readout = &s->readout;
     size_t tiles = (size_t)readout->arbiter->across * (size_t)readout->arbiter->down;
     memset(readout->sums, 0, tiles * sizeof *readout->sums);
-    for (int t = 0, moved = 0; t < s->tiles; t++) {
-        int moves = moved < s->moving_count && s->moving[moved] == t;
+    for (int t = 0, moved = 0; t < s->layout.tiles; t++) {
+        int moves = moved < s->moving.count && s->moving.list[moved] == t;
         moved += moves;
         add_tile(s, t, moves);
     }
@@ -131,14 +131,15 @@ static int take(void *user, const tides_event *events, const int64_t *fired, siz
 tides_status td_readout_step(tides_simulator *s, tides_error *error) {
     td_run_readout *readout = &s->readout;
     tides_error *reason = error ? error : &readout->error;
-    tides_status status = td_renew((void **)&s->scratch, &s->scratch_capacity, s->events.count, sizeof *s->scratch, reason);
+    tides_status status = td_renew((void **)&s->packet.scratch, &s->packet.scratch_capacity, s->packet.events.count,
+                                   sizeof *s->packet.scratch, reason);
     if (status != TIDES_OK) return status;
     measure_activity(s);
     status = tides_arbiter_activity(readout->arbiter, readout->psi, reason);
     if (status != TIDES_OK) return status;
-    td_event_sort(s->events.events, s->scratch, s->events.count);
-    status = tides_arbiter_push(readout->arbiter, s->events.events, s->events.count, take, readout, reason);
-    s->events.count = 0;
-    if (status == TIDES_OK && s->step == s->steps) status = tides_arbiter_finish(readout->arbiter, take, readout, reason);
+    td_event_sort(s->packet.events.events, s->packet.scratch, s->packet.events.count);
+    status = tides_arbiter_push(readout->arbiter, s->packet.events.events, s->packet.events.count, take, readout, reason);
+    s->packet.events.count = 0;
+    if (status == TIDES_OK && s->step == s->grid.steps) status = tides_arbiter_finish(readout->arbiter, take, readout, reason);
     return status == TIDES_CANCELLED ? td_fail(error, TIDES_NO_MEMORY, "%s", readout->error.text) : status;
 }

@@ -28,15 +28,15 @@
 static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
     td_step step;
     double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
-    if (s->slope == TIDES_SLOPE_DIFFERENCE) td_difference_slopes(s, stop - start);
+    if (s->given.slope == TIDES_SLOPE_DIFFERENCE) td_difference_slopes(s, stop - start);
     if (s->surround.surround.on) return td_surround_compare(s, start, stop, NULL, error);
     tides_status status = td_grid_step(&s->grid, start, stop, &step, error);
-    for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {
-        int t = s->moving[i];
+    for (int i = 0; i < s->moving.count && status == TIDES_OK; i++) {
+        int t = s->moving.list[i];
         const double *begin_planes[TD_PLANES_ALL], *end_planes[TD_PLANES_ALL];
-        for (int p = 0; p < s->sample_planes; p++) {
-            begin_planes[p] = s->now.plane[p] + s->first_pixel[t];
-            end_planes[p] = s->next.plane[p] + s->first_pixel[t];
+        for (int p = 0; p < s->given.sample_planes; p++) {
+            begin_planes[p] = s->now.plane[p] + s->layout.first_pixel[t];
+            end_planes[p] = s->next.plane[p] + s->layout.first_pixel[t];
         }
         status = td_compare_tile(s, t, &step, begin_planes, end_planes, error);
     }
@@ -46,16 +46,17 @@ static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
 /* What happens after a step was compared: it is reached, and its events go through the readout. */
 static tides_status reach(tides_simulator *s, tides_error *error) {
     s->step++;
-    s->stats.tile_steps_still += (uint64_t)(s->image_tiles - s->moving_tiles);
+    s->stats.tile_steps_still += (uint64_t)(s->layout.image_tiles - s->moving.tiles);
     return s->readout.arbiter ? td_readout_step(s, error) : TIDES_OK;
 }
 
 /* Sorts the events from number `first` on. */
 static tides_status sort_from(tides_simulator *s, size_t first, tides_error *error) {
-    const size_t count = s->events.count - first;
+    const size_t count = s->packet.events.count - first;
     if (count == 0) return TIDES_OK; /* and there may be no list yet */
-    tides_status status = td_renew((void **)&s->scratch, &s->scratch_capacity, count, sizeof *s->scratch, error);
-    if (status == TIDES_OK) td_event_sort(s->events.events + first, s->scratch, count);
+    tides_status status =
+        td_renew((void **)&s->packet.scratch, &s->packet.scratch_capacity, count, sizeof *s->packet.scratch, error);
+    if (status == TIDES_OK) td_event_sort(s->packet.events.events + first, s->packet.scratch, count);
     return status;
 }
 
@@ -63,12 +64,12 @@ static tides_status sort_from(tides_simulator *s, size_t first, tides_error *err
 static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
     const double begun = td_now();
     const int left = s->readout.arbiter != NULL; /* or from the pixels */
-    const tides_event *events = left ? s->readout.events : s->events.events;
-    const size_t count = left ? s->readout.count : s->events.count;
-    if (count > 0) s->last = events[count - 1];
+    const tides_event *events = left ? s->readout.events : s->packet.events.events;
+    const size_t count = left ? s->readout.count : s->packet.events.count;
+    if (count > 0) s->packet.last = events[count - 1];
     const int stopped = sink && sink(user, events, count);
     s->stats.time_sink_s += td_now() - begun;
-    s->events.count = s->readout.count = 0;
+    s->packet.events.count = s->readout.count = 0;
     return stopped ? td_fail(error, TIDES_CANCELLED, "stopped by the event sink at %.9g s", td_time_reached(s)) : TIDES_OK;
 }
 
@@ -78,13 +79,13 @@ static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, 
  * fifth of the time that all of them take together. */
 static tides_status compare_fixed(tides_simulator *s, int k, tides_error *error) {
     const double begun = td_now();
-    const size_t first = s->events.count;
+    const size_t first = s->packet.events.count;
     td_fixed_take(s, k, &s->next);
     tides_status status = compare_tiles(s, error);
     if (status == TIDES_OK) status = sort_from(s, first, error);
     if (status == TIDES_OK) {
         td_turn_samples(s);
-        s->stats.steps += (uint64_t)s->moving_count;
+        s->stats.steps += (uint64_t)s->moving.count;
         status = reach(s, error);
     }
     s->stats.time_compare_s += td_now() - begun;
@@ -108,7 +109,7 @@ static tides_status advance_fixed(tides_simulator *s, int64_t most, tides_event_
     tides_status emitted = TIDES_OK;
     for (int k = 0; k < steps && status == TIDES_OK && emitted == TIDES_OK; k++) {
         status = compare_fixed(s, k, error);
-        if (status == TIDES_OK && s->events.count >= PACKET_FULL) emitted = emit(s, sink, user, error);
+        if (status == TIDES_OK && s->packet.events.count >= PACKET_FULL) emitted = emit(s, sink, user, error);
     }
     s->broken = status != TIDES_OK;
     td_fixed_adapt(s, &before);
@@ -117,7 +118,7 @@ static tides_status advance_fixed(tides_simulator *s, int64_t most, tides_event_
     return status == TIDES_OK ? emitted : status;
 }
 
-/* The steps of the tiles in s->moving, until nothing asks for a shorter one; then all are compared that weren't. */
+/* The steps of the tiles in s->moving.list, until nothing asks for a shorter one; then all are compared that weren't. */
 static tides_status refine_group(tides_simulator *s, double start, double stop, tides_error *error) {
     tides_status status = td_refine_begin(s, start, stop, error);
     while (status == TIDES_OK) {
@@ -134,17 +135,17 @@ static tides_status refine_group(tides_simulator *s, double start, double stop, 
 /* All tiles that move in a macro step, as many together as there is memory for. Until the first is compared a failure leaves
  * the pixels as they were. */
 static tides_status refine(tides_simulator *s, double start, double stop, tides_error *error) {
-    int *const all = s->moving;
-    const int count = s->moving_count, most = td_window_units(s);
+    int *const all = s->moving.list;
+    const int count = s->moving.count, most = td_window_units(s);
     tides_status status = TIDES_OK;
     for (int first = 0; first < count && status == TIDES_OK; first += most) {
-        s->moving = all + first;
-        s->moving_count = count - first < most ? count - first : most;
+        s->moving.list = all + first;
+        s->moving.count = count - first < most ? count - first : most;
         status = refine_group(s, start, stop, error);
         s->broken |= status != TIDES_OK && (first > 0 || s->refine.early);
     }
-    s->moving = all;
-    s->moving_count = count;
+    s->moving.list = all;
+    s->moving.count = count;
     return status;
 }
 
@@ -164,8 +165,8 @@ static tides_status compare_refined(tides_simulator *s, tides_error *error) {
     const double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
     tides_status status = td_solve_keep_start(s, error);
     if (status == TIDES_OK) status = td_sweep(s, start, stop, error);
-    if (status == TIDES_OK && s->moving_count > 0) status = td_renderer_find_swaps(s->renderer, s->camera, error);
-    if (status == TIDES_OK && s->moving_count > 0) status = refine(s, start, stop, error);
+    if (status == TIDES_OK && s->moving.count > 0) status = td_renderer_find_swaps(s->renderer, s->camera, error);
+    if (status == TIDES_OK && s->moving.count > 0) status = refine(s, start, stop, error);
     if (status != TIDES_OK) return status; /* whether the pixels still agree on the time has been said */
     status = compare_still(s, start, stop, error);
     s->broken = status != TIDES_OK;
@@ -195,10 +196,10 @@ static tides_status advance_to(tides_simulator *s, int64_t last, tides_event_sin
     tides_status status = TIDES_OK;
     while (status == TIDES_OK && s->step < last) {
         td_ask_step(s);
-        status = s->mode == TIDES_STEPPING_FIXED ? advance_fixed(s, last - s->step, sink, sink_user, error)
-                                                 : advance_refined(s, sink, sink_user, error);
+        status = s->given.mode == TIDES_STEPPING_FIXED ? advance_fixed(s, last - s->step, sink, sink_user, error)
+                                                       : advance_refined(s, sink, sink_user, error);
         if (!asking->progress || (status != TIDES_OK && !asking->stopped)) continue;
-        if (asking->stopped || asking->progress(asking->user, (double)s->step / (double)s->steps, "simulating"))
+        if (asking->stopped || asking->progress(asking->user, (double)s->step / (double)s->grid.steps, "simulating"))
             status = td_fail(error, TIDES_CANCELLED, "stopped on request at %.9g s", td_time_reached(s));
     }
     return status;
@@ -227,12 +228,12 @@ static tides_status check_told(const tides_simulator *s, int64_t last, tides_err
 
 /* The last grid point of a run that is asked for up to `until`. */
 static int64_t last_point(const tides_simulator *s, double until) {
-    return until - s->epoch >= s->length ? s->steps : td_grid_last_until(&s->grid, s->epoch, until);
+    return until - s->epoch >= s->length ? s->grid.steps : td_grid_last_until(&s->grid, s->epoch, until);
 }
 
 double td_simulator_extends_from(const tides_simulator *s, double until) {
     const int64_t last = last_point(s, until);
-    return s->epoch + td_grid_time(s, last < s->steps ? last : s->steps - 1);
+    return s->epoch + td_grid_time(s, last < s->grid.steps ? last : s->grid.steps - 1);
 }
 
 tides_status tides_simulator_run(tides_simulator *simulator, double until, tides_event_sink sink, void *sink_user,

@@ -10,11 +10,11 @@
 /* What an accepted step adds to the statistics. */
 static void note_step(tides_simulator *s, const td_refine_step *step) {
     tides_stats *stats = &s->stats;
-    int controls = s->mode == TIDES_STEPPING_ERROR, above = step->excess > 1;
+    int controls = s->given.mode == TIDES_STEPPING_ERROR, above = step->excess > 1;
     stats->steps++;
     stats->steps_probed += (uint64_t)(controls && step->probe >= 0);
     stats->steps_at_minimum += (uint64_t)above;
-    stats->steps_at_rounding += (uint64_t)(!above && step->rounded > s->tolerance);
+    stats->steps_at_rounding += (uint64_t)(!above && step->rounded > s->given.tolerance);
     stats->worst_error = td_greater(stats->worst_error, step->error);
     stats->worst_deviation = td_greater(stats->worst_deviation, step->deviation);
 }
@@ -25,7 +25,7 @@ static tides_status compare_step(tides_simulator *s, const td_refine_step *refin
     const double *begin_planes[TD_PLANES_ALL], *end_planes[TD_PLANES_ALL];
     td_refine_planes(s, refined, begin_planes, end_planes);
     td_step step;
-    size_t first = s->events.count;
+    size_t first = s->packet.events.count;
     tides_status status = td_grid_step(&s->grid, td_refine_time(r, start, stop, refined->from),
                                        td_refine_time(r, start, stop, refined->to), &step, error);
     if (status == TIDES_OK) status = td_compare_tile(s, refined->tile, &step, begin_planes, end_planes, error);
@@ -37,8 +37,8 @@ static tides_status compare_step(tides_simulator *s, const td_refine_step *refin
 /* The tile's sample becomes `to`'s. */
 static void reach(tides_simulator *s, int t, int32_t index, const td_sample *to) {
     const double *reached = td_sample_at(&s->refine.samples, index);
-    size_t at = s->first_pixel[t], bytes = (size_t)s->tile[t].count * sizeof *reached;
-    for (int p = 0; p < s->sample_planes; p++) memcpy(to->plane[p] + at, reached + p * s->refine.samples.pixels, bytes);
+    size_t at = s->layout.first_pixel[t], bytes = (size_t)s->layout.tile[t].count * sizeof *reached;
+    for (int p = 0; p < s->given.sample_planes; p++) memcpy(to->plane[p] + at, reached + p * s->refine.samples.pixels, bytes);
     s->tile_risk[t] = *td_sample_risk(&s->refine.samples, index);
 }
 
@@ -73,7 +73,7 @@ static tides_status settle_common_step(tides_simulator *s, const int32_t *which,
     td_refine *r = &s->refine;
     double from = td_refine_time(r, start, stop, r->step[which[0]].from),
            to = td_refine_time(r, start, stop, r->step[which[0]].to);
-    for (int t = 0; t < s->tiles; t++) {
+    for (int t = 0; t < s->layout.tiles; t++) {
         reach(s, t, r->step[which[t]].end, &s->next);
         note_step(s, &r->step[which[t]]);
     }
@@ -85,12 +85,12 @@ static tides_status settle_common_step(tides_simulator *s, const int32_t *which,
 
 static tides_status settle_together(tides_simulator *s, double start, double stop, int early, tides_error *error) {
     td_refine *r = &s->refine;
-    int32_t *which = td_alloc((size_t)s->tiles, sizeof *which, error);
+    int32_t *which = td_alloc((size_t)s->layout.tiles, sizeof *which, error);
     tides_status status = which ? TIDES_OK : TIDES_NO_MEMORY;
-    if (status == TIDES_OK) memcpy(which, r->head, (size_t)s->tiles * sizeof *which);
+    if (status == TIDES_OK) memcpy(which, r->head, (size_t)s->layout.tiles * sizeof *which);
     while (status == TIDES_OK && which[0] >= 0 && !r->step[which[0]].open) {
         status = settle_common_step(s, which, start, stop, error);
-        for (int t = 0; t < s->tiles && status == TIDES_OK; t++) {
+        for (int t = 0; t < s->layout.tiles && status == TIDES_OK; t++) {
             which[t] = r->step[which[t]].next;
             if (early) pass_head(r, t);
         }
@@ -102,14 +102,14 @@ static tides_status settle_together(tides_simulator *s, double start, double sto
 /* The references that the macro step began with, for those steps that are judged after others have been compared. */
 static tides_status keep_references(tides_simulator *s, tides_error *error) {
     td_refine *r = &s->refine;
-    size_t pixels = s->first_pixel[s->tiles];
+    size_t pixels = s->layout.first_pixel[s->layout.tiles];
     if (r->early) return TIDES_OK;
     tides_status status = td_reserve((void **)&r->reference, &r->reference_capacity, pixels, sizeof *r->reference, error);
     if (status != TIDES_OK) return status;
-    for (int i = 0; i < s->moving_count; i++) {
-        const size_t first = s->first_pixel[s->moving[i]];
+    for (int i = 0; i < s->moving.count; i++) {
+        const size_t first = s->layout.first_pixel[s->moving.list[i]];
         memcpy(r->reference + first, s->sensor.pixels.reference + first,
-               (size_t)s->tile[s->moving[i]].count * sizeof *r->reference);
+               (size_t)s->layout.tile[s->moving.list[i]].count * sizeof *r->reference);
     }
     r->early = 1;
     return TIDES_OK;
@@ -123,8 +123,8 @@ tides_status td_settle(tides_simulator *s, double start, double stop, int early,
     if (s->surround.surround.on)
         status = settle_together(s, start, stop, early, error);
     else
-        for (int i = 0; i < s->moving_count && status == TIDES_OK; i++)
-            status = settle_tile(s, s->moving[i], start, stop, early, error);
+        for (int i = 0; i < s->moving.count && status == TIDES_OK; i++)
+            status = settle_tile(s, s->moving.list[i], start, stop, early, error);
     s->stats.time_compare_s += td_now() - begun;
     s->broken |= status != TIDES_OK;
     return status;

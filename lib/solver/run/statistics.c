@@ -119,8 +119,8 @@ static void collect(const tides_simulator *s, tides_stats *stats) {
     stats->events_uncertain = s->timing.uncertain;
     stats->solve = s->solve.on ? TIDES_SOLVE_DOUBLE : TIDES_SOLVE_OFF;
     stats->unsolved = (uint64_t)s->solve.unsolved;
-    stats->unit = (uint64_t)s->unit;
-    stats->tolerance = s->tolerance;
+    stats->unit = (uint64_t)s->given.unit;
+    stats->tolerance = s->given.tolerance;
     stats->events_solved = s->solve.events;
     stats->points_looked_up = s->solve.lookups;
     stats->events_truncated = s->sensor.counts.truncated;

@@ -6,7 +6,7 @@
 
 tides_status td_surround_steps_create(tides_simulator *s, const tides_sensor *sensor, int height, tides_error *error) {
     td_surround_steps *steps = &s->surround;
-    size_t pixels = (size_t)s->width * (size_t)height;
+    size_t pixels = (size_t)s->layout.width * (size_t)height;
     if (sensor->surround_lambda_px == 0) return TIDES_OK;
     if (sensor->bandwidth != TIDES_BANDWIDTH_FIRST_ORDER ||
         (sensor->photoreceptor_cutoff_hz > 0 && sensor->photoreceptor_law != TIDES_PHOTORECEPTOR_CONSTANT))
@@ -14,11 +14,12 @@ tides_status td_surround_steps_create(tides_simulator *s, const tides_sensor *se
                        "center_surround: wants a photoreceptor whose filter is the same for all pixels: bandwidth first_order "
                        "and photoreceptor_law constant");
     double least = td_sensor_least_threshold(sensor);
-    tides_status status = td_surround_create(sensor, s->width, height, s->tolerance * least, &steps->surround, error);
+    tides_status status =
+        td_surround_create(sensor, s->layout.width, height, s->given.tolerance * least, &steps->surround, error);
     double **images[] = {&steps->from_dot, &steps->p, &steps->p_dot, &steps->S, &steps->modes};
     for (size_t i = 0; i < sizeof images / sizeof *images && status == TIDES_OK; i++)
         if (!(*images[i] = td_alloc(pixels, sizeof **images[i], error))) status = TIDES_NO_MEMORY;
-    if (status == TIDES_OK) s->local = 0;
+    if (status == TIDES_OK) s->given.local = 0;
     return status;
 }
 
@@ -36,11 +37,11 @@ enum { TO_IMAGE, TO_TILES };
 
 /* From the tiles' order to the image's, or the other way. */
 static void rearrange(const tides_simulator *s, int direction, const double *from, double *to) {
-    for (int t = 0; t < s->tiles; t++) {
-        const td_tile *tile = &s->tile[t];
+    for (int t = 0; t < s->layout.tiles; t++) {
+        const td_tile *tile = &s->layout.tile[t];
         for (int i = 0; i < tile->count; i++) {
-            size_t in_tiles = s->first_pixel[t] + (size_t)i;
-            size_t in_image = (size_t)(tile->y0 + i / tile->width) * s->width + (size_t)(tile->x0 + i % tile->width);
+            size_t in_tiles = s->layout.first_pixel[t] + (size_t)i;
+            size_t in_image = (size_t)(tile->y0 + i / tile->width) * s->layout.width + (size_t)(tile->x0 + i % tile->width);
             if (direction == TO_IMAGE)
                 to[in_image] = from[in_tiles];
             else
@@ -82,17 +83,17 @@ typedef struct tile_sample {
 
 /* `part` of the step says where between s->now and s->next the other planes are, which are taken to be linear. */
 static void take_tile(const tides_simulator *s, int t, const td_surround_sample *from, double part, tile_sample *to) {
-    const td_tile *tile = &s->tile[t];
+    const td_tile *tile = &s->layout.tile[t];
     for (int i = 0; i < tile->count; i++) {
-        size_t at = (size_t)(tile->y0 + i / tile->width) * s->width + (size_t)(tile->x0 + i % tile->width);
+        size_t at = (size_t)(tile->y0 + i / tile->width) * s->layout.width + (size_t)(tile->x0 + i % tile->width);
         to->own[TD_PLANE_S][i] = from->S[at];
         to->own[TD_PLANE_S_DOT][i] = from->S_dot[at];
         to->p[i] = from->p[at];
         to->p_dot[i] = from->p_dot[at];
     }
-    for (int k = 0; k < s->sample_planes; k++) {
+    for (int k = 0; k < s->given.sample_planes; k++) {
         to->plane[k] = to->own[k];
-        const double *now = s->now.plane[k] + s->first_pixel[t], *next = s->next.plane[k] + s->first_pixel[t];
+        const double *now = s->now.plane[k] + s->layout.first_pixel[t], *next = s->next.plane[k] + s->layout.first_pixel[t];
         for (int i = 0; i < tile->count && k >= TD_PLANES_SIGNAL; i++) to->own[k][i] = (1 - part) * now[i] + part * next[i];
     }
 }
@@ -100,12 +101,12 @@ static void take_tile(const tides_simulator *s, int t, const td_surround_sample 
 static tides_status compare_piece(tides_simulator *s, const td_step *step, const double part[2],
                                   const td_surround_sample sample[2], const int32_t *which, tides_error *error) {
     tides_status status = TIDES_OK;
-    for (int t = 0; t < s->tiles && status == TIDES_OK; t++) {
+    for (int t = 0; t < s->layout.tiles && status == TIDES_OK; t++) {
         tile_sample begin, end;
         take_tile(s, t, &sample[0], part[0], &begin);
         take_tile(s, t, &sample[1], part[1], &end);
         const td_signals light = {begin.p, begin.p_dot, end.p, end.p_dot};
-        size_t first = s->events.count;
+        size_t first = s->packet.events.count;
         s->sensor.light = &light;
         status = td_compare_tile(s, t, step, begin.plane, end.plane, error);
         s->sensor.light = NULL;

@@ -17,16 +17,17 @@ static tides_status fail_nonfinite(const tides_simulator *s, int t, const td_ste
     return td_fail(error, TIDES_BAD_ARGUMENT,
                    "the signal of %llu pixels of the tile at (%d, %d) isn't finite at %.15g s, although the image is: the "
                    "front end's parameters are beyond what can be computed with",
-                   (unsigned long long)pixels, (int)s->tile[t].x0, (int)s->tile[t].y0, 1e-9 * (double)step->start_ns);
+                   (unsigned long long)pixels, (int)s->layout.tile[t].x0, (int)s->layout.tile[t].y0,
+                   1e-9 * (double)step->start_ns);
 }
 
 static tides_status compare(tides_simulator *s, int t, const td_step *step, const double *const begin[],
                             const double *const end[], tides_error *error) {
-    size_t at = s->first_pixel[t];
+    size_t at = s->layout.first_pixel[t];
     td_signals signals = {begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
     td_coverage coverage = {NULL, NULL};
     if (s->sensor.masks) coverage = (td_coverage){begin[TD_PLANE_ALPHA], end[TD_PLANE_ALPHA]};
-    return td_sensor_step(&s->sensor, step, &s->tile[t], at, &signals, &coverage, &s->events, error);
+    return td_sensor_step(&s->sensor, step, &s->layout.tile[t], at, &signals, &coverage, &s->packet.events, error);
 }
 
 tides_status td_compare_tile(tides_simulator *s, int t, const td_step *step, const double *const begin[],
@@ -41,13 +42,13 @@ tides_status td_compare_still(tides_simulator *s, const td_step *step, tides_err
     static const double no_rate[TD_TILE_PIXELS] = {0};
     if (!s->sensor.active_at_rest) return TIDES_OK;
     int moved = 0; /* both lists ascend */
-    for (int t = 0; t < s->tiles; t++) {
-        if (moved < s->moving_count && s->moving[moved] == t) {
+    for (int t = 0; t < s->layout.tiles; t++) {
+        if (moved < s->moving.count && s->moving.list[moved] == t) {
             moved++;
             continue;
         }
         const double *plane[TD_PLANES_ALL];
-        for (int k = 0; k < s->sample_planes; k++) plane[k] = s->now.plane[k] + s->first_pixel[t];
+        for (int k = 0; k < s->given.sample_planes; k++) plane[k] = s->now.plane[k] + s->layout.first_pixel[t];
         plane[TD_PLANE_S_DOT] = no_rate;
         tides_status status = td_compare_tile(s, t, step, plane, plane, error);
         if (status != TIDES_OK) return status;
@@ -65,17 +66,17 @@ void td_time_events(tides_simulator *s, const td_refine_step *refined, const td_
     const td_samples *samples = &s->refine.samples;
     const int holds = td_sensor_holds(&s->sensor);
     td_timed timed = {.step = step,
-                      .tile = &s->tile[refined->tile],
+                      .tile = &s->layout.tile[refined->tile],
                       .signals = &signals,
                       .deviation = refined->probe < 0 ? NULL : td_sample_deviation(samples, refined->probe),
                       .fall = refined->probe < 0 ? NULL : td_sample_fall(samples, refined->probe),
                       .adds = holds ? hold_adds : 1,
                       .is_last = td_refine_ends_run(s, refined),
-                      .levels = td_sensor_levels(&s->sensor, step, s->first_pixel[refined->tile]),
+                      .levels = td_sensor_levels(&s->sensor, step, s->layout.first_pixel[refined->tile]),
                       .frontend = &s->sensor.frontend,
                       .log_eps = s->sensor.log_eps,
-                      .events = s->events.count > first ? s->events.events + first : NULL,
-                      .count = s->events.count - first};
+                      .events = s->packet.events.count > first ? s->packet.events.events + first : NULL,
+                      .count = s->packet.events.count - first};
     td_timing_add(&s->timing, &timed);
     td_timing_add_turns(&s->timing, &timed);
 }

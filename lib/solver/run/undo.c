@@ -17,7 +17,7 @@ static int ask(void *user) {
     td_asking *asking = &((tides_simulator *)user)->asking;
     if (asking->launches++ == 0) return 0;
     const double done = (double)asking->launches, part = done / (done + (double)asking->usual);
-    asking->stopped = asking->progress(asking->user, ((double)s->step + part) / (double)s->steps, "simulating") != 0;
+    asking->stopped = asking->progress(asking->user, ((double)s->step + part) / (double)s->grid.steps, "simulating") != 0;
     return asking->stopped;
 }
 
@@ -93,6 +93,6 @@ void td_undo_stopped(tides_simulator *s, tides_status status) {
     td_sensor_resume(&s->sensor);
     if (s->surround.surround.on) td_surround_steps_resume(s);
     put_counts(s, undo);
-    s->events.count = 0;
+    s->packet.events.count = 0;
     s->broken = 0;
 }

@@ -34,8 +34,8 @@ double td_tile_risk(const tides_simulator *s, const td_tile *tile, const double 
             int at = td_unit_pixel(tile, x, y);
             double b = planes[TD_OUT_COVERAGE * TD_TILE_PIXELS + at];
             double c = td_lesser(planes[TD_OUT_CONTRIBUTORS * TD_TILE_PIXELS + at] / most_contributors, 1);
-            double a = td_lesser(fabs(planes[TD_OUT_ALPHA_DOT * TD_TILE_PIXELS + at]) * s->step_s, 1);
-            most = td_greater(most, s->risk.w_b * (1 - b) + s->risk.w_c * c + s->risk.w_alpha * a);
+            double a = td_lesser(fabs(planes[TD_OUT_ALPHA_DOT * TD_TILE_PIXELS + at]) * s->given.step_s, 1);
+            most = td_greater(most, s->given.risk.w_b * (1 - b) + s->given.risk.w_c * c + s->given.risk.w_alpha * a);
         }
     return td_lesser(most, 1);
 }
@@ -56,22 +56,22 @@ static double error_excess(tides_simulator *s, td_refine_step *step, double star
     const td_signals signals = {begin, begin + r->samples.pixels, end, end + r->samples.pixels};
     const double from = td_refine_time(r, start, stop, step->from),
                  *references = r->early ? r->reference : s->sensor.pixels.reference;
-    size_t first = s->first_pixel[step->tile];
+    size_t first = s->layout.first_pixel[step->tile];
     /* Through a surround each pixel's error is everyone's: all count. */
     const td_estimated judged = {td_refine_time(r, start, stop, step->to) - from,
                                  &signals,
                                  s->surround.surround.on ? NULL : references + first,
                                  step->probe < 0 ? NULL : td_sample_deviation(&r->samples, step->probe),
                                  rounding_seen * s->timing.rounding,
-                                 s->tile[step->tile].count};
+                                 s->layout.tile[step->tile].count};
     td_estimate estimate = td_sensor_estimate(&s->sensor, &judged, first, step->cuts, from * 1e9);
     double threshold = td_sensor_least_threshold(&s->sensor.sensor);
     step->error = estimate.error / threshold;
     step->deviation = estimate.deviation / threshold;
     step->rounded = estimate.rounded / threshold;
-    const int asks_time = s->time_tolerance_s > 0 && !s->solve.on; /* else no step's matter */
-    double excess = is_rounding(s, step, threshold) ? 0 : step->error / s->tolerance;
-    if (asks_time && excess > 0) excess = td_greater(excess, estimate.seconds / s->time_tolerance_s);
+    const int asks_time = s->given.time_tolerance_s > 0 && !s->solve.on; /* else no step's matter */
+    double excess = is_rounding(s, step, threshold) ? 0 : step->error / s->given.tolerance;
+    if (asks_time && excess > 0) excess = td_greater(excess, estimate.seconds / s->given.time_tolerance_s);
     return td_greater(excess, estimate.crossings / s->sensor.sensor.max_events_per_step);
 }
 
@@ -79,16 +79,16 @@ static double error_excess(tides_simulator *s, td_refine_step *step, double star
 void td_control_judge(tides_simulator *s, td_refine_step *step, double start, double stop) {
     const td_refine *r = &s->refine;
     double share = (double)(step->to - step->from) / (double)((uint32_t)1 << r->depth);
-    int may_cut = td_refine_may_cut(r, step), controls = s->mode == TIDES_STEPPING_ERROR;
+    int may_cut = td_refine_may_cut(r, step), controls = s->given.mode == TIDES_STEPPING_ERROR;
     step->excess = share * td_units_travel(s, step->tile) / most_travel;
     if (controls) step->excess = td_greater(step->excess, error_excess(s, step, start, stop));
     if (controls && may_cut && step->probe < 0) step->excess = td_greater(step->excess, unseen);
-    if (s->mode == TIDES_STEPPING_RISK) {
+    if (s->given.mode == TIDES_STEPPING_RISK) {
         double begin = *td_sample_risk(&r->samples, step->begin), end = *td_sample_risk(&r->samples, step->end);
         step->excess = td_greater(step->excess, share / step_factor(td_greater(begin, end)));
     }
     /* Last, for places that all units have in common are rendered for all of a tile together. */
-    step->swap = controls && may_cut && s->local && step->excess <= 1 ? td_refine_swap(s, step, &step->begins) : 0;
+    step->swap = controls && may_cut && s->given.local && step->excess <= 1 ? td_refine_swap(s, step, &step->begins) : 0;
     if (step->swap) step->excess = unseen;
     step->open = (int16_t)(step->excess > 1 && may_cut);
 }
@@ -123,7 +123,7 @@ tides_status td_control_steps(tides_simulator *s, tides_error *error) {
     r->pending_count = 0;
     for (size_t i = 0; i < r->fresh_count; i++)
         if (r->step[r->fresh[i]].open) r->pending[r->pending_count++] = r->fresh[i];
-    if (!s->local && r->pending_count > 0) status = join_tiles(r, error);
+    if (!s->given.local && r->pending_count > 0) status = join_tiles(r, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&r->open, &r->open_capacity, r->open_count + r->pending_count, sizeof *r->open, error);
     if (status != TIDES_OK) return status;

@@ -89,14 +89,15 @@ tides_status td_lay_grid(tides_simulator *s, tides_error *error) {
     size_t knots;
     const double *knot = td_renderer_knots(s->renderer, &knots);
     times all = {NULL, 0, 0};
-    tides_status status = s->mode == TIDES_STEPPING_FIXED ? TIDES_OK : find_leaps(s, &all, error);
+    tides_status status = s->given.mode == TIDES_STEPPING_FIXED ? TIDES_OK : find_leaps(s, &all, error);
     const size_t leaps = all.count;
     for (size_t k = 0; k < knots && leaps > 0 && status == TIDES_OK; k++) status = add_time(&all, knot[k], error);
     if (leaps > 0) {
         qsort(all.time, all.count, sizeof *all.time, td_ascending);
         knot = all.time, knots = all.count;
     }
-    if (status == TIDES_OK) status = td_grid_create(0, s->length, s->step_s, knot, knots, s->min_step_s, &s->grid, error);
+    if (status == TIDES_OK)
+        status = td_grid_create(0, s->length, s->given.step_s, knot, knots, s->given.min_step_s, &s->grid, error);
     s->grid.epoch_ns = td_time_ns(s->epoch);
     free(all.time);
     return status;

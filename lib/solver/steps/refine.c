@@ -36,7 +36,7 @@ static int depth_for(double length, double min_step) {
 
 static double shortest_step(const tides_simulator *s, double start, double stop) {
     const int is_between = td_grid_is_knot(&s->grid, s->step) && td_grid_is_knot(&s->grid, s->step + 1);
-    const double asked = is_between ? fmin(s->min_step_s, (stop - start) / parts_between_knots) : s->min_step_s;
+    const double asked = is_between ? fmin(s->given.min_step_s, (stop - start) / parts_between_knots) : s->given.min_step_s;
     return fmax(asked, least_steps * DBL_EPSILON * stop);
 }
 
@@ -70,20 +70,20 @@ static tides_status begin_lists(tides_simulator *s, td_refine *r, tides_error *e
     td_launch_clear(&s->launch);
     r->spare_step = -1;
     r->early = 0;
-    tides_status status = td_reserve((void **)&r->fresh, &r->fresh_capacity, (size_t)s->moving_count, sizeof *r->fresh, error);
-    for (int t = 0; t < s->tiles; t++) r->head[t] = -1;
-    for (int i = 0; i < s->moving_count && status == TIDES_OK; i++) {
-        int t = s->moving[i];
+    tides_status status = td_reserve((void **)&r->fresh, &r->fresh_capacity, (size_t)s->moving.count, sizeof *r->fresh, error);
+    for (int t = 0; t < s->layout.tiles; t++) r->head[t] = -1;
+    for (int i = 0; i < s->moving.count && status == TIDES_OK; i++) {
+        int t = s->moving.list[i];
         int32_t begin, step;
         status = td_samples_take(&r->samples, &begin, error);
         if (status == TIDES_OK) status = new_step(r, &step, error);
         if (status != TIDES_OK) return status;
         double *sample = td_sample_at(&r->samples, begin);
         for (int k = 0; k < r->samples.planes; k++)
-            memcpy(sample + k * r->samples.pixels, s->now.plane[k] + s->first_pixel[t],
-                   (size_t)s->tile[t].count * sizeof *sample);
+            memcpy(sample + k * r->samples.pixels, s->now.plane[k] + s->layout.first_pixel[t],
+                   (size_t)s->layout.tile[t].count * sizeof *sample);
         *td_sample_risk(&r->samples, begin) = s->tile_risk[t];
-        td_sensor_begin_estimates(&s->sensor, s->first_pixel[t], s->tile[t].count);
+        td_sensor_begin_estimates(&s->sensor, s->layout.first_pixel[t], s->layout.tile[t].count);
         r->step[step] =
             (td_refine_step){.to = (uint32_t)1 << r->depth, .begin = begin, .probe = -1, .next = -1, .tile = t, .open = 1};
         r->head[t] = step;
@@ -129,9 +129,9 @@ static void note_deviations(const tides_simulator *s, td_refine *r, double start
     const td_signals ends = {begin, begin + r->samples.pixels, end, end + r->samples.pixels};
     double from = td_refine_time(r, start, stop, a->from), h = td_refine_time(r, start, stop, a->to) - from;
     double theta = (td_refine_time(r, start, stop, at) - from) / h;
-    td_probe_deviation(h, theta, &ends, inside, inside + r->samples.pixels, s->tile[a->tile].count,
+    td_probe_deviation(h, theta, &ends, inside, inside + r->samples.pixels, s->layout.tile[a->tile].count,
                        td_sample_deviation(&r->samples, sample));
-    note_falls(r, a->probe, sample, s->tile[a->tile].count);
+    note_falls(r, a->probe, sample, s->layout.tile[a->tile].count);
 }
 
 /* Cuts a step at the position `at`, where `sample` has been rendered: its second part is the new step `right`. */
@@ -139,7 +139,7 @@ static void cut(const tides_simulator *s, td_refine *r, double start, double sto
                 int32_t sample) {
     td_refine_step *a = &r->step[left], *b = &r->step[right];
     if (a->swap) {
-        keep_deviations(r, a->probe, sample, s->tile[a->tile].count);
+        keep_deviations(r, a->probe, sample, s->layout.tile[a->tile].count);
     } else {
         note_deviations(s, r, start, stop, a, at, sample);
         a->past[1] = a->past[0];
@@ -183,12 +183,12 @@ static void cut_pending(tides_simulator *s, int32_t left, int32_t sample) {
 /* Copies one rendered unit to its sample's rows, and notes its risk. */
 static void store_sample(tides_simulator *s, const td_ask *ask, const double *planes) {
     td_samples *samples = &s->refine.samples;
-    const td_tile *unit = &s->tile[ask->unit];
+    const td_tile *unit = &s->layout.tile[ask->unit];
     double *sample = td_sample_at(samples, ask->sample);
     const size_t apart = (size_t)samples->pixels;
     td_unpack_tile(unit, planes, sample, sample + apart);
     if (samples->planes == TD_PLANES_ALL) td_unpack_diagnostics(unit, planes, apart, sample);
-    *td_sample_risk(samples, ask->sample) = s->outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, unit, planes);
+    *td_sample_risk(samples, ask->sample) = s->given.outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, unit, planes);
 }
 
 /* What the samples of a step say of it is read while they are at hand: of a level they are more than caches hold. */
@@ -202,7 +202,7 @@ static void take_sample(tides_simulator *s, const td_ask *ask, const double *pla
 /* All of the level's jobs. Those from number `first_cut` on are where the pending steps are cut. */
 static tides_status render_level(tides_simulator *s, size_t first_cut, tides_error *error) {
     tides_status status = reserve_parts(&s->refine, error);
-    return status == TIDES_OK ? td_launch_take_all(s, TD_SIDE_ENDS, s->outputs, take_sample, &first_cut, error) : status;
+    return status == TIDES_OK ? td_launch_take_all(s, TD_SIDE_ENDS, s->given.outputs, take_sample, &first_cut, error) : status;
 }
 
 /* -- levels ---------------------------------------------------------------------------------------------------------------- */
@@ -228,7 +228,7 @@ tides_status td_refine_level(tides_simulator *s, double start, double stop, tide
 
 /* Level 0: every moving tile at the macro step's end, and where nothing else is known than that all will be cut, inside it. */
 static tides_status first_level(tides_simulator *s, td_refine *r, double start, double stop, tides_error *error) {
-    int looks = s->mode == TIDES_STEPPING_ERROR && td_refine_may_cut(r, &r->step[r->fresh[0]]);
+    int looks = s->given.mode == TIDES_STEPPING_ERROR && td_refine_may_cut(r, &r->step[r->fresh[0]]);
     size_t count = r->fresh_count;
     tides_status status = td_reserve((void **)&r->pending, &r->pending_capacity, count, sizeof *r->pending, error);
     for (size_t i = 0; i < count && status == TIDES_OK; i++) status = add_job(s, r->step[r->fresh[i]].tile, stop, error);
@@ -259,14 +259,14 @@ tides_status td_refine_begin(tides_simulator *s, double start, double stop, tide
 
 void td_refine_planes(const tides_simulator *s, const td_refine_step *refined, const double *begin[], const double *end[]) {
     const double *from = td_sample_at(&s->refine.samples, refined->begin), *to = td_sample_at(&s->refine.samples, refined->end);
-    for (int p = 0; p < s->sample_planes; p++) {
+    for (int p = 0; p < s->given.sample_planes; p++) {
         begin[p] = from + p * s->refine.samples.pixels;
         end[p] = to + p * s->refine.samples.pixels;
     }
 }
 
 int td_refine_ends_run(const tides_simulator *s, const td_refine_step *step) {
-    return s->step + 1 == s->steps && step->to == (uint32_t)1 << s->refine.depth;
+    return s->step + 1 == s->grid.steps && step->to == (uint32_t)1 << s->refine.depth;
 }
 
 void td_refine_release(td_refine *refine) {

@@ -11,9 +11,9 @@ static const double least_share = 0.05, share_of_tolerance = 0.5;
 
 /* The least light of a unit at the macro step's start: exp(S). */
 static double least_light(const tides_simulator *s, int32_t unit) {
-    const double *S = s->now.plane[TD_PLANE_S] + s->first_pixel[unit];
+    const double *S = s->now.plane[TD_PLANE_S] + s->layout.first_pixel[unit];
     double least = S[0];
-    for (int i = 1; i < s->tile[unit].count; i++) least = td_lesser(least, S[i]);
+    for (int i = 1; i < s->layout.tile[unit].count; i++) least = td_lesser(least, S[i]);
     return exp(least);
 }
 
@@ -64,7 +64,7 @@ uint32_t td_refine_swap(const tides_simulator *s, const td_refine_step *step, in
         int count;
         const td_swap *swap = td_units_swaps(s, step->tile, block, &count);
         if (count > 0 && of.light < 0)
-            of.light = td_greater(least_share, share_of_tolerance * s->tolerance) *
+            of.light = td_greater(least_share, share_of_tolerance * s->given.tolerance) *
                        td_sensor_least_threshold(&s->sensor.sensor) * least_light(s, step->tile);
         if (count > 0) find_nearest(swap, count, &of);
     }

@@ -10,54 +10,55 @@ static double smaller(double a, double b) { return a < b ? a : b; }
 
 /* Adds the unit with its upper left pixel at (x0, y0), cut to the image; none where it lies outside. */
 static void add_unit(tides_simulator *s, int x0, int y0, int side) {
-    if (x0 >= s->width || y0 >= s->height) return;
-    const int width = (int)smaller(side, s->width - x0), height = (int)smaller(side, s->height - y0);
-    s->tile[s->tiles] = (td_tile){x0, y0, width, width * height};
-    s->first_pixel[s->tiles + 1] = s->first_pixel[s->tiles] + (size_t)(width * height);
-    s->tiles++;
+    if (x0 >= s->layout.width || y0 >= s->layout.height) return;
+    const int width = (int)smaller(side, s->layout.width - x0), height = (int)smaller(side, s->layout.height - y0);
+    s->layout.tile[s->layout.tiles] = (td_tile){x0, y0, width, width * height};
+    s->layout.first_pixel[s->layout.tiles + 1] = s->layout.first_pixel[s->layout.tiles] + (size_t)(width * height);
+    s->layout.tiles++;
 }
 
 tides_status td_units_lay(tides_simulator *s, tides_error *error) {
-    const int blocks = s->unit == TIDES_UNIT_BLOCK, side = blocks ? TD_BLOCK : TD_TILE, each = blocks ? TD_TILE_BLOCKS : 1;
-    const size_t most = (size_t)s->image_tiles * (size_t)each;
-    s->tile = td_alloc(most, sizeof *s->tile, error);
-    s->first_pixel = td_alloc(most + 1, sizeof *s->first_pixel, error);
-    if (!s->tile || !s->first_pixel) return TIDES_NO_MEMORY;
+    const int blocks = s->given.unit == TIDES_UNIT_BLOCK, side = blocks ? TD_BLOCK : TD_TILE,
+              each = blocks ? TD_TILE_BLOCKS : 1;
+    const size_t most = (size_t)s->layout.image_tiles * (size_t)each;
+    s->layout.tile = td_alloc(most, sizeof *s->layout.tile, error);
+    s->layout.first_pixel = td_alloc(most + 1, sizeof *s->layout.first_pixel, error);
+    if (!s->layout.tile || !s->layout.first_pixel) return TIDES_NO_MEMORY;
     if (blocks) td_renderer_by_blocks(s->renderer);
     const int across = td_renderer_tiles_across(s->renderer);
-    for (int t = 0; t < s->image_tiles; t++)
+    for (int t = 0; t < s->layout.image_tiles; t++)
         for (int k = 0; k < each; k++)
             add_unit(s, t % across * TD_TILE + k % 4 * TD_BLOCK, t / across * TD_TILE + k / 4 * TD_BLOCK, side);
     return TIDES_OK;
 }
 
 int32_t td_units_tile(const tides_simulator *s, int32_t unit) {
-    const td_tile *at = &s->tile[unit];
+    const td_tile *at = &s->layout.tile[unit];
     return at->y0 / TD_TILE * td_renderer_tiles_across(s->renderer) + at->x0 / TD_TILE;
 }
 
 /* Which block of its tile a unit is. */
 static int block_of(const tides_simulator *s, int32_t unit) {
-    const td_tile *at = &s->tile[unit];
+    const td_tile *at = &s->layout.tile[unit];
     return at->y0 % TD_TILE / TD_BLOCK * (TD_TILE / TD_BLOCK) + at->x0 % TD_TILE / TD_BLOCK;
 }
 
 int td_units_moves(const tides_simulator *s, int32_t unit) {
     const int tile = td_units_tile(s, unit);
-    if (s->unit == TIDES_UNIT_TILE) return td_renderer_tile_moves(s->renderer, tile);
+    if (s->given.unit == TIDES_UNIT_TILE) return td_renderer_tile_moves(s->renderer, tile);
     return td_renderer_block_moves(s->renderer, tile, block_of(s, unit));
 }
 
 double td_units_travel(const tides_simulator *s, int32_t unit) {
     const int tile = td_units_tile(s, unit);
-    if (s->unit == TIDES_UNIT_TILE) return td_renderer_tile_travel(s->renderer, tile);
+    if (s->given.unit == TIDES_UNIT_TILE) return td_renderer_tile_travel(s->renderer, tile);
     return td_renderer_block_travel(s->renderer, tile, block_of(s, unit));
 }
 
-int td_units_blocks(const tides_simulator *s) { return s->unit == TIDES_UNIT_TILE ? TD_TILE_BLOCKS : 1; }
+int td_units_blocks(const tides_simulator *s) { return s->given.unit == TIDES_UNIT_TILE ? TD_TILE_BLOCKS : 1; }
 
 const td_swap *td_units_swaps(const tides_simulator *s, int32_t unit, int block, int *count) {
-    return td_renderer_swaps(s->renderer, td_units_tile(s, unit), s->unit == TIDES_UNIT_TILE ? block : block_of(s, unit),
+    return td_renderer_swaps(s->renderer, td_units_tile(s, unit), s->given.unit == TIDES_UNIT_TILE ? block : block_of(s, unit),
                              count);
 }
 
@@ -122,7 +123,7 @@ static tides_status join_request(const tides_simulator *s, td_launch *l, const t
         l->last[slot] = (int32_t)l->requests++;
     }
     *place = l->last[slot];
-    if (s->unit == TIDES_UNIT_BLOCK) l->request[*place].blocks |= 1 << block_of(s, ask->unit);
+    if (s->given.unit == TIDES_UNIT_BLOCK) l->request[*place].blocks |= 1 << block_of(s, ask->unit);
     return TIDES_OK;
 }
 

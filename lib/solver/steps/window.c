@@ -18,11 +18,11 @@ static int by_place(const void *a, const void *b) {
 
 void td_refine_bound(tides_simulator *s) {
     td_refine *r = &s->refine;
-    const double bytes = (double)s->memory_mb * 1e6;
+    const double bytes = (double)s->given.memory_mb * 1e6;
     /* Half of it is samples with their steps, a quarter a launch's planes, in double here and in float at the device; a quarter
      * is for what a launch keeps besides. */
     const double sample = (double)(td_sample_reals(&r->samples) * sizeof(double) + 2 * sizeof(td_refine_step));
-    const double launched = (double)s->outputs * TD_TILE_PIXELS * (sizeof(double) + sizeof(float));
+    const double launched = (double)s->given.outputs * TD_TILE_PIXELS * (sizeof(double) + sizeof(float));
     r->limit = (size_t)(0.5 * bytes / sample);
     r->batch = (size_t)(0.25 * bytes / launched);
     if (r->batch < 1) r->batch = 1;
@@ -34,7 +34,7 @@ enum { SAMPLES_A_UNIT = 4 };
 
 int td_window_units(const tides_simulator *s) {
     const size_t units = s->refine.limit / SAMPLES_A_UNIT;
-    if (!s->local || s->surround.surround.on || units >= (size_t)s->moving_count) return s->moving_count;
+    if (!s->given.local || s->surround.surround.on || units >= (size_t)s->moving.count) return s->moving.count;
     return units < 1 ? 1 : (int)units;
 }
 
@@ -43,7 +43,7 @@ int td_window_units(const tides_simulator *s) {
  * and with one step at a time an image whose tiles alone need more than the bound (8192x8192 and 256 MB) took hours. */
 static size_t room(const tides_simulator *s, uint32_t longest) {
     const td_refine *r = &s->refine;
-    size_t live = td_samples_live(&r->samples), levels = 1, least = (size_t)s->moving_count / 8;
+    size_t live = td_samples_live(&r->samples), levels = 1, least = (size_t)s->moving.count / 8;
     for (uint32_t length = longest; length >= 2 * r->shortest; length -= length * 3 / 8) levels++; /* of the longer part */
     size_t left = r->limit > live ? (r->limit - live) / levels : 0;
     return left > least ? left : least;
@@ -52,7 +52,7 @@ static size_t room(const tides_simulator *s, uint32_t longest) {
 /* Without `local` all tiles are cut at once, and with a sensor the first cuts are judged before others, which read what was
  * found (td_sensor_estimates_first). */
 static int must_take(const tides_simulator *s, const td_refine_step *step, const td_refine_step *last) {
-    return (!s->local && step->from == last->from) || td_sensor_estimates_first(&s->sensor, step->cuts);
+    return (!s->given.local && step->from == last->from) || td_sensor_estimates_first(&s->sensor, step->cuts);
 }
 
 static tides_status take_earliest(tides_simulator *s, td_refine *r, tides_error *error) {
