@@ -42,6 +42,8 @@ typedef struct td_refine {
     td_refine_step *step;
     size_t steps, step_capacity;
     int32_t spare_step; /* given back: a list by `next`, or -1 */
+    const int *unit;    /* those that are refined together, some of all that move, */
+    int units;          /* so many */
     int32_t *head;      /* (tiles) first step that hasn't been compared, or -1 */
     td_samples samples;
     size_t cuts;       /* in this macro step */
@@ -56,7 +58,7 @@ typedef struct td_refine {
     size_t fresh_count, fresh_capacity;
 } td_refine;
 
-/* Begins the macro step from s->now, which is swept, for the tiles that move: renders its end and, where it is to be looked
+/* Begins the macro step from s->now, which is swept, for the tiles refine->unit: renders its end and, where it is to be looked
  * into, a first time within, and lists the steps that come of it as `fresh`, to be judged. Until the first step is compared
  * nothing of the simulator's pixel state changes. */
 tides_status td_refine_begin(tides_simulator *s, double start, double stop, tides_error *error);

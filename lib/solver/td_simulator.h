@@ -70,9 +70,8 @@ typedef struct td_moving {
     int tiles; /* in so many of the renderer's tiles */
 } td_moving;
 
-/* Events that wait to be given away. */
+/* Giving events away. */
 typedef struct td_packet {
-    td_event_buffer events;
     tides_event *scratch; /* for sorting */
     size_t scratch_capacity;
     tides_event last; /* that was given away, of the run's parts before too; of no polarity: there was none */
@@ -103,6 +102,7 @@ struct tides_simulator {
     td_refine refine;       /* adaptive steps; */
     td_timing timing;       /* of theirs, estimated errors of event times, */
     td_solve solve;         /* and events on the image itself */
+    td_work work;           /* events that wait to be given away, and what has happened in the run */
     td_packet packet;
     td_asking asking;
     td_undo undo;
@@ -166,9 +166,10 @@ static inline int td_fixed_outputs(const tides_simulator *simulator) {
     return simulator->given.sample_planes == TD_PLANES_ALL ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
 }
 
-/* The sensor over one step of a tile between two samples of it: sample_planes pointers each (tile_step.c). */
+/* The sensor over one step of a tile between two samples of it: sample_planes pointers each; `light` as td_seen has it
+ * (tile_step.c). */
 tides_status td_compare_tile(tides_simulator *simulator, int tile, const td_step *step, const double *const begin[],
-                             const double *const end[], tides_error *error);
+                             const double *const end[], const td_signals *light, tides_error *error);
 
 /* The sensor over one step of the tiles in which nothing moves, where it wants that. */
 tides_status td_compare_still(tides_simulator *simulator, const td_step *step, tides_error *error);

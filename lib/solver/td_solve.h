@@ -111,6 +111,7 @@ typedef struct td_solve {
     size_t reach_capacity;
     td_trust *trust; /* likewise: before anything is looked up */
     size_t trust_capacity;
+    td_work ahead; /* of the pixel's step in hand: joined to the run's once nothing in it is to be looked up */
     td_solve_batch batch[TD_SOLVE_BATCHES]; /* in turns (solve_batches.c) */
     int asking;                             /* which is filled: td_solve_asking */
     size_t enough;                          /* points that are worth a batch, while a device is at the one before, */

@@ -87,6 +87,7 @@ void td_solve_release(td_solve *solve) {
     free(solve->step);
     free(solve->reaches);
     free(solve->trust);
+    td_work_release(&solve->ahead);
     for (int k = 0; k < TD_SOLVE_BATCHES; k++) {
         free(solve->batch[k].pixel);
         free(solve->batch[k].point);
@@ -201,13 +202,14 @@ static tides_status begin_unit(tides_simulator *s, int t, double start, double s
 
 /* -- batch after batch ---------------------------------------------------------------------------------------------------- */
 
-/* All units that move; a batch goes when it is worth it, with all points of its tiles, which go down a list together. */
+/* All units that are refined together; a batch goes when it is worth it, with all points of its tiles, which go down a list together. */
 static tides_status begin_units(tides_simulator *s, double start, double stop, tides_error *error) {
     td_solve *solve = &s->solve;
-    tides_status status = td_reserve((void **)&solve->step, &solve->step_capacity, s->refine.steps, sizeof *solve->step, error);
-    for (int k = 0; k < s->moving.count && status == TIDES_OK; k++) {
-        const int t = s->moving.list[k];
-        const int begins_tile = k > 0 && td_units_tile(s, t) != td_units_tile(s, s->moving.list[k - 1]);
+    const td_refine *r = &s->refine;
+    tides_status status = td_reserve((void **)&solve->step, &solve->step_capacity, r->steps, sizeof *solve->step, error);
+    for (int k = 0; k < r->units && status == TIDES_OK; k++) {
+        const int t = r->unit[k];
+        const int begins_tile = k > 0 && td_units_tile(s, t) != td_units_tile(s, r->unit[k - 1]);
         if (begins_tile && td_solve_has_enough(s)) status = td_solve_turn(s, error);
         if (status == TIDES_OK) status = begin_unit(s, t, start, stop, error);
     }

@@ -321,7 +321,7 @@ static tides_status advance(visit *v, tides_error *error) {
                                .pieces = &v->model.pieces,
                                .changes = &v->changes};
     if (v->now->coverage.begin) single.coverage = (td_coverage){v->now->coverage.begin + i, v->now->coverage.end + i};
-    return td_sensor_advance(&v->s->sensor, &single, &v->s->packet.events, error);
+    return td_sensor_advance(&v->s->sensor, &single, &v->s->solve.ahead, error);
 }
 
 /* Of an event that waited for its pixel to become visible coverage decides when, which the comparator takes to be linear: by
@@ -402,18 +402,18 @@ static tides_status pass_step(visit *v, int *asked, tides_error *error) {
     *asked = 0;
     if (!may_act(v)) return TIDES_OK;
     take_nodes(v);
+    td_work_clear(&v->s->solve.ahead);
     tides_status status = advance(v, error);
     take_rounding(v);
     if (status == TIDES_OK) status = judge(v, asked, &doubts, error);
-    if (status == TIDES_OK && v->settles && !*asked) note_events(v, doubts);
-    return status;
+    if (status != TIDES_OK || !v->settles || *asked) return status;
+    note_events(v, doubts);
+    return td_work_join(&v->s->work, &v->s->solve.ahead, error);
 }
 
 tides_status td_solve_run(tides_simulator *s, td_solving *pixel, tides_error *error) {
     visit v; /* large: what a step has no use for isn't set */
     td_kept_pixel settled = {.words = 0};
-    td_sensor_counts counts = s->sensor.counts;
-    size_t events = s->packet.events.count;
     int32_t unsettled = pixel->end;
     tides_status status = TIDES_OK;
     v.s = s;
@@ -423,10 +423,6 @@ tides_status td_solve_run(tides_simulator *s, td_solving *pixel, tides_error *er
         int asked = 0;
         enter(&v, k);
         v.settles = unsettled == pixel->end;
-        if (v.settles) {
-            counts = s->sensor.counts;
-            events = s->packet.events.count;
-        }
         status = pass_step(&v, &asked, error);
         if (asked && v.settles) {
             unsettled = k;
@@ -436,8 +432,6 @@ tides_status td_solve_run(tides_simulator *s, td_solving *pixel, tides_error *er
     }
     pixel->next = unsettled;
     if (unsettled == pixel->end) return status;
-    s->sensor.counts = counts;
-    s->packet.events.count = events;
     td_sensor_put_back(&s->sensor, v.at, &settled);
     return status;
 }

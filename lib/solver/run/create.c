@@ -258,7 +258,7 @@ void tides_simulator_destroy(tides_simulator *simulator) {
     free(simulator->layout.first_pixel);
     free(simulator->moving.list);
     free(simulator->tile_risk);
-    free(simulator->packet.events.events);
+    td_work_release(&simulator->work);
     free(simulator->packet.scratch);
     free(simulator->undo.bytes);
     free(simulator);

@@ -38,7 +38,7 @@ static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
             begin_planes[p] = s->now.plane[p] + s->layout.first_pixel[t];
             end_planes[p] = s->next.plane[p] + s->layout.first_pixel[t];
         }
-        status = td_compare_tile(s, t, &step, begin_planes, end_planes, error);
+        status = td_compare_tile(s, t, &step, begin_planes, end_planes, NULL, error);
     }
     return status == TIDES_OK ? td_compare_still(s, &step, error) : status;
 }
@@ -52,11 +52,11 @@ static tides_status reach(tides_simulator *s, tides_error *error) {
 
 /* Sorts the events from number `first` on. */
 static tides_status sort_from(tides_simulator *s, size_t first, tides_error *error) {
-    const size_t count = s->packet.events.count - first;
+    const size_t count = s->work.events.count - first;
     if (count == 0) return TIDES_OK; /* and there may be no list yet */
     tides_status status =
         td_renew((void **)&s->packet.scratch, &s->packet.scratch_capacity, count, sizeof *s->packet.scratch, error);
-    if (status == TIDES_OK) td_event_sort(s->packet.events.events + first, s->packet.scratch, count);
+    if (status == TIDES_OK) td_event_sort(s->work.events.events + first, s->packet.scratch, count);
     return status;
 }
 
@@ -64,12 +64,12 @@ static tides_status sort_from(tides_simulator *s, size_t first, tides_error *err
 static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
     const double begun = td_now();
     const int left = s->readout.arbiter != NULL; /* or from the pixels */
-    const tides_event *events = left ? s->readout.events : s->packet.events.events;
-    const size_t count = left ? s->readout.count : s->packet.events.count;
+    const tides_event *events = left ? s->readout.events : s->work.events.events;
+    const size_t count = left ? s->readout.count : s->work.events.count;
     if (count > 0) s->packet.last = events[count - 1];
     const int stopped = sink && sink(user, events, count);
     s->stats.time_sink_s += td_now() - begun;
-    s->packet.events.count = s->readout.count = 0;
+    s->work.events.count = s->readout.count = 0;
     return stopped ? td_fail(error, TIDES_CANCELLED, "stopped by the event sink at %.9g s", td_time_reached(s)) : TIDES_OK;
 }
 
@@ -79,7 +79,7 @@ static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, 
  * fifth of the time that all of them take together. */
 static tides_status compare_fixed(tides_simulator *s, int k, tides_error *error) {
     const double begun = td_now();
-    const size_t first = s->packet.events.count;
+    const size_t first = s->work.events.count;
     td_fixed_take(s, k, &s->next);
     tides_status status = compare_tiles(s, error);
     if (status == TIDES_OK) status = sort_from(s, first, error);
@@ -109,7 +109,7 @@ static tides_status advance_fixed(tides_simulator *s, int64_t most, tides_event_
     tides_status emitted = TIDES_OK;
     for (int k = 0; k < steps && status == TIDES_OK && emitted == TIDES_OK; k++) {
         status = compare_fixed(s, k, error);
-        if (status == TIDES_OK && s->packet.events.count >= PACKET_FULL) emitted = emit(s, sink, user, error);
+        if (status == TIDES_OK && s->work.events.count >= PACKET_FULL) emitted = emit(s, sink, user, error);
     }
     s->broken = status != TIDES_OK;
     td_fixed_adapt(s, &before);
@@ -118,7 +118,7 @@ static tides_status advance_fixed(tides_simulator *s, int64_t most, tides_event_
     return status == TIDES_OK ? emitted : status;
 }
 
-/* The steps of the tiles in s->moving.list, until nothing asks for a shorter one; then all are compared that weren't. */
+/* The steps of the tiles refine.unit, until nothing asks for a shorter one; then all are compared that weren't. */
 static tides_status refine_group(tides_simulator *s, double start, double stop, tides_error *error) {
     tides_status status = td_refine_begin(s, start, stop, error);
     while (status == TIDES_OK) {
@@ -135,17 +135,14 @@ static tides_status refine_group(tides_simulator *s, double start, double stop, 
 /* All tiles that move in a macro step, as many together as there is memory for. Until the first is compared a failure leaves
  * the pixels as they were. */
 static tides_status refine(tides_simulator *s, double start, double stop, tides_error *error) {
-    int *const all = s->moving.list;
     const int count = s->moving.count, most = td_window_units(s);
     tides_status status = TIDES_OK;
     for (int first = 0; first < count && status == TIDES_OK; first += most) {
-        s->moving.list = all + first;
-        s->moving.count = count - first < most ? count - first : most;
+        s->refine.unit = s->moving.list + first;
+        s->refine.units = count - first < most ? count - first : most;
         status = refine_group(s, start, stop, error);
         s->broken |= status != TIDES_OK && (first > 0 || s->refine.early);
     }
-    s->moving.list = all;
-    s->moving.count = count;
     return status;
 }
 

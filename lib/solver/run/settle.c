@@ -25,10 +25,10 @@ static tides_status compare_step(tides_simulator *s, const td_refine_step *refin
     const double *begin_planes[TD_PLANES_ALL], *end_planes[TD_PLANES_ALL];
     td_refine_planes(s, refined, begin_planes, end_planes);
     td_step step;
-    size_t first = s->packet.events.count;
+    size_t first = s->work.events.count;
     tides_status status = td_grid_step(&s->grid, td_refine_time(r, start, stop, refined->from),
                                        td_refine_time(r, start, stop, refined->to), &step, error);
-    if (status == TIDES_OK) status = td_compare_tile(s, refined->tile, &step, begin_planes, end_planes, error);
+    if (status == TIDES_OK) status = td_compare_tile(s, refined->tile, &step, begin_planes, end_planes, NULL, error);
     if (status != TIDES_OK) return status;
     td_time_events(s, refined, &step, begin_planes, end_planes, first);
     return TIDES_OK;
@@ -106,10 +106,10 @@ static tides_status keep_references(tides_simulator *s, tides_error *error) {
     if (r->early) return TIDES_OK;
     tides_status status = td_reserve((void **)&r->reference, &r->reference_capacity, pixels, sizeof *r->reference, error);
     if (status != TIDES_OK) return status;
-    for (int i = 0; i < s->moving.count; i++) {
-        const size_t first = s->layout.first_pixel[s->moving.list[i]];
+    for (int i = 0; i < r->units; i++) {
+        const size_t first = s->layout.first_pixel[r->unit[i]];
         memcpy(r->reference + first, s->sensor.pixels.reference + first,
-               (size_t)s->layout.tile[s->moving.list[i]].count * sizeof *r->reference);
+               (size_t)s->layout.tile[r->unit[i]].count * sizeof *r->reference);
     }
     r->early = 1;
     return TIDES_OK;
@@ -123,8 +123,8 @@ tides_status td_settle(tides_simulator *s, double start, double stop, int early,
     if (s->surround.surround.on)
         status = settle_together(s, start, stop, early, error);
     else
-        for (int i = 0; i < s->moving.count && status == TIDES_OK; i++)
-            status = settle_tile(s, s->moving.list[i], start, stop, early, error);
+        for (int i = 0; i < s->refine.units && status == TIDES_OK; i++)
+            status = settle_tile(s, s->refine.unit[i], start, stop, early, error);
     s->stats.time_compare_s += td_now() - begun;
     s->broken |= status != TIDES_OK;
     return status;

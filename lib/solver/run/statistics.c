@@ -113,9 +113,9 @@ void td_stat_set(tides_stats *stats, const tides_stat *row, double value) {
 static void collect(const tides_simulator *s, tides_stats *stats) {
     *stats = s->stats;
     tides_renderer_stats(s->renderer, &stats->render);
-    stats->render.pixels_nonfinite += s->sensor.counts.nonfinite;
-    stats->events_on = s->sensor.counts.events_on;
-    stats->events_off = s->sensor.counts.events_off;
+    stats->render.pixels_nonfinite += s->work.counts.nonfinite;
+    stats->events_on = s->work.counts.events_on;
+    stats->events_off = s->work.counts.events_off;
     stats->events_uncertain = s->timing.uncertain;
     stats->solve = s->solve.on ? TIDES_SOLVE_DOUBLE : TIDES_SOLVE_OFF;
     stats->unsolved = (uint64_t)s->solve.unsolved;
@@ -123,11 +123,11 @@ static void collect(const tides_simulator *s, tides_stats *stats) {
     stats->tolerance = s->given.tolerance;
     stats->events_solved = s->solve.events;
     stats->points_looked_up = s->solve.lookups;
-    stats->events_truncated = s->sensor.counts.truncated;
-    stats->events_caught_up = s->sensor.counts.caught_up;
-    for (int c = 0; c < TIDES_CAUSES; c++) stats->events_by_cause[c] = s->sensor.counts.cause[c];
-    stats->events_suppressed = s->sensor.counts.suppressed;
-    stats->events_refractory = s->sensor.counts.refractory;
+    stats->events_truncated = s->work.counts.truncated;
+    stats->events_caught_up = s->work.counts.caught_up;
+    for (int c = 0; c < TIDES_CAUSES; c++) stats->events_by_cause[c] = s->work.counts.cause[c];
+    stats->events_suppressed = s->work.counts.suppressed;
+    stats->events_refractory = s->work.counts.refractory;
 }
 
 /* And what was counted before a restore. */

@@ -106,10 +106,8 @@ static tides_status compare_piece(tides_simulator *s, const td_step *step, const
         take_tile(s, t, &sample[0], part[0], &begin);
         take_tile(s, t, &sample[1], part[1], &end);
         const td_signals light = {begin.p, begin.p_dot, end.p, end.p_dot};
-        size_t first = s->packet.events.count;
-        s->sensor.light = &light;
-        status = td_compare_tile(s, t, step, begin.plane, end.plane, error);
-        s->sensor.light = NULL;
+        size_t first = s->work.events.count;
+        status = td_compare_tile(s, t, step, begin.plane, end.plane, &light, error);
         if (which && status == TIDES_OK) td_time_events(s, &s->refine.step[which[t]], step, begin.plane, end.plane, first);
     }
     return status;

@@ -22,20 +22,20 @@ static tides_status fail_nonfinite(const tides_simulator *s, int t, const td_ste
 }
 
 static tides_status compare(tides_simulator *s, int t, const td_step *step, const double *const begin[],
-                            const double *const end[], tides_error *error) {
+                            const double *const end[], const td_signals *light, tides_error *error) {
     size_t at = s->layout.first_pixel[t];
-    td_signals signals = {begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
-    td_coverage coverage = {NULL, NULL};
-    if (s->sensor.masks) coverage = (td_coverage){begin[TD_PLANE_ALPHA], end[TD_PLANE_ALPHA]};
-    return td_sensor_step(&s->sensor, step, &s->layout.tile[t], at, &signals, &coverage, &s->packet.events, error);
+    const td_signals signals = {begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
+    td_seen seen = {.signals = &signals, .light = light};
+    if (s->sensor.masks) seen.coverage = (td_coverage){begin[TD_PLANE_ALPHA], end[TD_PLANE_ALPHA]};
+    return td_sensor_step(&s->sensor, step, &s->layout.tile[t], at, &seen, &s->work, error);
 }
 
 tides_status td_compare_tile(tides_simulator *s, int t, const td_step *step, const double *const begin[],
-                             const double *const end[], tides_error *error) {
-    const uint64_t before = s->sensor.counts.nonfinite;
-    tides_status status = compare(s, t, step, begin, end, error);
-    if (status != TIDES_OK || s->sensor.counts.nonfinite == before) return status;
-    return fail_nonfinite(s, t, step, s->sensor.counts.nonfinite - before, error);
+                             const double *const end[], const td_signals *light, tides_error *error) {
+    const uint64_t before = s->work.counts.nonfinite;
+    tides_status status = compare(s, t, step, begin, end, light, error);
+    if (status != TIDES_OK || s->work.counts.nonfinite == before) return status;
+    return fail_nonfinite(s, t, step, s->work.counts.nonfinite - before, error);
 }
 
 tides_status td_compare_still(tides_simulator *s, const td_step *step, tides_error *error) {
@@ -50,7 +50,7 @@ tides_status td_compare_still(tides_simulator *s, const td_step *step, tides_err
         const double *plane[TD_PLANES_ALL];
         for (int k = 0; k < s->given.sample_planes; k++) plane[k] = s->now.plane[k] + s->layout.first_pixel[t];
         plane[TD_PLANE_S_DOT] = no_rate;
-        tides_status status = td_compare_tile(s, t, step, plane, plane, error);
+        tides_status status = td_compare_tile(s, t, step, plane, plane, NULL, error);
         if (status != TIDES_OK) return status;
     }
     return TIDES_OK;
@@ -75,8 +75,8 @@ void td_time_events(tides_simulator *s, const td_refine_step *refined, const td_
                       .levels = td_sensor_levels(&s->sensor, step, s->layout.first_pixel[refined->tile]),
                       .frontend = &s->sensor.frontend,
                       .log_eps = s->sensor.log_eps,
-                      .events = s->packet.events.count > first ? s->packet.events.events + first : NULL,
-                      .count = s->packet.events.count - first};
+                      .events = s->work.events.count > first ? s->work.events.events + first : NULL,
+                      .count = s->work.events.count - first};
     td_timing_add(&s->timing, &timed);
     td_timing_add_turns(&s->timing, &timed);
 }

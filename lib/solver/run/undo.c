@@ -62,7 +62,7 @@ tides_status td_undo_keep(tides_simulator *s, tides_error *error) {
     for (int i = 0; i < state.rows; at += bytes_of(&state.row[i++]))
         memcpy(undo->bytes + at, state.row[i].values, bytes_of(&state.row[i]));
     undo->stats = s->stats;
-    undo->counts = s->sensor.counts;
+    undo->counts = s->work.counts;
     undo->render = td_renderer_counts(s->renderer);
     undo->uncertain = s->timing.uncertain;
     undo->solved = s->solve.events;
@@ -76,7 +76,7 @@ static void put_counts(tides_simulator *s, const td_undo *undo) {
     s->stats = undo->stats;
     s->stats.time_compare_s = now.time_compare_s;
     s->stats.time_look_up_s = now.time_look_up_s;
-    s->sensor.counts = undo->counts;
+    s->work.counts = undo->counts;
     td_renderer_put_counts(s->renderer, &undo->render);
     s->timing.uncertain = undo->uncertain;
     s->solve.events = undo->solved;
@@ -93,6 +93,6 @@ void td_undo_stopped(tides_simulator *s, tides_status status) {
     td_sensor_resume(&s->sensor);
     if (s->surround.surround.on) td_surround_steps_resume(s);
     put_counts(s, undo);
-    s->packet.events.count = 0;
+    s->work.events.count = 0;
     s->broken = 0;
 }

@@ -70,10 +70,10 @@ static tides_status begin_lists(tides_simulator *s, td_refine *r, tides_error *e
     td_launch_clear(&s->launch);
     r->spare_step = -1;
     r->early = 0;
-    tides_status status = td_reserve((void **)&r->fresh, &r->fresh_capacity, (size_t)s->moving.count, sizeof *r->fresh, error);
+    tides_status status = td_reserve((void **)&r->fresh, &r->fresh_capacity, (size_t)r->units, sizeof *r->fresh, error);
     for (int t = 0; t < s->layout.tiles; t++) r->head[t] = -1;
-    for (int i = 0; i < s->moving.count && status == TIDES_OK; i++) {
-        int t = s->moving.list[i];
+    for (int i = 0; i < r->units && status == TIDES_OK; i++) {
+        int t = r->unit[i];
         int32_t begin, step;
         status = td_samples_take(&r->samples, &begin, error);
         if (status == TIDES_OK) status = new_step(r, &step, error);

@@ -43,7 +43,7 @@ int td_window_units(const tides_simulator *s) {
  * and with one step at a time an image whose tiles alone need more than the bound (8192x8192 and 256 MB) took hours. */
 static size_t room(const tides_simulator *s, uint32_t longest) {
     const td_refine *r = &s->refine;
-    size_t live = td_samples_live(&r->samples), levels = 1, least = (size_t)s->moving.count / 8;
+    size_t live = td_samples_live(&r->samples), levels = 1, least = (size_t)r->units / 8;
     for (uint32_t length = longest; length >= 2 * r->shortest; length -= length * 3 / 8) levels++; /* of the longer part */
     size_t left = r->limit > live ? (r->limit - live) / levels : 0;
     return left > least ? left : least;
