@@ -91,16 +91,17 @@ TD_INLINE td_path_stray td_path_compare(const td_path_splat *path, td_dual path_
     return off;
 }
 
-/* What log_luminance changes by where splat_alpha changes most, for small changes of a splat's numbers, at most: of a splat before
- * black or the other way round (interpolate.h). Of what is seen there an opaque one is all; before black so is a faint one, but
- * for log_eps: there log_luminance changes by luminance / (opacity luminance + log_eps) times what alpha does. From an opacity of
- * 0.05 on less and less of that is counted, for the more a splat takes the less of it is seen by itself; above 0.14 it is nothing
- * (reports of such scenes are 2 to 4 times what is true without). What changes its light may be
- * faint at some time.
+/* What log_luminance changes by where splat_alpha changes most, for small changes of a splat's numbers, at most: of a splat
+ * before black or the other way round (interpolate.h). Of what is seen there an opaque one is all; before black so is a
+ * faint one, but for log_eps: there log_luminance changes by luminance / (opacity luminance + log_eps) times what alpha
+ * does. From an opacity of 0.05 on less and less of that is counted, for the more a splat takes the less of it is seen by
+ * itself; above 0.14 it is nothing (reports of such scenes are 2 to 4 times what is true without). What changes its light
+ * may be faint at some time.
  *
- * A shift d of the mean changes alpha by e^(-1/2) opacity sqrt(d^T Q d) at most, one standard deviation out; a change D of the
- * covariance by opacity |M|_F / e, M = Q D, on the circle of sqrt 2. |M|_F^2 = tr(M)^2 - 2 det(M) in the coordinates where the
- * splat is round, with tr(M) = ddet / det to first order and det(M) = det(D) / det: without the conic, which would cancel. */
+ * A shift d of the mean changes alpha by e^(-1/2) opacity sqrt(d^T Q d) at most, one standard deviation out; a change D of
+ * the covariance by opacity |M|_F / e, M = Q D, on the circle of sqrt 2. |M|_F^2 = tr(M)^2 - 2 det(M) in the coordinates
+ * where the splat is round, with tr(M) = ddet / det to first order and det(M) = det(D) / det: without the conic, which would
+ * cancel. */
 TD_INLINE td_lanes td_path_change(const td_path_splat *own, td_lanes own_a, td_lanes du, td_lanes dv, td_lanes da, td_lanes db,
                                   td_lanes dc, td_lanes ddet, td_lanes dopacity, td_lanes dluminance, td_real log_eps) {
     td_lanes inverse = 1.0f / own->det.v;

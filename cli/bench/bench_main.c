@@ -1,5 +1,5 @@
-/* A program of benchmarks, by a table of them: what is asked for, a run of each, the page of all results. For `tides bench`, and
- * for the tests' own benchmarks of this library (tests/bench/own). */
+/* A program of benchmarks, by a table of them: what is asked for, a run of each, the page of all results. For `tides bench`,
+ * and for the tests' own benchmarks of this library (tests/bench/own). */
 #include "bench_main.h"
 #include "bench_page.h"
 

@@ -1,5 +1,5 @@
-/* tides bench: what accuracy costs, what the parts of the method and of the sensor do, what breaks, and that nothing else changes
- * an event. How fast the library's own stages are is the tests' to say (tests/bench/own). */
+/* tides bench: what accuracy costs, what the parts of the method and of the sensor do, what breaks, and that nothing else
+ * changes an event. How fast the library's own stages are is the tests' to say (tests/bench/own). */
 #include "bench_determinism.h"
 #include "bench_main.h"
 #include "bench_stability.h"

@@ -20,10 +20,10 @@ enum {
 };
 
 /* How steps are chosen. FIXED: every step_s. The others cut each macro step of step_s, tile by tile. ERROR: each in which
- * something moves once, to compare its model with a render inside it, and further until what such probes saw bounds the model's
- * error within the tolerance wherever a pixel may reach a threshold (lib/solver/td_probe.h). RISK: until it is as short as the
- * paper's risk score asks for (Eq. 13; lib/solver/steps/control.c has the norms and kappa). FIXED and RISK look inside no step, and
- * miss what its ends don't show. */
+ * something moves once, to compare its model with a render inside it, and further until what such probes saw bounds the
+ * model's error within the tolerance wherever a pixel may reach a threshold (lib/solver/td_probe.h). RISK: until it is as
+ * short as the paper's risk score asks for (Eq. 13; lib/solver/steps/control.c has the norms and kappa). FIXED and RISK look
+ * inside no step, and miss what its ends don't show. */
 enum { TIDES_STEPPING_FIXED = 0, TIDES_STEPPING_RISK = 1, TIDES_STEPPING_ERROR = 2 };
 
 /* Where the slopes of S come from. DIFFERENCE is what a renderer without derivatives would have to do, to measure what they are
@@ -173,8 +173,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_create(
     tides_progress progress, void *user, tides_simulator **simulator, tides_error *error);
 
 /* Puts a readout between pixels and sink, before the run begins and before a restore; one that isn't enabled does nothing.
- * Jitter and drops draw from the sensor's seed. How active a tile is comes from the scene: lib/solver/run/readout.c. The sink then
- * receives what has left so far; the rest comes with the last packet. */
+ * Jitter and drops draw from the sensor's seed. How active a tile is comes from the scene: lib/solver/run/readout.c. The
+ * sink then receives what has left so far; the rest comes with the last packet. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_readout(tides_simulator *simulator, const tides_readout *readout,
                                                                 tides_error *error);
 

@@ -83,15 +83,6 @@ void td_points_destroy(td_points *points) {
     free(points);
 }
 
-const char *td_renderer_lacks_exact_points(const tides_renderer *renderer) {
-    const td_image *image = &renderer->image;
-    if (renderer->psf.radius) return "the optics' blur (image.psf_sigma_px) makes a pixel of its neighbours too";
-    if (image->decoder) return "a decoder makes the scene's colours";
-    if (image->extent_rule != TD_EXTENT_ELLIPSE || td_drops_splats(image))
-        return "splats of image.rules inria and gsplat end abruptly, so that the image jumps";
-    return NULL;
-}
-
 static tides_status allocate(const tides_renderer *renderer, td_points *p, tides_error *error) {
     size_t tiles = (size_t)renderer->stats.tiles, launch = POINTS_AT_ONCE + TD_PAD;
     p->tiles = td_alloc(tiles, sizeof *p->tiles, error);

@@ -1,5 +1,5 @@
-/* Rows of record paths in the double reference (kernels/path_node.h), for td_exact's twin; and rows that a motion has moved, for
- * any td_exact. Part of reference_body.h, in its precision. */
+/* Rows of record paths in the double reference (kernels/path_node.h), for td_exact's twin; and rows that a motion has moved,
+ * for any td_exact. Part of reference_body.h, in its precision. */
 
 static void widen(const td_real *from, double *to, size_t count) {
     for (size_t i = 0; i < count; i++) to[i] = from[i];

@@ -30,8 +30,8 @@ struct tides_live {
 };
 
 /* What clocks that add intervals up may lose until they are a step's end still, beside what the grid takes for rounding
- * (lib/solver/steps/grid.c): half of what open paths allow (lib/camera/trajectory.c), so that a path that was told up to then covers
- * the step. Then, what of two times may be rounding. */
+ * (lib/solver/steps/grid.c): half of what open paths allow (lib/camera/trajectory.c), so that a path that was told up to
+ * then covers the step. Then, what of two times may be rounding. */
 static const double lost_in_sums = 0.5e-10;
 static double slack_of(const tides_live *live, double time) {
     return lost_in_sums + DBL_EPSILON * (fabs(live->start) + fabs(time));

@@ -155,9 +155,9 @@ TIDES_MUST_CHECK tides_status td_sensor_step(td_sensor *sensor, const td_step *s
 
 /* -- one pixel at a time --------------------------------------------------------------------------------------------------- */
 
-/* For the solver, which looks the signal up where events are, and compares those pixels again (lib/solver/lookup/solve.c). Where
- * optics, filters, a surround or additive noise stand between signal and comparator, what is done where isn't seen in the
- * signal: whether none of them is on, of parameters that are checked by it. */
+/* For the solver, which looks the signal up where events are, and compares those pixels again (lib/solver/lookup/solve.c).
+ * Where optics, filters, a surround or additive noise stand between signal and comparator, what is done where isn't seen in
+ * the signal: whether none of them is on, of parameters that are checked by it. */
 TIDES_MUST_CHECK tides_status td_sensor_shows_signal(const tides_sensor *params, int *shows, tides_error *error);
 
 /* Where a pixel's reference changed in a step. */

@@ -77,7 +77,8 @@ static inline int td_refine_may_cut(const td_refine *refine, const td_refine_ste
     return step->to - step->from >= 2 * refine->shortest;
 }
 
-/* The place nearest to a step's middle where a swap of depth begins or ends that its samples may not show, or 0 (swap_cuts.c). */
+/* The place nearest to a step's middle where a swap of depth begins or ends that its samples may not show, or 0
+ * (swap_cuts.c). */
 uint32_t td_refine_swap(const tides_simulator *s, const td_refine_step *step, int32_t *begins);
 
 /* Bytes for the samples of a macro step, for sample_planes that are final. */

@@ -120,8 +120,8 @@ static inline void td_turn_samples(tides_simulator *simulator) {
 /* Largest risk score of a tile's pixels, from planes of TD_OUT_DIAGNOSTICS. */
 double td_tile_risk(const tides_simulator *simulator, const td_tile *tile, const double *planes);
 
-/* The renderer's sweep of [start, stop], from the time reached on; then s->moving.list lists the tiles that can change in it, and
- * where motions have a knot at `start` their S_dot becomes that of what begins there (sweep.c). */
+/* The renderer's sweep of [start, stop], from the time reached on; then s->moving.list lists the tiles that can change in
+ * it, and where motions have a knot at `start` their S_dot becomes that of what begins there (sweep.c). */
 tides_status td_sweep(tides_simulator *simulator, double start, double stop, tides_error *error);
 
 /* -- fixed steps (fixed.c) -- */

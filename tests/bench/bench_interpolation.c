@@ -1,5 +1,5 @@
-/* What interpolating rows is worth where a deformation network moves a scene, and what it costs (scene.interpolate_motion). Then
- * what looking events up adds.
+/* What interpolating rows is worth where a deformation network moves a scene, and what it costs (scene.interpolate_motion).
+ * Then what looking events up adds.
  *   bench_interpolation [DEVICE] [GAUSSIANS] [STEP_S] [TIME_ROWS]
  * 4DGaussians with the sizes of its D-NeRF configuration and random weights, 2 s long, 0.1 s of it simulated without and with;
  * then by default, where events are looked up; in turns; best of the rounds.

@@ -50,8 +50,9 @@ static void test_oracle_is_sure(void **state) {
     run_all(&options, oracle_world_kinds());
 }
 
-/* Of a million events. What is asked for is 5, each of them counted in events_uncertain, and reports within 5 times of the truth in the
- * median: `make check-lost` says so, and isn't there yet. These scenes have 4 wrong ones of 255 328, where 7d58106 had 59 926. */
+/* Of a million events. What is asked for is 5, each of them counted in events_uncertain, and reports within 5 times of the
+ * truth in the median: `make check-lost` says so, and isn't there yet. These scenes have 4 wrong ones of 255 328, where
+ * 7d58106 had 59 926. */
 #define MOST_WRONG 24
 #define UNCERTAIN_EACH 20
 #define MOST_UNCERTAIN 50

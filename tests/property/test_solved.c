@@ -94,7 +94,8 @@ static void unseen(tides_sensor *s) { s->b_min = 0.3; }
 /* What is reported is worth something: p95 within so many times of the true one. */
 #define MOST_RATIO 5.0
 
-/* Times are whole nanoseconds: what is true is known to half of one, which is a twentieth of the p95 that are asked for here. */
+/* Times are whole nanoseconds: what is true is known to half of one, which is a twentieth of the p95 that are asked for
+ * here. */
 static const double half_a_ns_us = 5e-4;
 
 static const struct block {

@@ -1,3 +1,4 @@
+/* Single pixels of whole tiles (tile_points.h): many tiles at a time, of which one pixel each is taken. */
 #include "tile_points.h"
 
 #include "render/td_renderer.h"

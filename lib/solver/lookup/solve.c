@@ -202,7 +202,8 @@ static tides_status begin_unit(tides_simulator *s, int t, double start, double s
 
 /* -- batch after batch ---------------------------------------------------------------------------------------------------- */
 
-/* All units that are refined together; a batch goes when it is worth it, with all points of its tiles, which go down a list together. */
+/* All units that are refined together; a batch goes when it is worth it, with all points of its tiles, which go down a list
+ * together. */
 static tides_status begin_units(tides_simulator *s, double start, double stop, tides_error *error) {
     td_solve *solve = &s->solve;
     const td_refine *r = &s->refine;

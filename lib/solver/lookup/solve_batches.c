@@ -1,8 +1,8 @@
-/* Batches in turns: one is filled, the one before is with the device meanwhile, and of the one before that, which is back, pixels
- * are run, which may ask for more. For solve.c; what is asked for is solve_ask.c's.
+/* Batches in turns: one is filled, the one before is with the device meanwhile, and of the one before that, which is back,
+ * pixels are run, which may ask for more. For solve.c; what is asked for is solve_ask.c's.
  *
- * Which points make a batch decides about nothing but time: pixels don't depend on one another, and all that a pixel asks for
- * at once is in one batch. */
+ * Which points make a batch decides about nothing but time: pixels don't depend on one another, and all that a pixel asks
+ * for at once is in one batch. */
 #include "solver/td_simulator.h"
 #include "td_wide.h"
 

@@ -207,8 +207,8 @@ static void look_between(const visit *v, int k, approach *worst) {
     }
 }
 
-/* How far beyond the level that the piece went through last its turn at s is: where the model is off by more, the signal may have
- * turned before the level. Of a kink a cubic makes such turns, whose crossings are sharp, and not there. */
+/* How far beyond the level that the piece went through last its turn at s is: where the model is off by more, the signal may
+ * have turned before the level. Of a kink a cubic makes such turns, whose crossings are sharp, and not there. */
 static double beyond_at(const visit *v, int k, double s) {
     const td_pieces *pieces = &v->model.pieces;
     const int n = changes_until(v, s);

@@ -1,12 +1,12 @@
-/* Where steps are cut because of swaps of depth (td_renderer_swaps): what is accepted otherwise, and has one within it that is too
- * short to show in its samples, is cut where that begins and ends, and looked into between. */
+/* Where steps are cut because of swaps of depth (td_renderer_swaps): what is accepted otherwise, and has one within it that
+ * is too short to show in its samples, is cut where that begins and ends, and looked into between. */
 #include "td_extremes.h"
 #include "solver/td_simulator.h"
 
 #include <math.h>
 
-/* Swaps that move log_luminance by less are left to the samples: this share of a threshold, or of a large tolerance. A choice: with
- * less blocks of a tile have more places of their own, which are rendered for each of them alone. */
+/* Swaps that move log_luminance by less are left to the samples: this share of a threshold, or of a large tolerance. A
+ * choice: with less blocks of a tile have more places of their own, which are rendered for each of them alone. */
 static const double least_share = 0.05, share_of_tolerance = 0.5;
 
 /* The least light of a unit at the macro step's start: exp(S). */

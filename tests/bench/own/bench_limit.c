@@ -23,7 +23,7 @@ static int32_t runs_here(const limit_functions *f) {
 static int32_t open_object(bench_limit *l) {
     l->object = dlopen(LIMIT_OBJECT, RTLD_NOW | RTLD_LOCAL);
     if (!l->object) {
-        snprintf(l->why, sizeof l->why, "%s isn't beside the program; make bench builds it on machines with AVX-512", LIMIT_OBJECT);
+        snprintf(l->why, sizeof l->why, "%s isn't beside the program; make bench makes one for AVX-512", LIMIT_OBJECT);
         return 0;
     }
     l->functions = dlsym(l->object, LIMIT_SYMBOL);

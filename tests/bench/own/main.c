@@ -1,6 +1,6 @@
-/* The library measured by itself, as nobody's scene needs it: the stages of frames beside the same image in plain C made for this
- * machine (limit/), how cost grows, and what the measures that make the image continuous are worth. `make bench` runs it all.
- *   usage: own image|scaling|throughput|all [-o DIR] [--quick] [--scene NAME] [--row NAME] */
+/* The library measured by itself, as nobody's scene needs it: the stages of frames beside the same image in plain C made for
+ * this machine (limit/), how cost grows, and what the measures that make the image continuous are worth. For `make bench`.
+ *   usage: own_bench image|scaling|throughput|all [-o DIR] [--quick] [--scene NAME] [--row NAME] */
 #include "bench_image.h"
 #include "bench_main.h"
 #include "bench_scaling.h"
