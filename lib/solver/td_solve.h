@@ -87,20 +87,25 @@ typedef struct td_solve_batch {
 } td_solve_batch;
 enum { TD_SOLVE_BATCHES = 3 };
 
-typedef struct td_solve {
-    int on;               /* events are looked up */
-    int32_t unsolved;     /* TIDES_UNSOLVED_* */
-    int is_exact;         /* what is looked up is in double, all of it */
-    double target_s;      /* times that are as good as that are settled */
-    double samples;       /* what samples may be off by beside what is looked up [log units] */
-    uint64_t events;      /* that were looked up, */
-    uint64_t lookups;     /* and points for them */
-    double *known;        /* (pixels) 1 where the reference is one that was looked up */
-    int kept;             /* the renderer has kept the run's start (td_solve_keep_start) */
-    size_t *wanted;       /* pixels whose references are to be looked up, */
+/* Pixels whose references are to be looked up. */
+typedef struct td_solve_refer_list {
+    size_t *wanted;       /* (count) */
     td_point *start;      /* and where they are */
-    td_point_value *rest; /* (references) what is found there */
-    size_t references, wanted_capacity, start_capacity, rest_capacity;
+    td_point_value *rest; /* what is found there */
+    size_t count, wanted_capacity, start_capacity, rest_capacity;
+} td_solve_refer_list;
+
+typedef struct td_solve {
+    int on;           /* events are looked up */
+    int32_t unsolved; /* TIDES_UNSOLVED_* */
+    int is_exact;     /* what is looked up is in double, all of it */
+    double target_s;  /* times that are as good as that are settled */
+    double samples;   /* what samples may be off by beside what is looked up [log units] */
+    uint64_t events;  /* that were looked up, */
+    uint64_t lookups; /* and points for them */
+    double *known;    /* (pixels) 1 where the reference is one that was looked up */
+    int kept;         /* the renderer has kept the run's start (td_solve_keep_start) */
+    td_solve_refer_list refer;
     td_looked *looked;
     size_t looked_count, looked_capacity;
     td_found *found;

@@ -79,9 +79,9 @@ tides_status td_solve_create(tides_simulator *s, tides_error *error) {
 
 void td_solve_release(td_solve *solve) {
     free(solve->known);
-    free(solve->wanted);
-    free(solve->start);
-    free(solve->rest);
+    free(solve->refer.wanted);
+    free(solve->refer.start);
+    free(solve->refer.rest);
     free(solve->looked);
     free(solve->found);
     free(solve->step);

@@ -49,7 +49,7 @@ tides_status td_solve_look_up(tides_simulator *s, tides_error *error) {
 }
 
 int td_solve_is_busy(const td_solve *solve) {
-    size_t left = solve->references;
+    size_t left = solve->refer.count;
     for (int k = 0; k < TD_SOLVE_BATCHES; k++) left += solve->batch[k].points;
     return left > 0;
 }
@@ -62,6 +62,6 @@ int td_solve_has_enough(const tides_simulator *s) {
 void td_solve_clear_batches(tides_simulator *s) {
     td_renderer_points_drop(s->renderer);
     for (int k = 0; k < TD_SOLVE_BATCHES; k++) s->solve.batch[k].points = s->solve.batch[k].pixels = 0;
-    s->solve.references = 0;
+    s->solve.refer.count = 0;
     s->solve.enough_now = s->solve.enough < FIRST ? s->solve.enough : FIRST;
 }

@@ -74,7 +74,7 @@ tides_status td_solve_turn(tides_simulator *s, tides_error *error) {
     td_solve_batch *full = td_solve_asking(solve),
                    *back = &solve->batch[(solve->asking + TD_SOLVE_BATCHES - 1) % TD_SOLVE_BATCHES];
     tides_status status = td_solve_receive(s, error);
-    if (status == TIDES_OK && solve->references > 0) { /* nothing is away now */
+    if (status == TIDES_OK && solve->refer.count > 0) { /* nothing is away now */
         status = td_solve_refer(s, error);
         if (status == TIDES_OK) status = run_pixels(s, full, 1, error);
     }

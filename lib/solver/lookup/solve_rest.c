@@ -32,31 +32,34 @@ void td_solve_doubt(const tides_simulator *s, int t, double *doubt) {
 tides_status td_solve_ask_reference(tides_simulator *s, int t, int32_t local, tides_error *error) {
     td_solve *solve = &s->solve;
     const td_tile *tile = &s->layout.tile[t];
-    const size_t k = solve->references;
-    tides_status status = td_reserve((void **)&solve->wanted, &solve->wanted_capacity, k + 1, sizeof *solve->wanted, error);
+    const size_t k = solve->refer.count;
+    tides_status status =
+        td_reserve((void **)&solve->refer.wanted, &solve->refer.wanted_capacity, k + 1, sizeof *solve->refer.wanted, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&solve->start, &solve->start_capacity, k + 1, sizeof *solve->start, error);
+        status =
+            td_reserve((void **)&solve->refer.start, &solve->refer.start_capacity, k + 1, sizeof *solve->refer.start, error);
     if (status != TIDES_OK) return status;
-    solve->wanted[k] = s->layout.first_pixel[t] + (size_t)local;
-    solve->start[k] = (td_point){0, tile->x0 + local % tile->width, tile->y0 + local / tile->width};
-    solve->references++;
+    solve->refer.wanted[k] = s->layout.first_pixel[t] + (size_t)local;
+    solve->refer.start[k] = (td_point){0, tile->x0 + local % tile->width, tile->y0 + local / tile->width};
+    solve->refer.count++;
     return TIDES_OK;
 }
 
 tides_status td_solve_refer(tides_simulator *s, tides_error *error) {
     td_solve *solve = &s->solve;
-    const size_t count = solve->references;
-    solve->references = 0;
-    tides_status status = td_renew((void **)&solve->rest, &solve->rest_capacity, count, sizeof *solve->rest, error);
+    const size_t count = solve->refer.count;
+    solve->refer.count = 0;
+    tides_status status =
+        td_renew((void **)&solve->refer.rest, &solve->refer.rest_capacity, count, sizeof *solve->refer.rest, error);
     if (status != TIDES_OK || count == 0) return status;
     const double begun = td_now();
-    status = begins(s) ? td_renderer_points(s->renderer, s->camera, solve->start, count, solve->rest, error)
-                       : td_renderer_kept_points(s->renderer, s->camera, solve->start, count, solve->rest, error);
+    status = begins(s) ? td_renderer_points(s->renderer, s->camera, solve->refer.start, count, solve->refer.rest, error)
+                       : td_renderer_kept_points(s->renderer, s->camera, solve->refer.start, count, solve->refer.rest, error);
     td_solve_note_time(s, begun);
     solve->lookups += count;
     for (size_t k = 0; k < count && status == TIDES_OK; k++) {
-        td_sensor_refer(&s->sensor, solve->wanted[k], solve->rest[k].L);
-        solve->known[solve->wanted[k]] = 1;
+        td_sensor_refer(&s->sensor, solve->refer.wanted[k], solve->refer.rest[k].L);
+        solve->known[solve->refer.wanted[k]] = 1;
     }
     return status;
 }
