@@ -82,7 +82,7 @@ TESTS    := $(TEST_SRC:%.c=$(OUT)/%)
 GOLDEN   := $(patsubst %.c,$(OUT)/%,$(wildcard tests/golden/test_*.c))
 
 .PHONY: all
-all: build/tides build/libtides.so $(OUT)/libtides-limit.so ## Build the library and the command line tool (default)
+all: build/tides build/libtides.so ## Build the library and the command line tool (default)
 
 # Flags that change rebuild what they changed (all but WERROR: it changes no object).
 $(OUT)/.flags: FORCE
@@ -128,18 +128,6 @@ build/tides: $(OUT)/tides FORCE
 build/libtides.so: $(OUT)/libtides.so.$(VERSION) FORCE
 	@ln -sfn $(OUT:build/%=%)/libtides.so $@
 
-# What `tides bench throughput` holds frames against: as fast as the compiler makes it on this very machine, so it is an object of
-# its own, opened by that command alone and installed by none. Machines without AVX-512 have none.
-LIMIT_OBJ    := $(patsubst %.c,$(OUT)/%.o,$(wildcard cli/bench/limit/*.c))
-LIMIT_FLAGS  := -std=c99 -O3 -march=native -mprefer-vector-width=512 -funroll-loops -fno-math-errno -fno-trapping-math \
-                -ffp-contract=fast -fPIC -fvisibility=hidden -pthread $(WARNINGS) -Wno-psabi
-LIMIT_FITS   := $(shell echo | $(CC) -march=native -dM -E - 2>/dev/null | grep -c -e __AVX512F__ -e __AVX512BW__ -e __AVX512DQ__ -e __AVX512VL__)
-$(OUT)/cli/bench/limit/%.o: cli/bench/limit/%.c $(OUT)/.flags
-	@mkdir -p $(@D)
-	$(CC) $(LIMIT_FLAGS) $(WERROR) -MMD -MP -c $< -o $@
-$(OUT)/libtides-limit.so: $(if $(filter 4,$(LIMIT_FITS)),$(LIMIT_OBJ))
-	$(if $(filter 4,$(LIMIT_FITS)),$(CC) -shared -pthread -o $@ $(LIMIT_OBJ) -lm,@echo 'no $@: it needs a machine with AVX-512')
-
 # Tests reach internals, so they link the objects, not the shared library.
 $(OUT)/tests/%: $(OUT)/tests/%.o $(SUPPORT_OBJ) $(OUT)/libtides.a
 	$(LINK) -o $@ $< $(SUPPORT_OBJ) $(OUT)/libtides.a $(TIDES_LDLIBS) $(LDLIBS) -lcmocka
@@ -148,7 +136,7 @@ $(OUT)/tests/oracle/%: $(OUT)/tests/oracle/%.o $(ORACLE_OBJ) $(OUT)/libtides.a
 	$(LINK) -o $@ $< $(ORACLE_OBJ) $(OUT)/libtides.a $(TIDES_LDLIBS) $(LDLIBS) -lcmocka
 
 .PHONY: tests
-tests: $(TESTS) $(GOLDEN) ## Build the test programs
+tests: $(TESTS) $(GOLDEN) $(OUT)/tests/bench/own_bench ## Build the test programs
 
 # Fuzz targets define LLVMFuzzerTestOneInput; libFuzzer has the main (tests/fuzz/README.md).
 FUZZ     := $(patsubst %.c,$(OUT)/%,$(wildcard tests/fuzz/fuzz_*.c))
@@ -157,11 +145,30 @@ $(OUT)/tests/fuzz/fuzz_%: $(OUT)/tests/fuzz/fuzz_%.o $(OUT)/libtides.a
 # Manifests are the tool's own.
 $(OUT)/tests/fuzz/fuzz_batch: $(filter-out %/main.o,$(CLI_OBJ))
 $(OUT)/tests/fuzz/fuzz_batch: TIDES_LDLIBS += $(CLI_LDLIBS)
+# The library measured by itself (tests/bench/own): the tool's objects with another main. It holds frames against an object of its
+# own, as fast as the compiler makes it on this very machine. Machines without AVX-512 have none.
+LIMIT_OBJ    := $(patsubst %.c,$(OUT)/%.o,$(wildcard tests/bench/own/limit/*.c))
+LIMIT_FLAGS  := -std=c99 -O3 -march=native -mprefer-vector-width=512 -funroll-loops -fno-math-errno -fno-trapping-math \
+                -ffp-contract=fast -fPIC -fvisibility=hidden -pthread $(WARNINGS) -Wno-psabi
+LIMIT_FITS   := $(shell echo | $(CC) -march=native -dM -E - 2>/dev/null | grep -c -e __AVX512F__ -e __AVX512BW__ -e __AVX512DQ__ -e __AVX512VL__)
+$(OUT)/tests/bench/own/limit/%.o: tests/bench/own/limit/%.c $(OUT)/.flags
+	@mkdir -p $(@D)
+	$(CC) $(LIMIT_FLAGS) $(WERROR) -MMD -MP -c $< -o $@
+$(OUT)/tests/bench/libtides-limit.so: $(if $(filter 4,$(LIMIT_FITS)),$(LIMIT_OBJ))
+	$(if $(filter 4,$(LIMIT_FITS)),$(CC) -shared -pthread -o $@ $(LIMIT_OBJ) -lm,@echo 'no $@: it needs a machine with AVX-512')
+
+OWN_OBJ := $(patsubst %.c,$(OUT)/%.o,$(wildcard tests/bench/own/*.c))
+$(OUT)/tests/bench/own/%.o: tests/bench/own/%.c $(OUT)/.flags
+	@mkdir -p $(@D)
+	$(COMPILE) $(CLI_INCLUDES) $(WERROR) -MMD -MP -c $< -o $@
+$(OUT)/tests/bench/own_bench: $(OWN_OBJ) $(filter-out %/main.o,$(CLI_OBJ)) $(OUT)/libtides.a | $(OUT)/tests/bench/libtides-limit.so
+	$(LINK) -o $@ $(filter %.o,$^) $(OUT)/libtides.a -Wl,-rpath,'$$ORIGIN' $(CLI_LDLIBS) $(TIDES_LDLIBS) $(LDLIBS)
+
 # Benchmarks of the test tree: programs that print their own table.
 BENCH    := $(patsubst %.c,$(OUT)/%,$(wildcard tests/bench/bench_*.c))
 
 .SECONDARY: # keep the tests' objects
--include $(LIB_OBJ:.o=.d) $(CLI_OBJ:.o=.d) $(LIMIT_OBJ:.o=.d) $(TESTS:=.d) $(GOLDEN:=.d) $(FUZZ:=.d) $(BENCH:=.d) $(SUPPORT_OBJ:.o=.d) $(ORACLE_OBJ:.o=.d) $(OUT)/tests/oracle/check_lost.d
+-include $(LIB_OBJ:.o=.d) $(CLI_OBJ:.o=.d) $(LIMIT_OBJ:.o=.d) $(OWN_OBJ:.o=.d) $(TESTS:=.d) $(GOLDEN:=.d) $(FUZZ:=.d) $(BENCH:=.d) $(SUPPORT_OBJ:.o=.d) $(ORACLE_OBJ:.o=.d) $(OUT)/tests/oracle/check_lost.d
 
 # -- set-up and demo ---------------------------------------------------------------------------------------------------
 # The flags above are found when make starts, so whatever installs packages starts make afresh before it builds.
@@ -318,12 +325,12 @@ faults-built:
 	@rm -f $(OUT)/logs/faults.txt
 	@TIDES_FAULTS=all TIDES_FAULTS_COUNTS='$(CURDIR)/$(OUT)/logs/faults.txt' TIDES='$(CURDIR)/$(OUT)/tides' \
 	    bash tests/cli/run.sh $(wildcard tests/cli/faults*.sh); code=$$?; cat $(OUT)/logs/faults.txt; exit $$code
-bench: ## Run the benchmarks of tests/bench, where there are any
+bench: ## Run the benchmarks of tests/bench, the library's stages and how its cost grows too: hours; build/bench/index.html
 	@sh scripts/deps.sh build -q
 	@$(AGAIN) bench-built
-bench-built: $(BENCH) all
-	@$(if $(BENCH),,echo 'tests/bench holds no benchmark yet')
+bench-built: $(BENCH) $(OUT)/tests/bench/own_bench
 	@set -e; for program in $(BENCH); do $$program; done
+	$(OUT)/tests/bench/own_bench all -o build/bench
 
 # -- Python package ----------------------------------------------------------------------------------------------------
 .PHONY: live-example

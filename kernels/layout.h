@@ -76,15 +76,12 @@ enum {
 };
 
 enum {
-    TD_PATH_LEVEL_BITS = 3,
-    TD_PATH_LEVELS = 8, /* 2^7 pieces of a piece at most */
-    TD_PATH_CUBIC = 8   /* reals of a moment's weights: td_path_cubic and two unused */
+    TD_PATH_LEVELS = 8 /* 2^7 pieces of a piece at most */
 };
 
 /* A Gaussian's path: the number of its first row and its level, as row * TD_PATH_LEVELS + level. */
 enum {
-    TD_PATH_DIRECT = -1, /* none: it is projected at each time */
-    TD_PATH_UNSEEN = -2  /* in no tile's list */
+    TD_PATH_UNSEEN = -2 /* in no tile's list */
 };
 
 #define TD_PATH_NEVER 1e30f /* the misfit of what no cubic can follow: it isn't always there; */

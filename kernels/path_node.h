@@ -6,12 +6,6 @@
 #include "path.h"
 #include "record.h"
 
-/* Where the rows go. */
-typedef struct td_node_sink {
-    TD_GLOBAL td_real *rows;
-    TD_GLOBAL td_real *low; /* nothing in double */
-} td_node_sink;
-
 /* Splats from 2^24 px on, 2^48 px^2, have determinants that the projection makes smaller (td_shrink_wide): no row of these. */
 TD_INLINE td_mask td_node_holds(const td_shape *shape) {
     const td_real wide = TD_REAL(281474976710656.0);
@@ -32,10 +26,10 @@ TD_INLINE void td_node_lay(const td_shape *shape, td_dual luminance, td_lanes en
     entry[TD_P_DEPTH] = shape->depth.v, entry[TD_PATH_NUMBERS + TD_P_DEPTH] = shape->depth.d;
 }
 
-/* Gaussians [i, i + TD_LANES) of a job. */
+/* Gaussians [i, i + TD_LANES) of a job, to rows of `to`. */
 TD_INLINE void td_node_group(const td_node_job *job, int i, TD_GLOBAL const int *gaussians, TD_GLOBAL const int *rows,
                              TD_GLOBAL const int *object, TD_GLOBAL const td_view *views, const td_image *image,
-                             const td_source *source, const td_node_sink *sink) {
+                             const td_source *source, TD_GLOBAL td_real *to) {
     td_index gaussian = td_load_ints(gaussians + job->first + i), row = td_load_ints(rows + job->first + i);
     if (!td_any(gaussian >= 0)) return; /* padding alone: with one lane, groups would race for the row that nobody reads */
     int leader = gaussians[job->first + (i & ~(TD_PAD - 1))];
@@ -47,14 +41,7 @@ TD_INLINE void td_node_group(const td_node_job *job, int i, TD_GLOBAL const int 
     td_colour colour = td_project_colour(view, image, &own, &numbers, td_not_below_0(gaussian));
     td_lanes entry[TD_PATH_STRIDE];
     td_node_lay(&shape, td_luminance_of(&colour, image), entry);
-#ifndef TD_REAL_DOUBLE
-    int at[TD_LANES];
-    td_real low[TD_LANES];
-    td_index_lanes(row, at);
-    td_spread(shape.depth_low, low);
-    for (int lane = 0; lane < TD_LANES; lane++) sink->low[at[lane]] = low[lane];
-#endif
-    td_store_rows(sink->rows, row, entry);
+    td_store_rows(to, row, entry);
 }
 
 /* -- halving ------------------------------------------------------------------------------------------------------- */
@@ -104,16 +91,17 @@ TD_INLINE td_path_stray td_path_compare(const td_path_splat *path, td_dual path_
     return off;
 }
 
-/* What log_luminance changes by where splat_alpha changes most, for small changes of a splat's numbers, at most: of a splat before
- * black or the other way round (interpolate.h). Of what is seen there an opaque one is all; before black so is a faint one, but
- * for log_eps: there log_luminance changes by luminance / (opacity luminance + log_eps) times what alpha does. From an opacity of
- * 0.05 on less and less of that is counted, for the more a splat takes the less of it is seen by itself; above 0.14 it is nothing
- * (reports of such scenes are 2 to 4 times what is true without). What changes its light may be
- * faint at some time.
+/* What log_luminance changes by where splat_alpha changes most, for small changes of a splat's numbers, at most: of a splat
+ * before black or the other way round (interpolate.h). Of what is seen there an opaque one is all; before black so is a
+ * faint one, but for log_eps: there log_luminance changes by luminance / (opacity luminance + log_eps) times what alpha
+ * does. From an opacity of 0.05 on less and less of that is counted, for the more a splat takes the less of it is seen by
+ * itself; above 0.14 it is nothing (reports of such scenes are 2 to 4 times what is true without). What changes its light
+ * may be faint at some time.
  *
- * A shift d of the mean changes alpha by e^(-1/2) opacity sqrt(d^T Q d) at most, one standard deviation out; a change D of the
- * covariance by opacity |M|_F / e, M = Q D, on the circle of sqrt 2. |M|_F^2 = tr(M)^2 - 2 det(M) in the coordinates where the
- * splat is round, with tr(M) = ddet / det to first order and det(M) = det(D) / det: without the conic, which would cancel. */
+ * A shift d of the mean changes alpha by e^(-1/2) opacity sqrt(d^T Q d) at most, one standard deviation out; a change D of
+ * the covariance by opacity |M|_F / e, M = Q D, on the circle of sqrt 2. |M|_F^2 = tr(M)^2 - 2 det(M) in the coordinates
+ * where the splat is round, with tr(M) = ddet / det to first order and det(M) = det(D) / det: without the conic, which would
+ * cancel. */
 TD_INLINE td_lanes td_path_change(const td_path_splat *own, td_lanes own_a, td_lanes du, td_lanes dv, td_lanes da, td_lanes db,
                                   td_lanes dc, td_lanes ddet, td_lanes dopacity, td_lanes dluminance, td_real log_eps) {
     td_lanes inverse = 1.0f / own->det.v;
@@ -161,7 +149,6 @@ TD_INLINE td_path_splat td_path_row(const td_lanes entry[TD_PATH_STRIDE]) {
     splat.opacity = td_dual_make(entry[TD_P_OPACITY], entry[TD_PATH_NUMBERS + TD_P_OPACITY]);
     splat.luminance = td_dual_make(entry[TD_P_LUMINANCE], entry[TD_PATH_NUMBERS + TD_P_LUMINANCE]);
     splat.depth = td_dual_make(entry[TD_P_DEPTH], entry[TD_PATH_NUMBERS + TD_P_DEPTH]);
-    splat.depth_low = td_splat(0.0f);
     return splat;
 }
 
@@ -182,7 +169,7 @@ TD_INLINE td_lanes td_path_misfit(TD_GLOBAL const td_real *rows, td_index row, t
     td_load_rows(rows, row + 1, middle);
     td_load_rows(rows, row + 2, end);
     td_path_cubic cubic = td_path_middle(h);
-    td_path_splat path = td_path_blend(&cubic, start, end, td_splat(0.0f), td_splat(0.0f)), own = td_path_row(middle);
+    td_path_splat path = td_path_blend(&cubic, start, end), own = td_path_row(middle);
     td_dual a = td_path_a(&own);
     td_path_stray off = td_path_compare(&path, td_path_a(&path), &own, a);
     const td_real eps = image->log_eps;
@@ -218,11 +205,6 @@ TD_INLINE td_lanes td_path_try_each(TD_GLOBAL const td_real *rows, td_index firs
         }
     }
     return worst;
-}
-
-TD_INLINE td_lanes td_path_worst(TD_GLOBAL const td_real *rows, td_index first, int level, int pieces,
-                                 TD_GLOBAL const td_real *lengths, const td_path_terms *terms, const td_image *image) {
-    return td_path_try_each(rows, first, level, pieces, lengths, terms, image, 0, 0);
 }
 
 #endif

@@ -4,26 +4,22 @@
 
 TD_APART void td_nodes_apart(__constant const td_image *image_buffer, __global const td_node_job *at,
                              __global const int *gaussians, __global const int *places, __global const int *object,
-                             __global const td_view *views, const td_source *sources, const td_node_sink *sinks, int first,
+                             __global const td_view *views, const td_source *sources, __global td_real *rows, int first,
                              int step) {
     const td_image image = *image_buffer;
     const td_node_job job = *at;
     const td_source source = *sources;
-    const td_node_sink sink = *sinks;
     for (int i = first; i < job.count; i += step)
-        td_node_group(&job, i, gaussians, places, object, views, &image, &source, &sink);
+        td_node_group(&job, i, gaussians, places, object, views, &image, &source, rows);
 }
 
 __kernel void td_project_nodes(__constant const td_image *image_buffer, __global const td_node_job *jobs,
                                __global const int *gaussians, __global const int *places, __global const int *object,
                                __global const td_view *views, __global const td_real *geometry, __global const td_real *rates,
                                __global const td_sh_real *sh, __global const td_real *sh_rates, __global const int *owners,
-                               int first_rate, int first_moved, __global td_real *rows, __global td_real *low) {
+                               int first_rate, int first_moved, __global td_real *rows) {
     const td_source source = td_source_make(geometry, rates, sh, sh_rates, owners, first_rate, first_moved);
-    td_node_sink sink;
-    sink.rows = rows;
-    sink.low = low;
-    td_nodes_apart(image_buffer, jobs + get_group_id(0), gaussians, places, object, views, &source, &sink,
+    td_nodes_apart(image_buffer, jobs + get_group_id(0), gaussians, places, object, views, &source, rows,
                    (int)get_local_id(0) * TD_LANES, (int)get_local_size(0) * TD_LANES);
 }
 

@@ -110,7 +110,7 @@ if is_there mesa-opencl-icd; then
     run 'fixed steps'
     run 'hard order' stepping.mode=error image.rules=inria
     run 'blocks' stepping.mode=error stepping.unit=block stepping.solve=off
-    run 'events looked up, paths' stepping.mode=error stepping.solve=float stepping.paths=true
+    run 'events looked up' stepping.mode=error
     scene=$work/moving.json
     run 'moving objects' stepping.solve=off
 fi
@@ -122,13 +122,11 @@ if is_there oclgrind; then
     run 'error control' stepping.mode=error stepping.solve=off
     run 'hard order' stepping.mode=error image.rules=inria
     run 'blocks' stepping.mode=error stepping.unit=block stepping.solve=off
-    run 'paths' stepping.mode=error stepping.paths=true stepping.solve=off
-    run 'events looked up' stepping.mode=error stepping.solve=float
-    run 'in double' stepping.mode=error stepping.solve=double stepping.unit=block stepping.paths=true
+    run 'events looked up' stepping.mode=error
     run 'blur' stepping.mode=error frontend.psf_sigma_px=0.8
     scene=$work/moving.json
     run 'moving objects' stepping.solve=off
-    run 'moving objects, solved' stepping.solve=double stepping.unit=block stepping.paths=true
+    run 'moving objects, solved'
 fi
 echo "$passed passed, $failed failed, $skipped skipped"
 [ $failed = 0 ]

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """What `make lint` checks of the house as a whole. Prints findings, one line each, and exits 1 where there are any.
 
-usage: house.py arrows|cites|openings|guards [ROOT]     ROOT: a tree like this repository's (default: this repository)
+usage: house.py arrows|circles|cites|openings|guards [ROOT]     ROOT: a tree like this repository's (default: this repository)
 
 arrows     every #include goes to a folder that scripts/arrows.txt allows
+circles    in folders that it lists below another no files use one another's functions in a circle, and those of the folders
+           beside them as it allows
 cites      comments and pages cite files that are in the repository, and sections that docs/DESIGN.md has
 openings   every file of lib begins with a comment of a sentence or more
 guards     no two headers hide each other
@@ -27,9 +29,11 @@ def files(root, folders, endings):
                 yield path
 
 
-def folder_of(root, path):
-    """lib/solver/run.c -> lib/solver; cli/bench/x.c -> cli"""
+def folder_of(root, path, listed=()):
+    """lib/solver/x.h -> lib/solver; cli/bench/x.c -> cli; lib/solver/run/run.c -> lib/solver/run where that is listed"""
     parts = path.resolve().relative_to(root).parts
+    if "/".join(parts[:3]) in listed:
+        return "/".join(parts[:3])
     return "/".join(parts[:2]) if parts[0] == "lib" and len(parts) > 2 else parts[0]
 
 
@@ -58,10 +62,10 @@ def read_order(path):
     return allowed, due, wrong
 
 
-def target_of(root, path, name):
+def target_of(root, path, name, listed):
     for base in (path.parent, *(root / p for p in INCLUDE_PATHS)):
         if (base / name).is_file():
-            return folder_of(root, base / name)
+            return folder_of(root, base / name, listed)
     return None
 
 
@@ -69,18 +73,61 @@ def check_arrows(root):
     allowed, due, found = read_order(root / "scripts/arrows.txt")
     used = set()
     for path in files(root, SOURCE_FOLDERS, {".c", ".h", ".cl"}):
-        folder = folder_of(root, path)
+        folder = folder_of(root, path, allowed)
         if folder not in allowed:
             found.append(f"{path.relative_to(root)}: scripts/arrows.txt has no line for {folder}")
             continue
         for number, line in enumerate(path.read_text().splitlines(), 1):
             match = re.match(r'\s*#\s*include\s+"([^"]+)"', line)
-            target = match and target_of(root, path, match[1])
+            target = match and target_of(root, path, match[1], allowed)
             if target and target not in allowed[folder]:
                 used.add((folder, target))
                 if (folder, target) not in due:
                     found.append(f'{path.relative_to(root)}:{number}: "{match[1]}": {folder} may not include {target}')
     found += [f"arrows.txt: {a} includes nothing of {b} any more: take the 'due' line out" for a, b in sorted(due - used)]
+    return found
+
+
+# -- circles -----------------------------------------------------------------------------------------------------------
+
+# The head of a function that other files may call, up to its brace.
+HEAD = re.compile(r"^(?!static\b|typedef\b)[A-Za-z_][\w \t*]*[\s*](\w+)\([^;{}]*\)\s*\{", re.M)
+
+
+def code_of(path):
+    return re.sub(r'/\*.*?\*/|"(?:\\.|[^"\\\n])*"', " ", path.read_text(), flags=re.S)
+
+
+def circle_through(uses, start):
+    """The shortest way from a file back to itself, by what each uses; [] where there is none."""
+    ways, seen = [[start]], set()
+    for way in ways:
+        for target in sorted(uses[way[-1]]):
+            if target == start:
+                return way
+            if target not in seen:
+                seen.add(target)
+                ways.append([*way, target])
+    return []
+
+
+def check_circles(root):
+    allowed, _, _ = read_order(root / "scripts/arrows.txt")
+    inner = [folder for folder in allowed if folder.count("/") == 2]
+    code = {path: code_of(path) for folder in inner for path in files(root, (folder,), {".c"})}
+    home = {name: path for path, text in code.items() for name in HEAD.findall(text)}
+    uses, found, told = {}, [], set()
+    for path, text in code.items():
+        uses[path] = {home[w] for w in set(re.findall(r"\w+", text)) if w in home} - {path}
+        folder = folder_of(root, path, allowed)
+        for target in sorted(uses[path]):
+            if folder_of(root, target, allowed) not in allowed[folder]:
+                found.append(f"{path.relative_to(root)}: uses {target.relative_to(root)}, which {folder} may not")
+    for path in uses:
+        way = circle_through(uses, path)
+        if way and frozenset(way) not in told:
+            told.add(frozenset(way))
+            found.append("a circle: " + " -> ".join(str(p.relative_to(root)) for p in [*way, path]))
     return found
 
 
@@ -194,7 +241,13 @@ def check_guards(root):
     return found
 
 
-CHECKS = {"arrows": check_arrows, "cites": check_cites, "openings": check_openings, "guards": check_guards}
+CHECKS = {
+    "arrows": check_arrows,
+    "circles": check_circles,
+    "cites": check_cites,
+    "openings": check_openings,
+    "guards": check_guards,
+}
 
 
 def main():

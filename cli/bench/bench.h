@@ -113,8 +113,7 @@ tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, c
 tides_status bench_measure(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
                            const tides_stepping *stepping, bench_row *row, tides_error *error);
 /* The parts of exact events, which a row may have: where unset, off, whatever the library's defaults are. */
-enum { BENCH_SOLVED_FLOAT = 1, BENCH_SOLVED = 2, BENCH_BLOCKS = 4, BENCH_PATHS = 8 };
-enum { BENCH_TOGETHER = BENCH_SOLVED | BENCH_BLOCKS | BENCH_PATHS };
+enum { BENCH_SOLVED = 1, BENCH_BLOCKS = 2, BENCH_TOGETHER = BENCH_SOLVED | BENCH_BLOCKS };
 void bench_choose_parts(tides_stepping *stepping, int32_t parts);
 /* Median and quartiles of measured values, between neighbours; puts them in order. */
 void bench_quartiles(double *values, int32_t count, double *low, double *median, double *high);
@@ -221,19 +220,6 @@ tides_status bench_write_canvas(const bench *b, cli_canvas *canvas, const char *
 tides_status bench_figure_curves(const bench *b, const bench_rows *rows, tides_error *error);
 tides_status bench_figure_bars(const bench *b, const bench_rows *rows, tides_error *error);
 
-/* bench_jumps.c: an image beside others, apart from events. */
-typedef struct bench_jumps {
-    double per_pixel_s; /* jumps of L above 0.001 [1/s per pixel] */
-    double sum_per_s;   /* their sizes, added up [log units/s per pixel] */
-    double largest;     /* [log units] */
-    double psnr;        /* of the colours against inria's, peak 1 [dB] */
-    double furthest;    /* largest difference of a colour channel from inria's, */
-    int32_t x, y;       /* in this pixel, */
-    double time;        /* at this time [s] */
-} bench_jumps;
-tides_status bench_find_jumps(bench *b, const bench_scene *scene, const tides_image_params *image, bench_jumps *jumps,
-                              tides_error *error);
-
 /* Run time of a frame with L and L_dot in each of the images, best of many that take turns [s]. */
 tides_status bench_frame_costs(bench *b, const bench_scene *scene, const tides_image_params *images, size_t count,
                                double *seconds, tides_error *error);
@@ -254,10 +240,9 @@ typedef struct bench_cost {
 /* bench_blocks_figure.c: blocks.png. */
 tides_status bench_figure_costs(const bench *b, const bench_cost *costs, size_t count, tides_error *error);
 
-/* bench_accuracy.c, bench_ablation.c, bench_blocks.c, bench_image.c; the exit code is the command's. */
+/* bench_accuracy.c, bench_ablation.c, bench_blocks.c; the exit code is the command's. */
 tides_status bench_accuracy(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_ablation(bench *b, const cli_list *scenes, tides_error *error);
-tides_status bench_image(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_blocks(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_live(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_throughput(bench *b, const cli_list *scenes, tides_error *error);

@@ -4,17 +4,14 @@
  *
  *   full                     cubic, error control tile by tile: the default. No risk-gated refinement, no mixed-visibility
  *                            masking, no readout (paper).
- *   with_risk                risk control in addition
- *   no_alpha_dot             the same without its alpha_dot cue
  *   risk_only                the paper's controller alone
  *   risk_only_no_alpha_dot   the same without its alpha_dot cue
  *   with_masking             full, with pixels silent where coverage is below B_MIN: what masking takes away and puts off
  *   with_readout             full, behind the default readout: what its delays, jitter and drops add
  *   global_step              full, but one step for the whole image
- *   solved_float, solved     full, its events looked up in the image, in single or double precision
+ *   solved                   full, its events looked up in the image
  *   blocks                   full, refined by 4x4 pixels
- *   paths                    full, on a path of each splat between few projections
- *   together                 solved, blocks and paths
+ *   together                 solved, and blocks
  *   one_event                full, but at most one event per pixel and step: steps are cut until none has more
  *   fixed_step               no controller: the paper's schedule, ten equal steps where full may take one
  *
@@ -54,24 +51,19 @@ enum {
     FIXED = TIDES_STEPPING_FIXED,
     ERROR = TIDES_STEPPING_ERROR,
     RISK = TIDES_STEPPING_RISK,
-    BOTH = TIDES_STEPPING_ERROR_RISK,
     CUBIC = TIDES_MODEL_HERMITE,
     DIFFERENCE = TIDES_SLOPE_DIFFERENCE
 };
 
 static const variant variants[] = {
     {.name = "full", .mode = ERROR, .model = CUBIC, .local = 1},
-    {.name = "with_risk", .mode = BOTH, .model = CUBIC, .local = 1},
-    {.name = "no_alpha_dot", .mode = BOTH, .model = CUBIC, .local = 1, .no_alpha_dot = 1},
     {.name = "risk_only", .mode = RISK, .model = CUBIC, .local = 1},
     {.name = "risk_only_no_alpha_dot", .mode = RISK, .model = CUBIC, .local = 1, .no_alpha_dot = 1},
     {.name = "with_masking", .mode = ERROR, .model = CUBIC, .local = 1, .masking = 1},
     {.name = "with_readout", .mode = ERROR, .model = CUBIC, .local = 1, .readout = 1},
     {.name = "global_step", .mode = ERROR, .model = CUBIC},
-    {.name = "solved_float", .mode = ERROR, .model = CUBIC, .local = 1, .parts = BENCH_SOLVED_FLOAT},
     {.name = "solved", .mode = ERROR, .model = CUBIC, .local = 1, .parts = BENCH_SOLVED},
     {.name = "blocks", .mode = ERROR, .model = CUBIC, .local = 1, .parts = BENCH_BLOCKS},
-    {.name = "paths", .mode = ERROR, .model = CUBIC, .local = 1, .parts = BENCH_PATHS},
     {.name = "together", .mode = ERROR, .model = CUBIC, .local = 1, .parts = BENCH_TOGETHER},
     {.name = "one_event", .mode = ERROR, .model = CUBIC, .local = 1, .events_per_step = 1},
     {.name = "fixed_step", .mode = FIXED, .model = CUBIC, .local = 1, .steps = STEPS_TEN},

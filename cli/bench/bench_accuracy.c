@@ -18,9 +18,8 @@ typedef struct method {
     int32_t parts; /* BENCH_SOLVED ... */
 } method;
 
-/* `error` is the cubic alone between renders of whole tiles; `solved_float` and `solved` look its events up in the image,
- * `blocks` refines by 4x4 pixels, `paths` follows a path of each splat between few projections, and `together` does all three.
- * `default` is what a run has that says nothing: events looked up, and blocks.
+/* `error` is the cubic alone between renders of whole tiles; `solved` looks its events up in the image, `blocks`
+ * refines by 4x4 pixels, and `together` does both. `default` is what a run has that says nothing: events looked up, and blocks.
  *
  * `risk` is the paper's score: its setting is the longest step, of which each tile takes its kappa. */
 /* clang-format off */
@@ -33,14 +32,10 @@ static const method methods[] = {
      {500, 1000, 2000, 4000, 8000, 16000}, {2000, 8000}, 0},
     {"error",        TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TOLERANCE,
      {0.1, 0.03, 0.01, 0.005, 0.003, 0.002, 0.001}, {0.1, 0.01, 0.003}, 0},
-    {"solved_float", TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TOLERANCE,
-     {0.3, 0.1, 0.03, 0.01, 0.003}, {0.1, 0.01}, BENCH_SOLVED_FLOAT},
     {"solved",       TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TOLERANCE,
      {0.3, 0.1, 0.03, 0.01, 0.003}, {0.1, 0.01}, BENCH_SOLVED},
     {"blocks",       TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TOLERANCE,
      {0.1, 0.03, 0.01, 0.003, 0.001}, {0.1, 0.01}, BENCH_BLOCKS},
-    {"paths",        TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TOLERANCE,
-     {0.1, 0.03, 0.01, 0.003, 0.001}, {0.1, 0.01}, BENCH_PATHS},
     {"together",     TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TOLERANCE,
      {0.3, 0.1, 0.03, 0.01, 0.003}, {0.1, 0.01}, BENCH_TOGETHER},
     {"default",      TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   1, TOLERANCE,
@@ -49,8 +44,6 @@ static const method methods[] = {
      {1e-5, 1e-6}, {1e-5}, 0},
     {"risk",         TIDES_RULES_SMOOTH, TIDES_STEPPING_RISK,  TIDES_MODEL_HERMITE,   1, LONGEST_STEP,
      {4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4}, {1e-3, 2.5e-4}, 0},
-    {"error_risk",   TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR_RISK, TIDES_MODEL_HERMITE, 1, TOLERANCE,
-     {0.1, 0.03, 0.01, 0.003}, {0.01}, 0},
     {"error_global", TIDES_RULES_SMOOTH, TIDES_STEPPING_ERROR, TIDES_MODEL_HERMITE,   0, TOLERANCE,
      {0.1, 0.03, 0.01}, {0.1, 0.01}, 0},
     {"esim_inria",   TIDES_RULES_INRIA,  TIDES_STEPPING_FIXED, TIDES_MODEL_SECANT,    0, RATE,

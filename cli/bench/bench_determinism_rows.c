@@ -6,7 +6,7 @@
 
 #define MODEL "stepping.solve=off"
 #define DOUBLE "stepping.solve=double", "stepping.tolerance=0.1"
-#define TOGETHER DOUBLE, "stepping.unit=block", "stepping.paths=true"
+#define TOGETHER DOUBLE, "stepping.unit=block"
 #define COMPARATOR                                                                                                \
     "sensor.threshold_sigma=0.02", "sensor.refractory_s=0.001", "sensor.leak_rate_hz=5", "sensor.leak_sigma=0.2", \
         "sensor.dead_pixel_fraction=0.01", "frontend.shot_noise_hz=20", "frontend.hot_pixel_fraction=0.01"
@@ -18,12 +18,9 @@ const determinism_run determinism_runs[] =
     {{"fixed", "equal steps", {"stepping.mode=fixed"}, 0},
      {"default", "steps under error control, events looked up", {NULL}, 0},
      {"error", "steps under error control, events of the cubic", {MODEL}, 0},
-     {"error_risk", "steps by the paper's risk too", {"stepping.mode=error_risk", MODEL}, 0},
+     {"risk", "steps by the paper's risk", {"stepping.mode=risk", MODEL}, 0},
      {"blocks", "steps of 4x4 blocks", {"stepping.unit=block", MODEL}, 0},
-     {"paths", "records from paths", {"stepping.paths=true", MODEL}, 0},
-     {"solved_float", "events looked up in single precision", {"stepping.solve=float", "stepping.tolerance=0.1"}, 0},
-     {"solved", "events looked up in double precision", {DOUBLE}, 0},
-     {"together", "events looked up in double precision, blocks and paths", {TOGETHER}, 0},
+     {"solved", "events looked up, whole tiles", {DOUBLE, "stepping.unit=tile"}, 0},
      {"sensor", "most blocks of the sensor at once", {COMPARATOR, FRONT_END}, 0},
      {"comparator_solved", "those of the comparator, events looked up", {COMPARATOR, TOGETHER}, 0},
      {"surround", "centre-surround", {"frontend.center_surround=[2,0.004]"}, 0},

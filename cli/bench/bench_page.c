@@ -11,28 +11,6 @@
 
 enum { PICTURES_MAX = 8 };
 
-/* What each benchmark is about. */
-typedef struct chapter {
-    const char *name, *sentence;
-} chapter;
-static const chapter chapters[] = {
-    {"accuracy", "Run time against the error of event times: methods and settings, each against its image's exact events."},
-    {"ablation", "What each part of the method is worth, and what masking and a readout change."},
-    {"blocks", "What each block of the sensor and of the readout costs, alone."},
-    {"determinism", "The same runs made in different ways, and one SHA-256 for each run."},
-    {"image", "What each measure that makes the image continuous in time is worth, and what it costs."},
-    {"live", "How long a run takes for each pose that it is told as it goes."},
-    {"scaling", "How cost grows with Gaussians, pixels, events, layers, what moves, speed and threads."},
-    {"stability", "Worlds made to break the simulator, and whether they do."},
-    {"throughput", "What each stage takes, beside the same image in plain C made for the machine: the limit."},
-};
-
-static const char *sentence_of(const char *name) {
-    for (size_t i = 0; i < sizeof chapters / sizeof *chapters; i++)
-        if (strcmp(chapters[i].name, name) == 0) return chapters[i].sentence;
-    return "";
-}
-
 /* -- files ---------------------------------------------------------------------------------------------------------------- */
 
 static cJSON *read_results(const bench *b, const char *name) {
@@ -112,8 +90,9 @@ static void put_pictures(FILE *file, const bench *b, const char *name) {
     for (int32_t i = 0; i < count; i++) html_picture(file, b->directory, pictures[i]);
 }
 
-static void put_benchmark(FILE *file, const bench *b, const char *name, const cJSON *json) {
-    fprintf(file, "<h2 id=\"%s\">%s</h2>\n<p>%s</p>\n<p class=small>tides %s on ", name, name, sentence_of(name),
+static void put_benchmark(FILE *file, const bench *b, const bench_entry *of, const cJSON *json) {
+    const char *name = of->name;
+    fprintf(file, "<h2 id=\"%s\">%s</h2>\n<p>%s</p>\n<p class=small>tides %s on ", name, name, of->sentence,
             text_of(json, "version"));
     html_text(file, text_of(json, "device"));
     fprintf(file, ", %g cores, %s%s</p>\n", cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(json, "cores")),
@@ -132,7 +111,7 @@ static void put_benchmark(FILE *file, const bench *b, const char *name, const cJ
 
 typedef struct page {
     const bench *b;
-    const char *const *names;
+    const bench_list *all;
 } page;
 
 static void put_page(FILE *file, const void *what) {
@@ -140,16 +119,16 @@ static void put_page(FILE *file, const void *what) {
     html_begin(file, "tides bench");
     fputs("<p>Event cameras simulated in continuous time from Gaussian splats: what is measured of it, on this machine.</p>\n",
           file);
-    for (const char *const *name = p->names; *name; name++) {
-        cJSON *json = read_results(p->b, *name);
-        if (json) put_benchmark(file, p->b, *name, json);
+    for (size_t i = 0; i < p->all->count; i++) {
+        cJSON *json = read_results(p->b, p->all->entry[i].name);
+        if (json) put_benchmark(file, p->b, &p->all->entry[i], json);
         cJSON_Delete(json);
     }
     html_end(file);
 }
 
-tides_status bench_page(const bench *b, const char *const *names, tides_error *error) {
-    const page p = {b, names};
+tides_status bench_page(const bench *b, const bench_list *all, tides_error *error) {
+    const page p = {b, all};
     char path[4200];
     tides_status status = bench_path(b, "index", ".html", path, sizeof path, error);
     return status == TIDES_OK ? cli_write_file(path, put_page, &p, error) : status;

@@ -40,7 +40,7 @@ extern const stability_case *const stability_groups[]; /* NULL-terminated lists,
 
 /* The case called `name`, or NULL; and the names, NULL-terminated, allocated. */
 const stability_case *stability_find(const char *name);
-const char **stability_names(void);
+const char *const *stability_names(void);
 
 /* -- worlds (bench_stability_world.c) --------------------------------------------------------------------------------- */
 

@@ -419,13 +419,11 @@ const stability_case *stability_find(const char *name) {
     return NULL;
 }
 
-const char **stability_names(void) {
-    size_t count = 1;
+const char *const *stability_names(void) {
+    enum { ROWS = 256 };
+    static const char *names[ROWS + 1];
+    size_t count = 0;
     for (const stability_case *const *group = stability_groups; *group; group++)
-        for (const stability_case *c = *group; c->name; c++) count++;
-    const char **names = calloc(count, sizeof *names);
-    count = 0;
-    for (const stability_case *const *group = stability_groups; names && *group; group++)
-        for (const stability_case *c = *group; c->name; c++) names[count++] = c->name;
+        for (const stability_case *c = *group; c->name && count < ROWS; c++) names[count++] = c->name;
     return names;
 }

@@ -94,9 +94,8 @@ static void print_method(FILE *out, const char *scene, const char *label, const 
 
 /* Beside the default, or the cubic alone where the default can't be had. */
 static void print_target(FILE *out, const bench_rows *rows, const char *scene, int32_t measure, double target_us) {
-    static const char *const methods[] = {"default",      "error",      "esim",         "quadratic", "hermite",
-                                          "solved_float", "solved",     "blocks",       "paths",     "together",
-                                          "risk",         "error_risk", "error_global", "esim_inria"};
+    static const char *const methods[] = {"default", "error",    "esim", "quadratic",    "hermite",   "solved",
+                                          "blocks",  "together", "risk", "error_global", "esim_inria"};
     bench_need base, other;
     char label[48];
     snprintf(label, sizeof label, "%s <= %g us", measure == BENCH_P95 ? "p95" : "median", target_us);

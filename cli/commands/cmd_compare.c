@@ -65,8 +65,8 @@ tides_status compare_keep_events(const comparison *c, const char *name, const ti
                                     .seed = s->values.seed,
                                     .start_ns = start_ns,
                                     .stop_ns = stop_ns - 1};
-    tides_status status = tides_event_writer_open(path, &facts, &writer, error);
-    if (status == TIDES_OK) status = tides_event_writer_append(writer, events, count, error);
+    tides_status status = tides_event_writer_open(path, NULL, &facts, &writer, error);
+    if (status == TIDES_OK) status = tides_event_writer_append(writer, events, NULL, count, error);
     if (status == TIDES_OK) return tides_event_writer_finish(writer, stop_ns - 1, error);
     tides_event_writer_abandon(writer);
     return status;

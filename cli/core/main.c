@@ -109,24 +109,19 @@ static const cli_command commands[] = {
      "those of straight lines in log luminance. A method that fails takes no other with it.\n"
      "The keys for --set are listed by tides simulate --help.",
      1, cmd_compare},
-    {"bench",
-     "accuracy|ablation|blocks|determinism|image|live|scaling|stability|throughput|all [-o DIR] [--quick] [--scene NAME] "
-     "[--row NAME]",
+    {"bench", "accuracy|ablation|blocks|determinism|live|stability|all [-o DIR] [--quick] [--scene NAME] [--row NAME]",
      "Measure run time against the error of event times, and try to break it.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
      "ablation: what each part of the method is worth, what masking and the readout change; ablation.json, .csv and a plot.\n"
      "determinism: runs made in ways that mustn't matter, one hash for each; determinism.json and .csv. Where ways differ the\n"
      "exit code is 1.\n"
-     "image: what each measure that makes the image continuous in time is worth and costs; image.json and .csv.\n"
      "stability: worlds made to break it, on the device and both references, with a verdict on each row; stability.json, .csv\n"
      "and a plot. Where a row fails the exit code is 1.\n"
      "blocks: what each block of sensor and readout costs; blocks.json, .csv and a plot.\n"
-     "throughput: what each stage of a frame takes, beside the same image in plain C made for this machine; runs, and sinks.\n"
      "live: latency of a run that is told a pose every millisecond, at 346x260; live.json, .csv and a plot.\n"
-     "scaling: how cost grows with Gaussians, pixels, events, layers, what moves, speed, threads; exponents and a plot.\n"
      "all: each of them. index.html is a page of all results in the folder.\n"
      "Scenes: fan, handheld, occluder, nearly_static, vibration, flicker; trained and playbot where $TIDES_SHARED/data has "
-     "them. Of throughput and live: random, surfaces, demo; guitar and playbot.",
+     "them. Of live: random, surfaces, demo; guitar and playbot.",
      1, cmd_bench},
 };
 

@@ -55,11 +55,13 @@ TIDES_API int32_t tides_event_format_at(size_t index, tides_event_format *format
 
 /* Starts an event file in the named format, or where `format` is NULL in that of the path's ending (.h5, .raw, .dat, .es,
  * .aedat4, .npy, .npz, .csv, .txt; HDF5 without one). Every format is streamed, floors times to its tick, bridges the turns
- * of its clock by its own rule, and is written as `path` + ".part". TIDES_UNSUPPORTED: the format isn't written, or the
- * sensor is too large for it. */
-TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_open_as(const char *path, const char *format,
-                                                                   const tides_event_file *file, tides_event_writer **writer,
-                                                                   tides_error *error);
+ * of its clock by its own rule, and is written as `path` + ".part", renamed by _finish: `path` is either the old file or a
+ * complete new one; what was flushed to the .part stays readable. HDF5, the native one: the DSEC layout (events/{p,t,x,y},
+ * ms_to_idx, t_offset), with events/t_ns and our attributes added (lib/events/events_hdf5.c). TIDES_UNSUPPORTED: the format
+ * isn't written, or the sensor is too large for it. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_open(const char *path, const char *format,
+                                                                const tides_event_file *file, tides_event_writer **writer,
+                                                                tides_error *error);
 
 /* 1 where tides_event_writer_resume can go on with files that the ending of `path` stands for. */
 TIDES_API int32_t tides_event_writer_can_resume(const char *path);
@@ -67,21 +69,11 @@ TIDES_API int32_t tides_event_writer_can_resume(const char *path);
 /* Events appended so far that share their pixel and the format's tick with an earlier one: their distance in time is lost. */
 TIDES_API uint64_t tides_event_writer_collapsed(const tides_event_writer *writer);
 
-/* The same in the format of the path's ending. HDF5, the native one: the DSEC layout (events/{p,t,x,y}, ms_to_idx, t_offset),
- * with events/t_ns and our attributes added; layout documented in lib/events/events_hdf5.c. Written as `path` + ".part" and
- * renamed by _finish, so that `path` is either the old file or a complete new one; what was flushed to the .part stays
- * readable. */
-TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_open(const char *path, const tides_event_file *file,
-                                                                tides_event_writer **writer, tides_error *error);
-
 /* Appends `count` events. They must be sorted, not before the last appended one, and inside the image: else
- * TIDES_BAD_ARGUMENT and nothing of this call is written. Buffered: reaches the file chunk by chunk. */
+ * TIDES_BAD_ARGUMENT and nothing of this call is written. `fired` (nullable) is their label, when each of them fired [ns];
+ * NULL: at its t. A file without labels doesn't read it. Buffered: reaches the file chunk by chunk. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_append(tides_event_writer *writer, const tides_event *events,
-                                                                  size_t count, tides_error *error);
-
-/* The same with the label `fired`, when each of them fired [ns]; NULL: at its t. A file without labels doesn't read it. */
-TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_append_fired(tides_event_writer *writer, const tides_event *events,
-                                                                        const int64_t *fired, size_t count, tides_error *error);
+                                                                  const int64_t *fired, size_t count, tides_error *error);
 
 /* Number of events appended so far. */
 TIDES_API uint64_t tides_event_writer_count(const tides_event_writer *writer);

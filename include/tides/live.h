@@ -45,10 +45,10 @@ typedef struct tides_live_options {
 TIDES_API void tides_live_options_defaults(tides_live_options *options);
 
 /* A live run of the session's scene, from time.start, by its values; `options` is nullable. What is told begins where the
- * run's own path has it then, with its rates: the camera's, and the objects' (those at rest at the identity). The session must
- * outlive it, and isn't used by it any more: several live runs of one session may go on at once, in threads of their own.
- * TIDES_UNSUPPORTED naming the key: a method that sees frames, sensor.truth, and stepping.budget, which is shared out over a
- * length that isn't known. TIDES_OUT_OF_RANGE where what isn't told ends before the run begins. */
+ * run's own path has it then, with its rates: the camera's, and the objects' (those at rest at the identity). The session
+ * must outlive it, and isn't used by it any more: several live runs of one session may go on at once, in threads of their
+ * own. TIDES_UNSUPPORTED naming the key: a method that sees frames, and sensor.truth. TIDES_OUT_OF_RANGE where what isn't
+ * told ends before the run begins. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_live_open(tides_session *session, const tides_live_options *options,
                                                         tides_progress progress, void *user, tides_live **live,
                                                         tides_error *error);

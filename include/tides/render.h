@@ -19,7 +19,7 @@ enum {
 };
 
 /* What makes 3DGS continuous in time under TIDES_RULES_SMOOTH, measure by measure; each can be switched off, which brings back
- * inria's jump (tides bench image shows what it costs). Other rules don't read it. */
+ * inria's jump (tests/bench/own/bench_image.c shows what it costs). Other rules don't read it. */
 typedef struct tides_smoothing {
     /* Splat alpha rises from 0 to its full value between these (C2), 0 < begin <= end < 1; equal: a hard cutoff there. */
     double taper_begin, taper_end;
@@ -103,9 +103,6 @@ typedef struct tides_render_stats {
     uint64_t gaussians_still;        /* at rest before a resting camera: not looked at again when lists were made */
     uint64_t gaussians_moved;        /* rows worked out of Gaussians that move by themselves: (Gaussian, time) pairs */
     uint64_t gaussians_interpolated; /* rows that were interpolated instead (tides_stepping.interpolate_motion) */
-    uint64_t path_nodes;             /* record paths (tides_stepping.paths): times that Gaussians were projected at, */
-    uint64_t gaussians_at_nodes;     /* those projected there, each time counted, */
-    uint64_t gaussians_on_paths;     /* and (Gaussian, tile job) pairs taken from them, which gaussians_projected leaves out */
     uint64_t sweeps;                 /* times that Gaussians were swept for tile candidate lists */
     uint64_t pairs_evaluated;        /* (splat, pixel) pairs composited, in blocks of 16 */
     uint64_t lists_kept;             /* tile jobs whose splats were in depth order already: not sorted */

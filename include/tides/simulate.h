@@ -20,11 +20,11 @@ enum {
 };
 
 /* How steps are chosen. FIXED: every step_s. The others cut each macro step of step_s, tile by tile. ERROR: each in which
- * something moves once, to compare its model with a render inside it, and further until what such probes saw bounds the model's
- * error within the tolerance wherever a pixel may reach a threshold (lib/solver/td_probe.h). RISK: until it is as short as the
- * paper's risk score asks for (Eq. 13; lib/solver/control.c has the norms and kappa). Both may be asked for; FIXED and RISK
- * alone look inside no step, and miss what its ends don't show. */
-enum { TIDES_STEPPING_FIXED = 0, TIDES_STEPPING_RISK = 1, TIDES_STEPPING_ERROR = 2, TIDES_STEPPING_ERROR_RISK = 3 };
+ * something moves once, to compare its model with a render inside it, and further until what such probes saw bounds the
+ * model's error within the tolerance wherever a pixel may reach a threshold (lib/solver/td_probe.h). RISK: until it is as
+ * short as the paper's risk score asks for (Eq. 13; lib/solver/steps/control.c has the norms and kappa). FIXED and RISK look
+ * inside no step, and miss what its ends don't show. */
+enum { TIDES_STEPPING_FIXED = 0, TIDES_STEPPING_RISK = 1, TIDES_STEPPING_ERROR = 2 };
 
 /* Where the slopes of S come from. DIFFERENCE is what a renderer without derivatives would have to do, to measure what they are
  * worth: at each step's end the slope of the straight line from its start (at the run's start, to the first end). It takes no
@@ -32,14 +32,13 @@ enum { TIDES_STEPPING_FIXED = 0, TIDES_STEPPING_RISK = 1, TIDES_STEPPING_ERROR =
 enum { TIDES_SLOPE_EXACT = 0, TIDES_SLOPE_DIFFERENCE = 1 };
 
 /* Where events come from: from the local model between two renders, or from the image itself, which is looked up where events
- * are, pixel by pixel, until no time is off by more than time_tolerance_s (10 ns where that is 0), or than rounding in the
- * precision named: DOUBLE works single pixels out whatever the device computes in (motion models in its own), FLOAT whole 4x4
- * blocks of pixels as samples are. Steps then only have to find the crossings. With ERROR or RISK, and where neither a PSF, a
- * filter, a surround nor additive noise comes between image and comparator, nor (DOUBLE) rules or a decoder make the image
- * jump; else TIDES_UNSUPPORTED, and says why. AUTO is DOUBLE where it can be had, else OFF: tides_stats.solve says which, and
- * `unsolved` why. That rests on the run alone: a device without double precision has DOUBLE worked out in C, to the same bits,
- * on one processor. */
-enum { TIDES_SOLVE_OFF = 0, TIDES_SOLVE_FLOAT = 1, TIDES_SOLVE_DOUBLE = 2, TIDES_SOLVE_AUTO = 3 };
+ * are, pixel by pixel, until no time is off by more than time_tolerance_s (10 ns where that is 0), or than rounding. DOUBLE
+ * works single pixels out in double precision whatever the device computes in (motion models in its own). Steps then only have
+ * to find the crossings. With ERROR or RISK, and where neither a PSF, a filter, a surround nor additive noise comes between
+ * image and comparator, nor rules or a decoder make the image jump; else TIDES_UNSUPPORTED, and says why. AUTO is DOUBLE where
+ * it can be had, else OFF: tides_stats.solve says which, and `unsolved` why. That rests on the run alone: a device without
+ * double precision has DOUBLE worked out in C, to the same bits, on one processor. */
+enum { TIDES_SOLVE_OFF = 0, TIDES_SOLVE_DOUBLE = 1, TIDES_SOLVE_AUTO = 2 };
 
 /* Why a run's events are not looked up: they are; OFF was asked for; steps are fixed; the model isn't HERMITE; a PSF, a filter,
  * a surround or additive noise stands between image and comparator; the rules let splats end abruptly, or a decoder makes the
@@ -63,8 +62,8 @@ typedef struct tides_risk {
     double w_b, w_c, w_alpha; /* [1] >= 0 */
 } tides_risk;
 
-/* Step control; fill with tides_stepping_defaults (error, hermite, local, 10 ms, 1 us, 0, 0, 0, 0.3 0.3 0.4, exact, 0, 256,
- * auto, 0, auto). */
+/* Step control; fill with tides_stepping_defaults (error, hermite, local, 10 ms, 1 us, 0, 0, 0.3 0.3 0.4, exact, 0, 256,
+ * auto, auto). */
 typedef struct tides_stepping {
     uint32_t size;
     int32_t mode;               /* TIDES_STEPPING_* */
@@ -76,8 +75,6 @@ typedef struct tides_stepping {
     double tolerance;           /* ERROR: estimated error of S, in units of the smaller threshold. 0: 0.1 where events are
                                    looked up and steps only have to find them, 0.01 where the model says when they are */
     double time_tolerance_s;    /* ERROR: estimated error of event times [s]; 0: not asked for */
-    double budget;              /* renders that cuts may cost in the whole run, in full frames; what is over it goes first where
-                                the measures are worst. 0: no bound */
     tides_risk risk;            /* RISK */
     int32_t slope;              /* TIDES_SLOPE_* */
     int32_t interpolate_motion; /* 1: between the start, middle and end of a macro step expensive motion models (networks,
@@ -85,14 +82,11 @@ typedef struct tides_stepping {
                                    both tolerances (0.01 where `tolerance` is 0: looking up sees the same motion). FIXED: has
                                    no effect, each step is worked out */
     double memory_mb; /* [1e6 bytes] >= 1: what the samples of a macro step and their launches may take: tiles are taken so
-                         many at a time. Where tiles share their steps or a budget, a few samples of each moving tile, if
+                         many at a time. Where tiles share their steps, a few samples of each moving tile, if
                          that is more; looking up single pixels has a room of its own, 512 at most. Changes the order of
                          the work, no event */
     int32_t solve;    /* TIDES_SOLVE_* */
-    int32_t paths; /* 1: within a macro step splats follow record paths, cubics between the times at which they are projected,
-                      Gaussian by Gaussian as many as stay within a hundredth of both tolerances. Images whose colours a
-                      decoder makes have none. FIXED: has no effect, each step is projected */
-    int32_t unit;  /* TIDES_UNIT_* */
+    int32_t unit;     /* TIDES_UNIT_* */
 } tides_stepping;
 TIDES_API void tides_stepping_defaults(tides_stepping *stepping);
 
@@ -111,7 +105,6 @@ typedef struct tides_stats {
     uint64_t events_refractory; /* crossings consumed and noise events lost in refractory periods */
     uint64_t steps;             /* (tile or block, step) pairs that went to the comparator */
     uint64_t steps_rejected;    /* cut in two: such pairs that were too coarse, or to be looked into */
-    uint64_t steps_over_budget; /* accepted above the tolerance because the budget was used up */
     uint64_t steps_at_minimum;  /* accepted above the tolerance because they were as short as min_step_s */
     double worst_delay_s;       /* in the readout, jitter aside [s] */
     double worst_error; /* largest estimate among accepted steps [thresholds]; 0 under fixed steps, which estimate none */
@@ -126,7 +119,7 @@ typedef struct tides_stats {
     double time_compare_s, time_sink_s, time_other_s; /* wall time of the comparator, the sink, the rest [s] */
     uint64_t peak_memory_bytes;                       /* of the process */
     /* Of `steps`, those that rest on a probe: an evaluation inside a step that they are a part of, compared with its model in
-     * value and rate. All under error control but where min_step_s or the budget leaves macro steps whole. */
+     * value and rate. All under error control but where min_step_s leaves macro steps whole. */
     uint64_t steps_probed;
     /* Accepted although above the tolerance, because what a probe saw is no more than rounding of S in single precision:
      * shorter steps would see as much. */
@@ -137,7 +130,7 @@ typedef struct tides_stats {
     double worst_deviation;    /* the largest that a probe saw where a step rests on it [thresholds] */
     uint64_t events_solved;    /* of `events`, those whose times were looked up in the image (stepping.solve), and */
     uint64_t points_looked_up; /* pixels at single times that were looked up for them */
-    double time_look_up_s;     /* waiting for that in double precision; in single it is part of the renderer's times */
+    double time_look_up_s;     /* waiting for that */
     uint64_t solve;            /* TIDES_SOLVE_* that the run has: AUTO is OFF or DOUBLE; */
     uint64_t unsolved;         /* TIDES_UNSOLVED_*: why it is OFF */
     uint64_t unit;             /* TIDES_UNIT_* that the run has: TILE or BLOCK */
@@ -180,8 +173,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_create(
     tides_progress progress, void *user, tides_simulator **simulator, tides_error *error);
 
 /* Puts a readout between pixels and sink, before the run begins and before a restore; one that isn't enabled does nothing.
- * Jitter and drops draw from the sensor's seed. How active a tile is comes from the scene: lib/solver/readout.c. The sink then
- * receives what has left so far; the rest comes with the last packet. */
+ * Jitter and drops draw from the sensor's seed. How active a tile is comes from the scene: lib/solver/run/readout.c. The
+ * sink then receives what has left so far; the rest comes with the last packet. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_readout(tides_simulator *simulator, const tides_readout *readout,
                                                                 tides_error *error);
 
@@ -226,8 +219,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_save(const tides_simulat
  * count both. TIDES_BAD_CONFIG naming what differs where the checkpoint is of another run: `run` (nullable) in anything but
  * time.stop and device, the scene, the camera, the sensor, the stepping, the start, the device's precision. The stop may be
  * another one after the time of the checkpoint, unless that was the run's end (the step before it will do:
- * tides_recording.keep_checkpoint) or a budget is shared out over the run. TIDES_BAD_FILE where the file is
- * damaged. */
+ * tides_recording.keep_checkpoint). TIDES_BAD_FILE where the file is damaged. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_restore(tides_simulator *simulator, const char *run, const char *path,
                                                                 tides_error *error);
 

@@ -276,18 +276,3 @@ tides_status td_pickle_run(td_pickle *pickle, td_value **root) {
     free(pickle->memo);
     return status;
 }
-
-tides_status td_pickle_parse(const char *path, const void *bytes, size_t size, td_tree **tree, tides_error *error) {
-    td_pickle pickle = {.path = path, .bytes = bytes, .size = size, .error = error};
-    td_value *root = NULL;
-    if (!(pickle.tree = td_tree_create(error))) return TIDES_NO_MEMORY;
-    tides_status status = td_pickle_run(&pickle, &root);
-    if (!status) status = td_tree_check(path, root, error);
-    if (status) {
-        td_tree_free(pickle.tree);
-        return status;
-    }
-    td_tree_set_root(pickle.tree, root);
-    *tree = pickle.tree;
-    return TIDES_OK;
-}

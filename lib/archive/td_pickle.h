@@ -18,7 +18,4 @@ tides_status td_torch_open(const char *path, td_tree **tree, tides_error *error)
 /* The same from memory that outlives the tree; `path` is for messages only. */
 tides_status td_torch_parse(const char *path, const void *bytes, size_t size, td_tree **tree, tides_error *error);
 
-/* A bare pickle of protocol 2 without storages. */
-tides_status td_pickle_parse(const char *path, const void *bytes, size_t size, td_tree **tree, tides_error *error);
-
 #endif

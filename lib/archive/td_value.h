@@ -97,7 +97,6 @@ double td_tensor_at(const td_tensor *tensor, int64_t index);
 
 /* All elements in C order, contiguous, of any dtype; the caller frees. Values may be NaN. TIDES_NO_MEMORY only. */
 tides_status td_tensor_floats(const td_tensor *tensor, float **values, tides_error *error);
-tides_status td_tensor_doubles(const td_tensor *tensor, double **values, tides_error *error);
 
 /* All of the above in one: the tensor `key` of a dict, checked for shape and finiteness, as floats the caller frees. */
 tides_status td_value_floats(const td_value *dict, const char *key, int ndim, const int64_t *shape, float **values,

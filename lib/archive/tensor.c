@@ -63,14 +63,6 @@ tides_status td_tensor_floats(const td_tensor *tensor, float **values, tides_err
     return TIDES_OK;
 }
 
-tides_status td_tensor_doubles(const td_tensor *tensor, double **values, tides_error *error) {
-    double *made = td_alloc((size_t)tensor->count, sizeof *made, error);
-    if (!made) return TIDES_NO_MEMORY;
-    for (int64_t i = 0; i < tensor->count; i++) made[i] = td_tensor_at(tensor, i);
-    *values = made;
-    return TIDES_OK;
-}
-
 tides_status td_value_tensor(const td_value *dict, const char *key, const td_tensor **tensor, tides_error *error) {
     const td_value *value = td_value_get(dict, key);
     if (!value || value->kind != TD_VALUE_TENSOR) {

@@ -121,6 +121,23 @@ char *td_format(tides_error *error, const char *format, ...) {
     return text;
 }
 
+tides_status td_note(char **notes, tides_error *error, const char *format, ...) {
+    va_list arguments, again;
+    va_start(arguments, format);
+    va_copy(again, arguments);
+    const size_t before = *notes ? strlen(*notes) + 1 : 0;
+    const int length = vsnprintf(NULL, 0, format, arguments);
+    va_end(arguments);
+    char *grown = length < 0 ? NULL : td_alloc(before + (size_t)length + 1, 1, error);
+    if (grown && before) snprintf(grown, before + 1, "%s\n", *notes);
+    if (grown) vsnprintf(grown + before, (size_t)length + 1, format, again);
+    va_end(again);
+    if (!grown) return TIDES_NO_MEMORY;
+    free(*notes);
+    *notes = grown;
+    return TIDES_OK;
+}
+
 /* Size of an open file, or -1 with the error filled. */
 static long td_file_size(FILE *file, const char *path, size_t limit, tides_error *error) {
     struct stat facts;

@@ -47,6 +47,9 @@ char *td_strdup(const char *text, tides_error *error);
 /* A formatted string, allocated. */
 char *td_format(tides_error *error, const char *format, ...) TD_PRINTF(2, 3);
 
+/* Appends a line to `*notes`, which is NULL or allocated: what somebody should hear, lines with "\n" between them. */
+tides_status td_note(char **notes, tides_error *error, const char *format, ...) TD_PRINTF(3, 4);
+
 /* Reads a whole file; `*bytes` gets its size, a NUL follows the data. TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE above `limit`. */
 tides_status td_read_file(const char *path, size_t limit, char **data, size_t *bytes, tides_error *error);
 

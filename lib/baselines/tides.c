@@ -86,9 +86,11 @@ static tides_status step(tides_baseline *b, const double *Y, tides_error *error)
     if (interval.stop_ns > interval.start_ns) interval.stop_ns--; /* no two intervals share a nanosecond */
     status = take_signal(b, Y, s->S[1], error);
     if (status != TIDES_OK) return status;
-    td_signals signals = {.S0 = s->S[0], .S1 = s->S[1]};
-    td_coverage coverage = {NULL, NULL};
-    status = td_sensor_step(&s->sensor, &interval, &tile, 0, &signals, &coverage, &b->made, error);
+    const td_signals signals = {.S0 = s->S[0], .S1 = s->S[1]};
+    const td_seen seen = {.signals = &signals};
+    td_work work = {.events = b->made};
+    status = td_sensor_step(&s->sensor, &interval, &tile, 0, &seen, &work, error);
+    b->made = work.events;
     double *last = s->S[0];
     s->S[0] = s->S[1];
     s->S[1] = last;

@@ -85,8 +85,8 @@ static tides_status write_root(const td_place *root, const tides_simulator *s, c
     if (status == TIDES_OK) status = td_place_write_text(root, "run", run ? run : "");
     if (status == TIDES_OK) status = td_place_write_double(root, "step", (double)s->step);
     if (status == TIDES_OK) status = td_place_write_double(root, "time", td_grid_time(s, s->step));
-    if (status == TIDES_OK) status = td_place_write_int(root, "ended", s->step == s->steps);
-    return status == TIDES_OK ? write_last(root, &s->last) : status;
+    if (status == TIDES_OK) status = td_place_write_int(root, "ended", s->step == s->grid.steps);
+    return status == TIDES_OK ? write_last(root, &s->packet.last) : status;
 }
 
 static tides_status write_all(const td_place *root, const tides_simulator *s, const char *run, const td_fact *facts,
@@ -180,10 +180,10 @@ static tides_status read_step(const td_place *root, const tides_simulator *s, in
     if (status != TIDES_OK) return status;
     if (!(steps >= 0) || steps > 1e15 || steps != (double)(int64_t)steps)
         return td_fail(root->error, TIDES_BAD_FILE, "%s: step is %g, no number of steps", root->file, steps);
-    if (steps > (double)s->steps || time > s->length)
+    if (steps > (double)s->grid.steps || time > s->length)
         return td_fail(root->error, TIDES_BAD_CONFIG, "%s: was made at %.15g s, after time.stop = %.15g s", root->file,
                        s->epoch + time, s->epoch + s->length);
-    if (time != td_grid_time(s, (int64_t)steps) || (ended && (int64_t)steps < s->steps))
+    if (time != td_grid_time(s, (int64_t)steps) || (ended && (int64_t)steps < s->grid.steps))
         return td_fail(root->error, TIDES_BAD_CONFIG,
                        "%s: was made at %s s, which is no end of a step now that time.stop is %s s: only a run that "
                        "stopped before its end, or kept its checkpoint (--keep-checkpoint), can be extended",
@@ -258,7 +258,7 @@ tides_status tides_simulator_restore(tides_simulator *simulator, const char *run
     if (status == TIDES_OK) {
         td_saved_give(&got.saved, simulator);
         td_simulator_resume(simulator, got.step, &got.totals);
-        simulator->last = got.last;
+        simulator->packet.last = got.last;
         tides_arbiter *own = simulator->readout.arbiter; /* both NULL, or both not */
         simulator->readout.arbiter = got.arbiter;
         got.arbiter = own;

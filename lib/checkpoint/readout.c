@@ -49,7 +49,8 @@ tides_status td_readout_read(const tides_simulator *s, const td_place *root, tid
     if (!s->readout.arbiter) return TIDES_OK;
     tides_status status = read_numbers(root, &numbers, &count);
     if (status == TIDES_OK)
-        status = tides_arbiter_create(&s->readout.params, s->width, s->height, s->sensor.sensor.seed, arbiter, root->error);
+        status = tides_arbiter_create(&s->readout.params, s->layout.width, s->layout.height, s->sensor.sensor.seed, arbiter,
+                                      root->error);
     if (status == TIDES_OK) tides_arbiter_start(*arbiter, s->readout.arbiter->start_ns);
     if (status == TIDES_OK) status = td_arbiter_unpack(*arbiter, numbers, count, root->error);
     if (status == TIDES_BAD_FILE) status = td_fail_within(root->error, status, "%s", root->file);

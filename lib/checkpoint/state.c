@@ -33,11 +33,11 @@ tides_status td_saved_create(td_saved *saved, const tides_simulator *simulator, 
 /* Copies a row between the simulator, in the tiles' order, and its copy, in the image's. */
 static void copy_pixels(const tides_simulator *s, const td_state_row *row, void *copy, int into_simulator) {
     const size_t size = size_of(row);
-    for (int t = 0; t < s->tiles; t++) {
-        const td_tile *tile = &s->tile[t];
+    for (int t = 0; t < s->layout.tiles; t++) {
+        const td_tile *tile = &s->layout.tile[t];
         for (int i = 0; i < tile->count; i += tile->width) { /* a row of the tile is one of the image */
-            const size_t out = (size_t)(tile->y0 + i / tile->width) * (size_t)s->width + (size_t)tile->x0;
-            char *own = (char *)row->values + (s->first_pixel[t] + (size_t)i) * size, *other = (char *)copy + out * size;
+            const size_t out = (size_t)(tile->y0 + i / tile->width) * (size_t)s->layout.width + (size_t)tile->x0;
+            char *own = (char *)row->values + (s->layout.first_pixel[t] + (size_t)i) * size, *other = (char *)copy + out * size;
             memcpy(into_simulator ? own : other, into_simulator ? other : own, (size_t)tile->width * size);
         }
     }
@@ -71,7 +71,7 @@ typedef struct dataset {
 static dataset dataset_of(const tides_simulator *s, const td_saved *saved, int i) {
     const td_state_row *row = &saved->state.row[i];
     dataset d = {row->name, row->type == TD_STATE_COUNT, {row->count, 0}, saved->copy[i]};
-    if (row->order == TD_STATE_PIXELS) d.extent[0] = (hsize_t)s->height, d.extent[1] = (hsize_t)s->width;
+    if (row->order == TD_STATE_PIXELS) d.extent[0] = (hsize_t)s->layout.height, d.extent[1] = (hsize_t)s->layout.width;
     return d;
 }
 

@@ -31,7 +31,7 @@ typedef struct td_fact {
     uint64_t checksum;
 } td_fact;
 
-enum { TD_FACTS = 29 };
+enum { TD_FACTS = 27 };
 tides_status td_facts_gather(const tides_simulator *simulator, td_fact facts[TD_FACTS], tides_error *error);
 
 /* TIDES_BAD_CONFIG naming the first key that two run files (JSON) have different values of, other than those that don't change

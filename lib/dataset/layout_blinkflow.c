@@ -36,7 +36,7 @@ static tides_status begin_events(const td_writer *w, char *path, tides_event_wri
                                     .seed = f->values.seed,
                                     .stop_ns = stop_of(w)};
     tides_status status = path ? td_make_parents(path, error) : TIDES_NO_MEMORY;
-    if (status == TIDES_OK) status = tides_event_writer_open_as(path, "hdf5", &facts, events, error);
+    if (status == TIDES_OK) status = tides_event_writer_open(path, "hdf5", &facts, events, error);
     free(path);
     return status;
 }
@@ -60,7 +60,7 @@ static tides_status events(td_writer *w, const tides_event *list, size_t count, 
         moved[some].t -= 1000 * w->set->start_us;
         some += moved[some].t >= 0;
         if (some == 0 || (some < TAKEN && i + 1 < count)) continue;
-        status = tides_event_writer_append(((blinkflow *)w->state)->events, moved, some, error);
+        status = tides_event_writer_append(((blinkflow *)w->state)->events, moved, NULL, some, error);
         some = 0;
     }
     return status;

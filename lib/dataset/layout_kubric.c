@@ -22,7 +22,7 @@ static tides_status begin(td_writer *w, tides_error *error) {
 }
 
 static tides_status events(td_writer *w, const tides_event *list, size_t count, tides_error *error) {
-    return tides_event_writer_append(((kubric *)w->state)->events, list, count, error);
+    return tides_event_writer_append(((kubric *)w->state)->events, list, NULL, count, error);
 }
 
 static tides_status picture(td_writer *w, const td_picture *p, tides_error *error) {

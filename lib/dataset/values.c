@@ -29,7 +29,7 @@ tides_status td_events_begin(const td_writer *w, char *path, const char *format,
                                     .start_ns = td_time_ns(f->values.start),
                                     .stop_ns = td_time_ns(f->values.stop)};
     tides_status status = path ? td_make_parents(path, error) : TIDES_NO_MEMORY;
-    if (status == TIDES_OK) status = tides_event_writer_open_as(path, format, &facts, events, error);
+    if (status == TIDES_OK) status = tides_event_writer_open(path, format, &facts, events, error);
     free(path);
     return status;
 }

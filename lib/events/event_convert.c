@@ -56,7 +56,7 @@ static tides_status write_first(converter *c, size_t count, tides_error *error) 
     if (c->report.written > 0 && c->events[0].t < c->report.last_ns)
         return td_fail(error, TIDES_BAD_FILE, "%s: an event at %" PRId64 " ns is more than %d places late: sort the file first",
                        c->in, c->events[0].t, WINDOW);
-    tides_status status = tides_event_writer_append(c->writer, c->events, count, error);
+    tides_status status = tides_event_writer_append(c->writer, c->events, NULL, count, error);
     c->report.last_ns = c->events[count - 1].t;
     c->report.written += count;
     c->count -= count;
@@ -166,7 +166,7 @@ static tides_status open_writer(converter *c, tides_error *error) {
     c->height = height;
     c->report.width = facts.width;
     c->report.height = facts.height;
-    return tides_event_writer_open_as(c->out, w->to, &facts, &c->writer, error);
+    return tides_event_writer_open(c->out, w->to, &facts, &c->writer, error);
 }
 
 /* ---- the whole ---- */

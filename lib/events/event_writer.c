@@ -141,17 +141,12 @@ static tides_status open_format(const char *path, const td_event_format *format,
     return TIDES_OK;
 }
 
-tides_status tides_event_writer_open_as(const char *path, const char *format, const tides_event_file *file,
-                                        tides_event_writer **writer, tides_error *error) {
+tides_status tides_event_writer_open(const char *path, const char *format, const tides_event_file *file,
+                                     tides_event_writer **writer, tides_error *error) {
     if (!path || !file || !writer) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_writer_open: an argument is NULL");
     const td_event_format *found = NULL;
     tides_status status = format ? td_event_format_named(format, &found, error) : td_event_format_for(path, &found, error);
     return status == TIDES_OK ? open_format(path, found, file, writer, error) : status;
-}
-
-tides_status tides_event_writer_open(const char *path, const tides_event_file *file, tides_event_writer **writer,
-                                     tides_error *error) {
-    return tides_event_writer_open_as(path, NULL, file, writer, error);
 }
 
 int32_t tides_event_writer_can_resume(const char *path) {
@@ -307,13 +302,8 @@ static tides_status write_events(tides_event_writer *writer, const tides_event *
     return settle(writer, status);
 }
 
-tides_status tides_event_writer_append(tides_event_writer *writer, const tides_event *events, size_t count,
-                                       tides_error *error) {
-    return tides_event_writer_append_fired(writer, events, NULL, count, error);
-}
-
-tides_status tides_event_writer_append_fired(tides_event_writer *writer, const tides_event *events, const int64_t *fired,
-                                             size_t count, tides_error *error) {
+tides_status tides_event_writer_append(tides_event_writer *writer, const tides_event *events, const int64_t *fired,
+                                       size_t count, tides_error *error) {
     if (!writer || (!events && count > 0))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_event_writer_append: an argument is NULL");
     if (writer->failure.status != TIDES_OK) return repeat_failure(writer, error);

@@ -93,7 +93,6 @@ static tides_stepping level_of(const job *j, int32_t level) {
     s.model = TIDES_MODEL_HERMITE;
     s.solve = TIDES_SOLVE_OFF;
     s.unit = TIDES_UNIT_TILE;
-    s.paths = 0;
     if (j->continuous) {
         s.mode = TIDES_STEPPING_ERROR;
         s.step_s = ldexp(j->how.first_step_s, -level);

@@ -21,8 +21,8 @@ size_t td_opencl_takers(const opencl_backend *b, int jobs) {
 
 tides_status td_opencl_begin_turns(opencl_backend *b, tides_error *error) {
     static const cl_int none[TD_TURNS] = {0};
-    tides_status status = td_buffer_reserve(b->device, &b->turns, sizeof none, error);
-    return status == TIDES_OK ? td_buffer_send(b->device, &b->turns, none, sizeof none, error) : status;
+    tides_status status = td_buffer_reserve(b->device, &b->work.turns, sizeof none, error);
+    return status == TIDES_OK ? td_buffer_send(b->device, &b->work.turns, none, sizeof none, error) : status;
 }
 
 tides_status td_opencl_write_reals_at(opencl_backend *b, td_buffer *buffer, size_t first, const double *from, size_t count,
@@ -41,15 +41,15 @@ tides_status td_opencl_write_reals(opencl_backend *b, td_buffer *buffer, const d
 static tides_status launch_project(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error) {
     size_t local = td_opencl_group_size(b), global = td_opencl_takers(b, batch->job_count);
     cl_int jobs = batch->job_count, shared_rows = batch->groups ? batch->groups->count * TD_PAD : 0;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer),
-                                     TD_BUFFER_ARGUMENT(b->jobs),
-                                     TD_BUFFER_ARGUMENT(b->candidates),
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->scene.image_buffer),
+                                     TD_BUFFER_ARGUMENT(b->work.jobs),
+                                     TD_BUFFER_ARGUMENT(b->work.candidates),
                                      TD_SOURCE_ARGUMENTS(b),
-                                     TD_BUFFER_ARGUMENT(b->records),
-                                     TD_BUFFER_ARGUMENT(b->colours),
-                                     TD_BUFFER_ARGUMENT(b->depths),
-                                     TD_BUFFER_ARGUMENT(b->lights),
-                                     TD_BUFFER_ARGUMENT(b->masks),
+                                     TD_BUFFER_ARGUMENT(b->work.records),
+                                     TD_BUFFER_ARGUMENT(b->work.colours),
+                                     TD_BUFFER_ARGUMENT(b->work.depths),
+                                     TD_BUFFER_ARGUMENT(b->work.lights),
+                                     TD_BUFFER_ARGUMENT(b->work.masks),
                                      TD_SHARED_ARGUMENTS(b, shared_rows),
                                      TD_VALUE_ARGUMENT(jobs)};
     return td_launch(b->device, b->project_kernel[kind_of_outputs(batch->outputs)], 1, &global, &local, TD_ARGUMENTS(arguments),
@@ -60,14 +60,14 @@ static tides_status launch_sort(opencl_backend *b, const td_batch *batch, const 
                                 tides_error *error) {
     size_t local = td_opencl_group_size(b), global = td_opencl_takers(b, batch->job_count);
     cl_int jobs = batch->job_count, key_room = (cl_int)s->key_room;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->jobs),   TD_BUFFER_ARGUMENT(b->backdrops),
-                                     TD_BUFFER_ARGUMENT(b->depths), TD_BUFFER_ARGUMENT(b->lights),
-                                     TD_BUFFER_ARGUMENT(b->masks),  TD_BUFFER_ARGUMENT(b->keys),
-                                     TD_BUFFER_ARGUMENT(b->order),  TD_BUFFER_ARGUMENT(b->sorted_masks),
-                                     TD_BUFFER_ARGUMENT(b->counts), TD_BUFFER_ARGUMENT(b->brightest),
-                                     TD_BUFFER_ARGUMENT(b->hints),  TD_BUFFER_ARGUMENT(b->words),
-                                     TD_BUFFER_ARGUMENT(b->places), TD_BUFFER_ARGUMENT(b->turns),
-                                     TD_VALUE_ARGUMENT(key_room),   TD_VALUE_ARGUMENT(jobs)};
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->work.jobs),    TD_BUFFER_ARGUMENT(b->work.backdrops),
+                                     TD_BUFFER_ARGUMENT(b->work.depths),  TD_BUFFER_ARGUMENT(b->work.lights),
+                                     TD_BUFFER_ARGUMENT(b->work.masks),   TD_BUFFER_ARGUMENT(b->work.keys),
+                                     TD_BUFFER_ARGUMENT(b->work.order),   TD_BUFFER_ARGUMENT(b->work.sorted_masks),
+                                     TD_BUFFER_ARGUMENT(b->work.counts),  TD_BUFFER_ARGUMENT(b->work.brightest),
+                                     TD_BUFFER_ARGUMENT(b->work.hints),   TD_BUFFER_ARGUMENT(b->work.words),
+                                     TD_BUFFER_ARGUMENT(b->share.places), TD_BUFFER_ARGUMENT(b->work.turns),
+                                     TD_VALUE_ARGUMENT(key_room),         TD_VALUE_ARGUMENT(jobs)};
     return td_launch(b->device, b->sort_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), event, error);
 }
 
@@ -77,15 +77,15 @@ static tides_status launch_composite(opencl_backend *b, const td_batch *batch, c
     size_t lanes = (size_t)b->device->info.lanes, local = (lanes > 1 ? TD_BLOCK_PIXELS : TD_TILE_PIXELS) / lanes;
     size_t global = (s->blended_count + local - 1) / local * local;
     cl_int asked_count = (cl_int)s->asked_count;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer),   TD_BUFFER_ARGUMENT(b->jobs),
-                                     TD_BUFFER_ARGUMENT(b->backdrops),      TD_BUFFER_ARGUMENT(b->records),
-                                     TD_BUFFER_ARGUMENT(b->colours),        TD_BUFFER_ARGUMENT(b->order),
-                                     TD_BUFFER_ARGUMENT(b->sorted_masks),   TD_BUFFER_ARGUMENT(b->counts),
-                                     TD_BUFFER_ARGUMENT(b->brightest),      TD_BUFFER_ARGUMENT(b->planes),
-                                     TD_BUFFER_ARGUMENT(b->blended),        TD_BUFFER_ARGUMENT(b->views),
-                                     TD_BUFFER_ARGUMENT(b->decoder),        TD_BUFFER_ARGUMENT(b->asked),
-                                     TD_BUFFER_ARGUMENT(b->words),          TD_BUFFER_ARGUMENT(b->shared_records),
-                                     TD_BUFFER_ARGUMENT(b->shared_colours), TD_VALUE_ARGUMENT(asked_count)};
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->scene.image_buffer),   TD_BUFFER_ARGUMENT(b->work.jobs),
+                                     TD_BUFFER_ARGUMENT(b->work.backdrops),       TD_BUFFER_ARGUMENT(b->work.records),
+                                     TD_BUFFER_ARGUMENT(b->work.colours),         TD_BUFFER_ARGUMENT(b->work.order),
+                                     TD_BUFFER_ARGUMENT(b->work.sorted_masks),    TD_BUFFER_ARGUMENT(b->work.counts),
+                                     TD_BUFFER_ARGUMENT(b->work.brightest),       TD_BUFFER_ARGUMENT(b->work.planes),
+                                     TD_BUFFER_ARGUMENT(b->work.blended),         TD_BUFFER_ARGUMENT(b->work.views),
+                                     TD_BUFFER_ARGUMENT(b->scene.decoder),        TD_BUFFER_ARGUMENT(b->work.asked),
+                                     TD_BUFFER_ARGUMENT(b->work.words),           TD_BUFFER_ARGUMENT(b->share.shared_records),
+                                     TD_BUFFER_ARGUMENT(b->share.shared_colours), TD_VALUE_ARGUMENT(asked_count)};
     return td_launch(b->device, b->composite_kernel[kind_of_outputs(batch->outputs)], 1, &global, &local,
                      TD_ARGUMENTS(arguments), event, error);
 }
@@ -93,10 +93,8 @@ static tides_status launch_composite(opencl_backend *b, const td_batch *batch, c
 /* Records of all jobs, with the times of two launches. */
 static tides_status make_records(opencl_backend *b, const td_batch *batch, const td_staging *s, cl_event *own, cl_event *shared,
                                  tides_error *error) {
-    tides_status status = batch->paths ? td_opencl_send_paths(b, batch, error) : TIDES_OK;
-    if (status == TIDES_OK) status = td_opencl_share_records(b, batch, s, shared, error);
-    if (status != TIDES_OK) return status;
-    return batch->paths ? td_opencl_fetch(b, batch, own, error) : launch_project(b, batch, own, error);
+    const tides_status status = td_opencl_share_records(b, batch, s, shared, error);
+    return status == TIDES_OK ? launch_project(b, batch, own, error) : status;
 }
 
 /* All of a batch on the device, with the time of each stage; kernels are prepared. */
@@ -127,8 +125,8 @@ static tides_status warm_up(opencl_backend *b, int outputs, tides_error *error) 
     td_staging s;
     double *views = td_alloc((size_t)b->objects * TD_VIEW_REALS, sizeof *views, error);
     if (!views) return TIDES_NO_MEMORY;
-    td_batch batch = {views,  backdrop, 1, &nothing, 1,    &candidate, 1,   TD_SERIAL_OF_NOBODY,
-                      TD_PAD, outputs,  0, NULL,     NULL, NULL,       NULL};
+    td_batch batch = {views,  backdrop, 1, &nothing, 1,    &candidate, 1, TD_SERIAL_OF_NOBODY,
+                      TD_PAD, outputs,  0, NULL,     NULL, NULL};
     tides_status status = run_stages(b, &batch, &s, seconds, error);
     free(views);
     return status;
@@ -138,7 +136,7 @@ static tides_status prepare(td_backend *backend, int outputs, tides_error *error
     opencl_backend *b = (opencl_backend *)backend;
     int kind = kind_of_outputs(outputs);
     const int truth = outputs == TD_OUT_TRUTH;
-    if (truth ? b->truth_kernel != NULL : b->composite_kernel[kind] != NULL) return TIDES_OK;
+    if (truth ? b->truth.truth_kernel != NULL : b->composite_kernel[kind] != NULL) return TIDES_OK;
     /* Records only differ by whether there is colour: diagnostics share the projection of the signal. */
     int record_outputs = outputs < TD_OUT_COLOUR ? TD_OUT_SIGNAL : TD_OUT_COLOUR;
     tides_status status =
@@ -180,81 +178,71 @@ static tides_status inspect(td_backend *backend, td_stages *stages, tides_error 
     size_t records = (size_t)stages->records, reals = records * TD_RECORD_STRIDE;
     float brightest;
     tides_status status = td_reserve((void **)&b->host, &b->host_capacity, reals, sizeof *b->host, error);
-    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->records, b->host, reals * sizeof *b->host, error);
+    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->work.records, b->host, reals * sizeof *b->host, error);
     if (status != TIDES_OK) return status;
     for (size_t i = 0; i < reals; i++) stages->record[i] = b->host[i];
-    status = td_buffer_read(b->device, &b->masks, stages->mask, records * sizeof(int), error);
-    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->order, stages->order, records * sizeof(int), error);
+    status = td_buffer_read(b->device, &b->work.masks, stages->mask, records * sizeof(int), error);
+    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->work.order, stages->order, records * sizeof(int), error);
     if (status == TIDES_OK)
-        status = td_buffer_read(b->device, &b->sorted_masks, stages->sorted_mask, records * sizeof(int), error);
-    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->counts, &stages->count, sizeof stages->count, error);
-    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->brightest, &brightest, sizeof brightest, error);
+        status = td_buffer_read(b->device, &b->work.sorted_masks, stages->sorted_mask, records * sizeof(int), error);
+    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->work.counts, &stages->count, sizeof stages->count, error);
+    if (status == TIDES_OK) status = td_buffer_read(b->device, &b->work.brightest, &brightest, sizeof brightest, error);
     if (status == TIDES_OK) stages->brightest = brightest;
     return status;
 }
 
 static void destroy(td_backend *backend) {
     opencl_backend *b = (opencl_backend *)backend;
-    cl_kernel kernels[2 + 2 * TD_OUTPUT_KINDS] = {b->sweep_kernel, b->sort_kernel};
+    cl_kernel kernels[1 + 2 * TD_OUTPUT_KINDS] = {b->sort_kernel};
     for (int i = 0; i < TD_OUTPUT_KINDS; i++) {
-        kernels[2 + 2 * i] = b->project_kernel[i];
-        kernels[3 + 2 * i] = b->composite_kernel[i];
+        kernels[1 + 2 * i] = b->project_kernel[i];
+        kernels[2 + 2 * i] = b->composite_kernel[i];
     }
     for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
         if (kernels[i]) clReleaseKernel(kernels[i]);
-    td_buffer *buffers[] = {&b->image_buffer, &b->object,     &b->geometry,     &b->rates,        &b->sh,        &b->sh_rates,
-                            &b->views,        &b->strays,     &b->sweep_rows,   &b->sweep_groups, &b->backdrops, &b->boxes,
-                            &b->travel,       &b->candidates, &b->jobs,         &b->records,      &b->colours,   &b->masks,
-                            &b->keys,         &b->order,      &b->sorted_masks, &b->counts,       &b->brightest, &b->planes,
-                            &b->blended,      &b->decoder,    &b->hints,        &b->asked,        &b->words,     &b->turns,
-                            &b->depths,       &b->lights};
-    for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
+    td_buffers_release(&b->scene, sizeof b->scene);
+    td_buffers_release(&b->work, sizeof b->work);
+    td_opencl_sweep_release(b);
     td_opencl_motion_release(b);
     td_opencl_cubics_release(b);
-    td_opencl_paths_release(b);
     td_opencl_share_release(b);
     td_opencl_truth_release(b);
     free(b->host);
     free(b->host_ints);
-    free(b->swept);
     free(b);
 }
 
-static const td_backend_class opencl_class = {td_opencl_sweep,
-                                              render,
-                                              empty_pixel,
-                                              prepare,
-                                              inspect,
-                                              destroy,
-                                              td_opencl_move,
-                                              td_opencl_prepare_cubics,
-                                              td_opencl_misfits,
-                                              td_opencl_prepare_paths,
-                                              td_opencl_nodes,
-                                              td_opencl_path_misfits,
-                                              td_opencl_path_rows,
-                                              td_opencl_moved_rows,
-                                              NULL,
-                                              1};
+static const td_backend_class opencl_class = {.sweep = td_opencl_sweep,
+                                              .render = render,
+                                              .empty_pixel = empty_pixel,
+                                              .prepare = prepare,
+                                              .inspect = inspect,
+                                              .destroy = destroy,
+                                              .move = td_opencl_move,
+                                              .prepare_cubics = td_opencl_prepare_cubics,
+                                              .misfits = td_opencl_misfits,
+                                              .moved_rows = td_opencl_moved_rows,
+                                              .draws = 1};
 
 /* The scene to the device. Arrays that aren't there get one float, since kernels want an argument. */
 static tides_status write_store(opencl_backend *b, const td_store *store, tides_error *error) {
     static const double none[1] = {0};
     size_t geometry = (size_t)store->count * TD_GEOMETRY_STRIDE, sh = (size_t)store->count * store->sh_stride;
     tides_status status =
-        td_buffer_write(b->device, &b->object, store->object, (size_t)store->count * sizeof *store->object, error);
-    if (status == TIDES_OK) status = td_opencl_write_reals(b, &b->geometry, store->geometry, geometry, error);
-    if (status == TIDES_OK)
-        status = td_opencl_write_reals(b, &b->rates, store->rates ? store->rates : none, store->rates ? geometry : 1, error);
+        td_buffer_write(b->device, &b->scene.object, store->object, (size_t)store->count * sizeof *store->object, error);
+    if (status == TIDES_OK) status = td_opencl_write_reals(b, &b->scene.geometry, store->geometry, geometry, error);
     if (status == TIDES_OK)
         status =
-            td_opencl_write_reals(b, &b->sh_rates, store->sh_rates ? store->sh_rates : none, store->sh_rates ? sh : 1, error);
+            td_opencl_write_reals(b, &b->scene.rates, store->rates ? store->rates : none, store->rates ? geometry : 1, error);
     if (status == TIDES_OK)
-        status = td_opencl_write_reals(b, &b->decoder, store->decoder ? store->decoder : none,
+        status = td_opencl_write_reals(b, &b->scene.sh_rates, store->sh_rates ? store->sh_rates : none,
+                                       store->sh_rates ? sh : 1, error);
+    if (status == TIDES_OK)
+        status = td_opencl_write_reals(b, &b->scene.decoder, store->decoder ? store->decoder : none,
                                        store->decoder ? TD_DECODER_REALS : 1, error);
     if (status != TIDES_OK) return status;
-    if (store->sh_wide) return td_opencl_write_reals(b, &b->sh, store->sh_wide, sh, error);
-    return td_buffer_lend(b->device, &b->sh, store->sh, sh * sizeof *store->sh, error);
+    if (store->sh_wide) return td_opencl_write_reals(b, &b->scene.sh, store->sh_wide, sh, error);
+    return td_buffer_lend(b->device, &b->scene.sh, store->sh, sh * sizeof *store->sh, error);
 }
 
 /* The image in the device's precision: reals, then ints. */
@@ -263,7 +251,7 @@ static tides_status write_image(opencl_backend *b, tides_error *error) {
     for (int i = 0; i < TD_IMAGE_REALS; i++) reals[i] = (float)b->numbers.real[i];
     memcpy(&b->image, reals, sizeof reals);
     memcpy((char *)&b->image + sizeof reals, b->numbers.whole, sizeof b->numbers.whole);
-    return td_buffer_write(b->device, &b->image_buffer, &b->image, sizeof b->image, error);
+    return td_buffer_write(b->device, &b->scene.image_buffer, &b->image, sizeof b->image, error);
 }
 
 tides_status td_backend_create_opencl(tides_device *device, const td_store *store, const td_image_numbers *image,
@@ -282,7 +270,7 @@ tides_status td_backend_create_opencl(tides_device *device, const td_store *stor
     if (status == TIDES_OK) status = td_opencl_truth_create(b, store, error);
     if (status == TIDES_OK) status = td_opencl_motion_create(b, &store->movers, error);
     if (status == TIDES_OK)
-        status = td_opencl_make_kernel(b, TD_FIRST_KERNELS, "td_sweep_gaussians", TD_OUT_SIGNAL, &b->sweep_kernel, error);
+        status = td_opencl_make_kernel(b, TD_FIRST_KERNELS, "td_sweep_gaussians", TD_OUT_SIGNAL, &b->sweep.sweep_kernel, error);
     if (status == TIDES_OK)
         status = td_opencl_make_kernel(b, TD_FIRST_KERNELS, "td_sort_jobs", TD_OUT_SIGNAL, &b->sort_kernel, error);
     if (status == TIDES_OK) status = td_opencl_warm_sweep(b, error);

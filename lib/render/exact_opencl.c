@@ -68,8 +68,7 @@ static tides_status nodes(td_exact *exact, const td_node_request *request, tides
                                      TD_BUFFER_ARGUMENT(e->geometry),  TD_BUFFER_ARGUMENT(e->rates),
                                      TD_BUFFER_ARGUMENT(e->sh),        TD_BUFFER_ARGUMENT(e->sh_rates),
                                      TD_BUFFER_ARGUMENT(e->owners),    TD_VALUE_ARGUMENT(first_rate),
-                                     TD_VALUE_ARGUMENT(first_moved),   TD_BUFFER_ARGUMENT(e->rows),
-                                     TD_BUFFER_ARGUMENT(e->rows)}; /* no low parts of depth in double */
+                                     TD_VALUE_ARGUMENT(first_moved),   TD_BUFFER_ARGUMENT(e->rows)};
     status = td_launch(e->device, e->kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
     return td_finish(e->device, status, error);
 }

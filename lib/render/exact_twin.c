@@ -40,7 +40,7 @@ static tides_status halve(td_exact *exact, const td_halve_request *request, tide
 
 static tides_status rows(td_exact *exact, int count, double *to, tides_error *error) {
     td_backend *reference = ((twin *)exact)->reference;
-    return reference->type->path_rows(reference, count, to, NULL, error);
+    return reference->type->path_rows(reference, count, to, error);
 }
 
 static void destroy(td_exact *exact) {

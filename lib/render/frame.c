@@ -118,7 +118,7 @@ static tides_status draw(tides_renderer *renderer, const tides_trajectory *camer
         if (frame->plane[c]) pictures.plane[plane_of(c, outputs)] = frame->plane[c];
     tides_status status = requests ? td_renderer_heed(renderer, 0, error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK) status = td_renderer_sweep(renderer, camera, time, time, error);
-    if (status == TIDES_OK) status = td_renderer_draw_tiles(renderer, camera, &batch, &pictures, error);
+    if (status == TIDES_OK) status = td_renderer_raw_tiles(renderer, camera, &batch, NULL, &pictures, error);
     free(requests);
     *nonfinite = pictures.nonfinite;
     return status;

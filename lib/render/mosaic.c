@@ -143,9 +143,6 @@ static void add(const tides_render_stats *other, tides_render_stats *stats) {
     stats->gaussians_still += other->gaussians_still;
     stats->gaussians_moved += other->gaussians_moved;
     stats->gaussians_interpolated += other->gaussians_interpolated;
-    stats->path_nodes += other->path_nodes;
-    stats->gaussians_at_nodes += other->gaussians_at_nodes;
-    stats->gaussians_on_paths += other->gaussians_on_paths;
     stats->sweeps += other->sweeps;
     stats->pairs_evaluated += other->pairs_evaluated;
     stats->lists_kept += other->lists_kept;

@@ -75,7 +75,7 @@ static tides_status describe_cause(tides_renderer *renderer, const tides_traject
     int splat = -1;
     snprintf(text, size, "no single splat of it is, so that their sum, or the background, must be too large");
     if (status == TIDES_OK && count > 0) /* the tile by itself, so that its records are what the backend still has */
-        status = td_renderer_unchecked_tiles(renderer, camera, &alone, planes, error);
+        status = td_renderer_raw_tiles(renderer, camera, &alone, planes, NULL, error);
     if (status == TIDES_OK && count > 0) status = find_splat(renderer, count, &splat, error);
     free(planes);
     if (status != TIDES_OK || splat < 0) return status;

@@ -56,24 +56,24 @@ tides_status td_opencl_reserve_batch(opencl_backend *b, const td_batch *batch, t
         td_buffer *buffer;
         size_t bytes;
     } wanted[] = {
-        {&b->records, records * TD_RECORD_STRIDE * sizeof(cl_float)},
-        {&b->colours, colours * sizeof(cl_float)},
-        {&b->depths, records * sizeof(cl_float)},
-        {&b->lights, (records / lanes + 1) * sizeof(cl_float)},
-        {&b->masks, records * sizeof(cl_int)},
-        {&b->keys, s->keys * sizeof(cl_long)},
-        {&b->order, records * sizeof(cl_int)},
-        {&b->sorted_masks, records * sizeof(cl_int)},
-        {&b->words, (records / 2 + 2 * TD_TILE_BLOCKS * jobs) * sizeof(cl_int)},
-        {&b->counts, 2 * jobs * sizeof(cl_int)},
-        {&b->hints, (size_t)(batch->hint_count > 0 ? batch->hint_count : 1) * sizeof(cl_int)},
-        {&b->brightest, jobs * sizeof(cl_float)},
-        {&b->planes, s->plane_reals * sizeof(cl_float)},
-        {&b->blended, s->blended_count * sizeof(cl_int)},
-        {&b->views, s->view_reals * sizeof(cl_float)},
-        {&b->backdrops, s->backdrop_reals * sizeof(cl_float)},
-        {&b->jobs, jobs * sizeof(td_job)},
-        {&b->asked, s->asked_count * sizeof(cl_int)},
+        {&b->work.records, records * TD_RECORD_STRIDE * sizeof(cl_float)},
+        {&b->work.colours, colours * sizeof(cl_float)},
+        {&b->work.depths, records * sizeof(cl_float)},
+        {&b->work.lights, (records / lanes + 1) * sizeof(cl_float)},
+        {&b->work.masks, records * sizeof(cl_int)},
+        {&b->work.keys, s->keys * sizeof(cl_long)},
+        {&b->work.order, records * sizeof(cl_int)},
+        {&b->work.sorted_masks, records * sizeof(cl_int)},
+        {&b->work.words, (records / 2 + 2 * TD_TILE_BLOCKS * jobs) * sizeof(cl_int)},
+        {&b->work.counts, 2 * jobs * sizeof(cl_int)},
+        {&b->work.hints, (size_t)(batch->hint_count > 0 ? batch->hint_count : 1) * sizeof(cl_int)},
+        {&b->work.brightest, jobs * sizeof(cl_float)},
+        {&b->work.planes, s->plane_reals * sizeof(cl_float)},
+        {&b->work.blended, s->blended_count * sizeof(cl_int)},
+        {&b->work.views, s->view_reals * sizeof(cl_float)},
+        {&b->work.backdrops, s->backdrop_reals * sizeof(cl_float)},
+        {&b->work.jobs, jobs * sizeof(td_job)},
+        {&b->work.asked, s->asked_count * sizeof(cl_int)},
     };
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         tides_status status = td_buffer_reserve(b->device, wanted[i].buffer, wanted[i].bytes, error);
@@ -96,25 +96,26 @@ tides_status td_opencl_send_batch(opencl_backend *b, const td_batch *batch, td_s
     }
     tides_status status = td_opencl_choose_shared(b, batch, s, error);
     if (status == TIDES_OK && b->candidates_serial != batch->candidates_serial) {
-        status = td_buffer_write(b->device, &b->candidates, batch->candidates,
+        status = td_buffer_write(b->device, &b->work.candidates, batch->candidates,
                                  (size_t)batch->candidate_count * sizeof *batch->candidates, error);
         b->candidates_serial = batch->candidates_serial;
     }
-    if (status == TIDES_OK) status = td_buffer_send(b->device, &b->views, s->views, s->view_reals * sizeof *s->views, error);
     if (status == TIDES_OK)
-        status = td_buffer_send(b->device, &b->backdrops, s->backdrops, s->backdrop_reals * sizeof *s->backdrops, error);
-    if (status == TIDES_OK) status = td_buffer_send(b->device, &b->jobs, s->jobs, jobs * sizeof *s->jobs, error);
-    if (status == TIDES_OK) status = td_buffer_send(b->device, &b->asked, s->asked, asked * sizeof *s->asked, error);
+        status = td_buffer_send(b->device, &b->work.views, s->views, s->view_reals * sizeof *s->views, error);
+    if (status == TIDES_OK)
+        status = td_buffer_send(b->device, &b->work.backdrops, s->backdrops, s->backdrop_reals * sizeof *s->backdrops, error);
+    if (status == TIDES_OK) status = td_buffer_send(b->device, &b->work.jobs, s->jobs, jobs * sizeof *s->jobs, error);
+    if (status == TIDES_OK) status = td_buffer_send(b->device, &b->work.asked, s->asked, asked * sizeof *s->asked, error);
     return status == TIDES_OK ? td_opencl_begin_turns(b, error) : status;
 }
 
 tides_status td_opencl_fetch_batch(opencl_backend *b, const td_batch *batch, td_staging *s, tides_error *error) {
     const size_t counts = 2 * (size_t)batch->job_count;
-    tides_status status =
-        td_buffer_view(b->device, &b->planes, s->fetched, s->plane_reals * sizeof *s->planes, (const void **)&s->planes, error);
+    tides_status status = td_buffer_view(b->device, &b->work.planes, s->fetched, s->plane_reals * sizeof *s->planes,
+                                         (const void **)&s->planes, error);
     if (status == TIDES_OK)
-        status = td_buffer_fetch(b->device, &b->blended, s->blended, s->blended_count * sizeof *s->blended, error);
-    if (status == TIDES_OK) status = td_buffer_fetch(b->device, &b->counts, s->counts, counts * sizeof *s->counts, error);
+        status = td_buffer_fetch(b->device, &b->work.blended, s->blended, s->blended_count * sizeof *s->blended, error);
+    if (status == TIDES_OK) status = td_buffer_fetch(b->device, &b->work.counts, s->counts, counts * sizeof *s->counts, error);
     return status;
 }
 

@@ -30,8 +30,7 @@ static int decisions_of(const char *files) {
                  {"composite.cl", BY_CUT | BY_STOP | BY_OUTPUTS | BY_SOFT_ORDER | BY_DECODER | BY_LENS},
                  {"interpolate.cl", 0},
                  {"misfit.cl", BY_PROJECTION},
-                 {"path_nodes.cl", BY_PROJECTION},
-                 {TD_PATH_KERNELS, BY_PROJECTION | BY_OUTPUTS | BY_DECODER}};
+                 {"path_nodes.cl", BY_PROJECTION}};
     for (size_t i = 0; i < sizeof known / sizeof *known; i++)
         if (strcmp(known[i].files, files) == 0) return known[i].decisions;
     return BY_ALL;

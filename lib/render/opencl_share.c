@@ -38,9 +38,10 @@ tides_status td_opencl_choose_shared(opencl_backend *b, const td_batch *batch, t
     s->shared = 0;
     for (int i = 0; i < batch->job_count; i++) s->jobs[i].shared = 0;
     if (!batch->groups || batch->outputs == TD_OUT_TRUTH) return TIDES_OK; /* surfaces are the jobs' own */
-    tides_status status = td_reserve((void **)&b->share_ints, &b->share_ints_capacity, 2 * slots, sizeof *b->share_ints, error);
+    tides_status status =
+        td_reserve((void **)&b->share.share_ints, &b->share.share_ints_capacity, 2 * slots, sizeof *b->share.share_ints, error);
     if (status != TIDES_OK) return status;
-    int *as = b->share_ints;
+    int *as = b->share.share_ints;
     count_candidates(batch, as);
     s->shared = choose(b, batch, as, as + slots);
     for (int i = 0; i < batch->job_count; i++) {
@@ -54,15 +55,17 @@ tides_status td_opencl_choose_shared(opencl_backend *b, const td_batch *batch, t
 static tides_status send_groups(opencl_backend *b, const td_batch *batch, tides_error *error) {
     const td_groups *groups = batch->groups;
     const size_t all = (size_t)b->gaussians / TD_PAD;
-    if (b->groups_serial == batch->candidates_serial) return TIDES_OK;
-    tides_status status = td_reserve((void **)&b->group_ints, &b->group_ints_capacity, all, sizeof *b->group_ints, error);
+    if (b->share.groups_serial == batch->candidates_serial) return TIDES_OK;
+    tides_status status =
+        td_reserve((void **)&b->share.group_ints, &b->share.group_ints_capacity, all, sizeof *b->share.group_ints, error);
     if (status != TIDES_OK) return status;
-    memset(b->group_ints, 0, all * sizeof *b->group_ints);
-    for (int i = 0; i < groups->count; i++) b->group_ints[groups->number[i]] = i;
-    status = td_buffer_write(b->device, &b->groups, groups->number, (size_t)groups->count * sizeof(cl_int), error);
+    memset(b->share.group_ints, 0, all * sizeof *b->share.group_ints);
+    for (int i = 0; i < groups->count; i++) b->share.group_ints[groups->number[i]] = i;
+    status = td_buffer_write(b->device, &b->share.groups, groups->number, (size_t)groups->count * sizeof(cl_int), error);
     if (status == TIDES_OK)
-        status = td_buffer_write(b->device, &b->group_places, b->group_ints, all * sizeof *b->group_ints, error);
-    if (status == TIDES_OK) b->groups_serial = batch->candidates_serial;
+        status =
+            td_buffer_write(b->device, &b->share.group_places, b->share.group_ints, all * sizeof *b->share.group_ints, error);
+    if (status == TIDES_OK) b->share.groups_serial = batch->candidates_serial;
     return status;
 }
 
@@ -77,58 +80,28 @@ static tides_status launch(opencl_backend *b, cl_kernel kernel, int groups, int 
 
 static tides_status launch_records(opencl_backend *b, int colours, int groups, int slots, cl_event *event, tides_error *error) {
     cl_int group_count = groups;
-    const td_argument arguments[] =
-        {TD_BUFFER_ARGUMENT(b->image_buffer),   TD_BUFFER_ARGUMENT(b->groups), TD_VALUE_ARGUMENT(group_count),
-         TD_BUFFER_ARGUMENT(b->shared_slots),   TD_SOURCE_ARGUMENTS(b),        TD_BUFFER_ARGUMENT(b->shared_records),
-         TD_BUFFER_ARGUMENT(b->shared_colours), TD_BUFFER_ARGUMENT(b->extents)};
-    return launch(b, b->share_kernel[colours], groups, slots, TD_ARGUMENTS(arguments), event, error);
-}
-
-static tides_status launch_fetched(opencl_backend *b, int groups, int slots, cl_event *event, tides_error *error) {
-    cl_int group_count = groups;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer),
-                                     TD_BUFFER_ARGUMENT(b->groups),
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->scene.image_buffer),
+                                     TD_BUFFER_ARGUMENT(b->share.groups),
                                      TD_VALUE_ARGUMENT(group_count),
-                                     TD_BUFFER_ARGUMENT(b->shared_slots),
+                                     TD_BUFFER_ARGUMENT(b->share.shared_slots),
                                      TD_SOURCE_ARGUMENTS(b),
-                                     TD_BUFFER_ARGUMENT(b->path_rows),
-                                     TD_BUFFER_ARGUMENT(b->path_low),
-                                     TD_BUFFER_ARGUMENT(b->path_cubics),
-                                     TD_BUFFER_ARGUMENT(b->path_nodes),
-                                     TD_BUFFER_ARGUMENT(b->store_paths),
-                                     TD_BUFFER_ARGUMENT(b->shared_records),
-                                     TD_BUFFER_ARGUMENT(b->extents)};
-    return launch(b, b->share_fetch_kernel, groups, slots, TD_ARGUMENTS(arguments), event, error);
-}
-
-static tides_status launch_share(opencl_backend *b, const td_batch *batch, int groups, int slots, cl_event *event,
-                                 tides_error *error) {
-    return batch->paths ? launch_fetched(b, groups, slots, event, error)
-                        : launch_records(b, batch->outputs >= TD_OUT_COLOUR, groups, slots, event, error);
+                                     TD_BUFFER_ARGUMENT(b->share.shared_records),
+                                     TD_BUFFER_ARGUMENT(b->share.shared_colours),
+                                     TD_BUFFER_ARGUMENT(b->share.extents)};
+    return launch(b, b->share.share_kernel[colours], groups, slots, TD_ARGUMENTS(arguments), event, error);
 }
 
 /* Drivers such as PoCL compile when a kernel first runs: one of no groups. */
 static tides_status make_kernel(opencl_backend *b, const td_batch *batch, tides_error *error) {
     const int colours = batch->outputs >= TD_OUT_COLOUR;
-    cl_kernel *kernel = batch->paths ? &b->share_fetch_kernel : &b->share_kernel[colours];
+    cl_kernel *kernel = &b->share.share_kernel[colours];
     if (*kernel) return TIDES_OK;
-    tides_status status = batch->paths
-                              ? td_opencl_make_kernel(b, TD_PATH_KERNELS, "td_share_fetched", TD_OUT_SIGNAL, kernel, error)
-                              : td_opencl_make_kernel(b, TD_PROJECT_KERNELS, "td_share_records",
-                                                      colours ? TD_OUT_COLOUR : TD_OUT_SIGNAL, kernel, error);
+    tides_status status = td_opencl_make_kernel(b, TD_PROJECT_KERNELS, "td_share_records",
+                                                colours ? TD_OUT_COLOUR : TD_OUT_SIGNAL, kernel, error);
     double begun = td_now();
-    if (status == TIDES_OK) status = launch_share(b, batch, 0, 1, NULL, error);
+    if (status == TIDES_OK) status = launch_records(b, colours, 0, 1, NULL, error);
     if (status == TIDES_OK) status = td_finish(b->device, status, error);
     b->base.stats.time_build_s += td_now() - begun;
-    return status;
-}
-
-/* Which path each Gaussian of the store is on. */
-static tides_status send_store_paths(opencl_backend *b, const td_batch *batch, tides_error *error) {
-    if (!batch->paths || b->store_paths_serial == batch->paths->serial) return TIDES_OK;
-    tides_status status = td_buffer_write(b->device, &b->store_paths, batch->paths->path_of,
-                                          (size_t)b->gaussians * sizeof *batch->paths->path_of, error);
-    if (status == TIDES_OK) b->store_paths_serial = batch->paths->serial;
     return status;
 }
 
@@ -139,12 +112,13 @@ static tides_status reserve_shared(opencl_backend *b, const td_batch *batch, con
     image.outputs = batch->outputs;
     const size_t colours = td_has_colours(&image) ? rows * (size_t)td_colour_stride(&image) : 1;
     const size_t places = (size_t)(s->shared > 0 && batch->records > 0 ? batch->records : 1);
-    tides_status status = td_buffer_reserve(b->device, &b->shared_records, rows * TD_RECORD_STRIDE * sizeof(cl_float), error);
+    tides_status status =
+        td_buffer_reserve(b->device, &b->share.shared_records, rows * TD_RECORD_STRIDE * sizeof(cl_float), error);
     if (status == TIDES_OK)
-        status = td_buffer_reserve(b->device, &b->extents, rows * TD_EXTENT_STRIDE * sizeof(cl_float), error);
-    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->shared_colours, colours * sizeof(cl_float), error);
-    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->places, places * sizeof(cl_int), error);
-    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->group_places, sizeof(cl_int), error);
+        status = td_buffer_reserve(b->device, &b->share.extents, rows * TD_EXTENT_STRIDE * sizeof(cl_float), error);
+    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->share.shared_colours, colours * sizeof(cl_float), error);
+    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->share.places, places * sizeof(cl_int), error);
+    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->share.group_places, sizeof(cl_int), error);
     return status;
 }
 
@@ -152,21 +126,22 @@ tides_status td_opencl_share_records(opencl_backend *b, const td_batch *batch, c
                                      tides_error *error) {
     tides_status status = reserve_shared(b, batch, s, error);
     if (status != TIDES_OK || s->shared == 0) return status;
-    status = td_buffer_write(b->device, &b->shared_slots, b->share_ints + batch->slots,
-                             (size_t)s->shared * sizeof *b->share_ints, error);
+    status = td_buffer_write(b->device, &b->share.shared_slots, b->share.share_ints + batch->slots,
+                             (size_t)s->shared * sizeof *b->share.share_ints, error);
     if (status == TIDES_OK) status = send_groups(b, batch, error);
-    if (status == TIDES_OK) status = send_store_paths(b, batch, error);
     if (status == TIDES_OK) status = make_kernel(b, batch, error);
-    return status == TIDES_OK ? launch_share(b, batch, batch->groups->count, s->shared, event, error) : status;
+    return status == TIDES_OK
+               ? launch_records(b, batch->outputs >= TD_OUT_COLOUR, batch->groups->count, s->shared, event, error)
+               : status;
 }
 
 void td_opencl_share_release(opencl_backend *b) {
-    td_buffer *buffers[] = {&b->groups,         &b->group_places, &b->shared_slots, &b->shared_records,
-                            &b->shared_colours, &b->extents,      &b->places,       &b->store_paths};
-    cl_kernel kernels[] = {b->share_kernel[0], b->share_kernel[1], b->share_fetch_kernel};
+    td_buffer *buffers[] = {&b->share.groups,         &b->share.group_places, &b->share.shared_slots, &b->share.shared_records,
+                            &b->share.shared_colours, &b->share.extents,      &b->share.places};
+    cl_kernel kernels[] = {b->share.share_kernel[0], b->share.share_kernel[1]};
     for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
         if (kernels[i]) clReleaseKernel(kernels[i]);
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
-    free(b->share_ints);
-    free(b->group_ints);
+    free(b->share.share_ints);
+    free(b->share.group_ints);
 }

@@ -12,15 +12,16 @@ static tides_status send_interval(opencl_backend *b, const td_sweep_request *req
     tides_status status = rows && (none || request->strays) ? TIDES_OK : TIDES_NO_MEMORY;
     for (int i = 0; i < times && rows; i++) rows[i] = request->rows ? request->rows[i] : request->begin;
     if (status == TIDES_OK)
-        status = td_opencl_write_reals(b, &b->views, request->views, (size_t)times * b->objects * TD_VIEW_REALS, error);
+        status = td_opencl_write_reals(b, &b->work.views, request->views, (size_t)times * b->objects * TD_VIEW_REALS, error);
     if (status == TIDES_OK)
-        status = td_opencl_write_reals(b, &b->strays, request->strays ? request->strays : none, strays, error);
-    if (status == TIDES_OK) status = td_buffer_write(b->device, &b->sweep_rows, rows, (size_t)times * sizeof *rows, error);
+        status = td_opencl_write_reals(b, &b->sweep.strays, request->strays ? request->strays : none, strays, error);
     if (status == TIDES_OK)
-        status = td_buffer_write(b->device, &b->sweep_groups, request->groups ? request->groups->number : rows,
+        status = td_buffer_write(b->device, &b->sweep.sweep_rows, rows, (size_t)times * sizeof *rows, error);
+    if (status == TIDES_OK)
+        status = td_buffer_write(b->device, &b->sweep.sweep_groups, request->groups ? request->groups->number : rows,
                                  (size_t)(request->groups ? request->groups->count : 1) * sizeof *rows, error);
-    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->boxes, 4 * bytes, error);
-    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->travel, bytes, error);
+    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->sweep.boxes, 4 * bytes, error);
+    if (status == TIDES_OK) status = td_buffer_reserve(b->device, &b->sweep.travel, bytes, error);
     free(none);
     free(rows);
     return status;
@@ -35,14 +36,15 @@ static tides_status read_groups(opencl_backend *b, const td_groups *groups, cons
     const int apart = !b->device->near && all > (size_t)groups->count;
     tides_status status = TIDES_OK;
     if (apart) {
-        status = td_reserve((void **)&b->swept, &b->swept_capacity, all * TD_PAD * width, sizeof *b->swept, error);
-        if (status == TIDES_OK) status = td_buffer_read_at(b->device, far, first * each, b->swept, all * each, error);
+        status =
+            td_reserve((void **)&b->sweep.swept, &b->sweep.swept_capacity, all * TD_PAD * width, sizeof *b->sweep.swept, error);
+        if (status == TIDES_OK) status = td_buffer_read_at(b->device, far, first * each, b->sweep.swept, all * each, error);
     }
     for (int at = 0, next; at < groups->count && status == TIDES_OK; at = next) {
         next = td_groups_together(groups, at, groups->count);
         const size_t from = (size_t)groups->number[at], bytes = (size_t)(next - at) * each;
         if (apart)
-            memcpy((char *)to + from * each, (const char *)b->swept + (from - first) * each, bytes);
+            memcpy((char *)to + from * each, (const char *)b->sweep.swept + (from - first) * each, bytes);
         else
             status = td_buffer_read_part(b->device, far, to, from * each, bytes, error);
     }
@@ -71,16 +73,16 @@ tides_status td_opencl_sweep(td_backend *backend, const td_sweep_request *reques
     /* A local size is always given: left to itself PoCL takes a divisor of the count, and compiles anew for every scene. */
     size_t local = td_opencl_group_size(b), groups = (size_t)(swept / b->device->info.lanes);
     size_t global = (groups + local - 1) / local * local;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer),
-                                     TD_BUFFER_ARGUMENT(b->object),
-                                     TD_BUFFER_ARGUMENT(b->views),
-                                     TD_BUFFER_ARGUMENT(b->strays),
-                                     TD_BUFFER_ARGUMENT(b->sweep_rows),
-                                     TD_BUFFER_ARGUMENT(b->geometry),
-                                     TD_BUFFER_ARGUMENT(b->rates),
-                                     TD_BUFFER_ARGUMENT(b->sh),
-                                     TD_BUFFER_ARGUMENT(b->sh_rates),
-                                     TD_BUFFER_ARGUMENT(b->owners),
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->scene.image_buffer),
+                                     TD_BUFFER_ARGUMENT(b->scene.object),
+                                     TD_BUFFER_ARGUMENT(b->work.views),
+                                     TD_BUFFER_ARGUMENT(b->sweep.strays),
+                                     TD_BUFFER_ARGUMENT(b->sweep.sweep_rows),
+                                     TD_BUFFER_ARGUMENT(b->scene.geometry),
+                                     TD_BUFFER_ARGUMENT(b->scene.rates),
+                                     TD_BUFFER_ARGUMENT(b->scene.sh),
+                                     TD_BUFFER_ARGUMENT(b->scene.sh_rates),
+                                     TD_BUFFER_ARGUMENT(b->motion.owners),
                                      TD_VALUE_ARGUMENT(first_rate),
                                      TD_VALUE_ARGUMENT(first_moved),
                                      TD_VALUE_ARGUMENT(seconds),
@@ -88,12 +90,12 @@ tides_status td_opencl_sweep(td_backend *backend, const td_sweep_request *reques
                                      TD_VALUE_ARGUMENT(begin),
                                      TD_VALUE_ARGUMENT(swept),
                                      TD_VALUE_ARGUMENT(in_groups),
-                                     TD_BUFFER_ARGUMENT(b->sweep_groups),
-                                     TD_BUFFER_ARGUMENT(b->boxes),
-                                     TD_BUFFER_ARGUMENT(b->travel)};
-    status = td_launch(b->device, b->sweep_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
-    if (status == TIDES_OK) status = read_swept(b, request, &b->boxes, 4, boxes, error);
-    if (status == TIDES_OK) status = read_swept(b, request, &b->travel, 1, travel, error);
+                                     TD_BUFFER_ARGUMENT(b->sweep.sweep_groups),
+                                     TD_BUFFER_ARGUMENT(b->sweep.boxes),
+                                     TD_BUFFER_ARGUMENT(b->sweep.travel)};
+    status = td_launch(b->device, b->sweep.sweep_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
+    if (status == TIDES_OK) status = read_swept(b, request, &b->sweep.boxes, 4, boxes, error);
+    if (status == TIDES_OK) status = read_swept(b, request, &b->sweep.travel, 1, travel, error);
     backend->stats.sweeps++;
     backend->stats.time_sweep_s += td_now() - begun;
     return status;
@@ -111,4 +113,11 @@ tides_status td_opencl_warm_sweep(opencl_backend *b, tides_error *error) {
     b->base.stats.time_sweep_s = 0;
     b->base.stats.time_build_s += td_now() - begun;
     return status;
+}
+
+void td_opencl_sweep_release(opencl_backend *b) {
+    td_buffer *buffers[] = {&b->sweep.strays, &b->sweep.sweep_rows, &b->sweep.sweep_groups, &b->sweep.boxes, &b->sweep.travel};
+    for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
+    if (b->sweep.sweep_kernel) clReleaseKernel(b->sweep.sweep_kernel);
+    free(b->sweep.swept);
 }

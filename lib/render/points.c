@@ -1,6 +1,6 @@
-/* Pixels at times of their own, for the solver, which solves events on them. Unless they were asked to be exact: pixels of
- * whole tiles (points_tiles.c). Exact ones are worked out one by one (kernels/points.h): rows of record paths for the interval
- * swept last when it is first asked for, lists of the tiles that points are in, and the points, tile by tile.
+/* Pixels at times of their own, for the solver, which solves events on them. They are worked out one by one (kernels/points.h):
+ * rows of record paths for the interval swept last when it is first asked for, lists of the tiles that points are in, and the
+ * points, tile by tile.
  *
  * An instant that is kept has an engine of its own, with its curves and lists, beside the scene in double that all have in
  * common: when both had one engine, in turns, preparing the instant again for each interval cost as much as the points that
@@ -80,15 +80,6 @@ void td_points_destroy(td_points *points) {
     free(points->chunks);
     free(points->values);
     free(points);
-}
-
-const char *td_renderer_lacks_exact_points(const tides_renderer *renderer) {
-    const td_image *image = &renderer->image;
-    if (renderer->psf.radius) return "the optics' blur (image.psf_sigma_px) makes a pixel of its neighbours too";
-    if (image->decoder) return "a decoder makes the scene's colours";
-    if (image->extent_rule != TD_EXTENT_ELLIPSE || td_drops_splats(image))
-        return "splats of image.rules inria and gsplat end abruptly, so that the image jumps";
-    return NULL;
 }
 
 static tides_status allocate(const tides_renderer *renderer, td_points *p, tides_error *error) {
@@ -421,13 +412,12 @@ static tides_status swept_points(tides_renderer *renderer, const tides_trajector
 
 tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
                                 td_point_value *values, tides_error *error) {
-    return renderer->points ? td_mosaic_points(renderer, swept_points, camera, points, count, values, error)
-                            : td_points_of_tiles(renderer, camera, points, count, values, error);
+    return td_mosaic_points(renderer, swept_points, camera, points, count, values, error);
 }
 
 tides_status td_renderer_points_begin(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
                                       size_t count, td_point_value *values, tides_error *error) {
-    if (!renderer->points || renderer->colour_filter) return td_renderer_points(renderer, camera, points, count, values, error);
+    if (renderer->colour_filter) return td_renderer_points(renderer, camera, points, count, values, error);
     return begin_points(renderer, camera, of_swept(renderer), points, count, values, error);
 }
 

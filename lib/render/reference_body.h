@@ -5,7 +5,6 @@
 #include "kernels/interpolate.h"
 #include "kernels/movers.h"
 #include "kernels/path_node.h"
-#include "kernels/path_record.h"
 #include "kernels/record.h"
 #include "kernels/sweep.h"
 #include "kernels/truth.h"
@@ -39,9 +38,8 @@ typedef struct reference {
     td_stray *strays; /* (objects), of the last sweep */
     int *sweep_rows;
     size_t view_capacity, backdrop_capacity, record_capacity[10], hint_capacity, stray_capacity, sweep_row_capacity;
-    td_real *path_rows, *path_low, *path_cubics; /* record paths (reference_paths.h) */
-    int *path_list;
-    size_t path_row_capacity, path_low_capacity, path_cubic_capacity, path_list_capacity;
+    td_real *path_rows; /* record paths (reference_paths.h) */
+    size_t path_row_capacity;
     td_real *surfaces; /* ground truth (reference_truth.h) */
     size_t surface_capacity;
     int *object_numbers, scene_objects;
@@ -164,12 +162,8 @@ static void project_job(reference *r, const td_job *job, const td_batch *batch, 
     sink.depths = r->depths;
     sink.lights = r->lights;
     sink.masks = r->masks;
-    const td_path_source from = path_source_of(r, batch->paths);
     for (int i = 0; i < job->count; i++)
-        if (batch->paths)
-            td_path_group(&local, i, batch->candidates, r->object, r->views, image, &r->source, &from, &sink);
-        else
-            td_project_group(&local, i, batch->candidates, r->object, r->views, image, &r->source, &sink);
+        td_project_group(&local, i, batch->candidates, r->object, r->views, image, &r->source, &sink);
 }
 
 /* The next of the list, front to back. */
@@ -241,8 +235,6 @@ static tides_status render(td_backend *backend, const td_batch *batch, double *p
         status = td_reserve((void **)&r->backdrops, &r->backdrop_capacity, (size_t)batch->slots, sizeof *r->backdrops, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&r->hints, &r->hint_capacity, (size_t)batch->hint_count, sizeof *r->hints, error);
-    if (status != TIDES_OK) return status;
-    if (batch->paths) status = copy_cubics(r, batch, error);
     if (status != TIDES_OK) return status;
     narrow(batch->backdrops, (td_real *)r->backdrops, (size_t)batch->slots * TD_BACKDROP_REALS);
     for (int i = 0; i < batch->job_count; i++) {
@@ -335,16 +327,25 @@ static void destroy(td_backend *backend) {
     free(r->surfaces);
     free(r->object_numbers);
     free(r->path_rows);
-    free(r->path_low);
-    free(r->path_cubics);
-    free(r->path_list);
     free(r);
 }
 
-static const td_backend_class reference_class = {sweep,     render,        empty_pixel, prepare,
-                                                 inspect,   destroy,       move,        prepare_cubics,
-                                                 misfits,   prepare_paths, nodes,       path_misfits,
-                                                 path_rows, moved_rows,    halve_paths, 0};
+static const td_backend_class reference_class = {.sweep = sweep,
+                                                 .render = render,
+                                                 .empty_pixel = empty_pixel,
+                                                 .prepare = prepare,
+                                                 .inspect = inspect,
+                                                 .destroy = destroy,
+                                                 .move = move,
+                                                 .prepare_cubics = prepare_cubics,
+                                                 .misfits = misfits,
+                                                 .moved_rows = moved_rows,
+#ifdef TD_REAL_DOUBLE
+                                                 .nodes = nodes,
+                                                 .halve_paths = halve_paths,
+                                                 .path_rows = path_rows
+#endif
+};
 
 /* Copies the store's arrays in this precision; SH comes as floats or doubles. */
 static tides_status copy_store(reference *r, const td_store *store, tides_error *error) {

@@ -1,99 +1,5 @@
-/* Record paths in the references (kernels/path.h): rows at nodes, their misfits, and what a batch takes from them. Part of
- * reference_body.h, in its precision. */
-
-/* An array grown to `count` numbers where it has fewer, keeping what it has. */
-static tides_status grow_rows_of_paths(td_real **array, size_t *capacity, size_t count, tides_error *error) {
-    if (count <= *capacity) return TIDES_OK;
-    size_t more = count > 2 * *capacity ? count : 2 * *capacity;
-    tides_status status = grow(array, more, error);
-    if (status == TIDES_OK) *capacity = more;
-    return status;
-}
-
-/* Nothing to build; but where no Gaussian has a path, groups without one still read rows 0 and 1, nobody's. */
-static tides_status prepare_paths(td_backend *backend, tides_error *error) {
-    reference *r = (reference *)backend;
-    tides_status status = grow_rows_of_paths(&r->path_rows, &r->path_row_capacity, 2 * TD_PATH_STRIDE, error);
-    if (status == TIDES_OK) status = grow_rows_of_paths(&r->path_low, &r->path_low_capacity, 2, error);
-    if (status != TIDES_OK) return status;
-    memset(r->path_rows, 0, 2 * TD_PATH_STRIDE * sizeof *r->path_rows);
-    memset(r->path_low, 0, 2 * sizeof *r->path_low);
-    return TIDES_OK;
-}
-
-static tides_status nodes(td_backend *backend, const td_node_request *request, tides_error *error) {
-    reference *r = (reference *)backend;
-    double begun = td_now();
-    size_t rows = (size_t)request->row_count;
-    td_image image = r->image;
-    image.outputs = TD_OUT_SIGNAL;
-    tides_status status = grow_rows_of_paths(&r->path_rows, &r->path_row_capacity, rows * TD_PATH_STRIDE, error);
-    if (status == TIDES_OK) status = grow_rows_of_paths(&r->path_low, &r->path_low_capacity, rows, error);
-    if (status == TIDES_OK) status = copy_views(r, request->views, request->slots, error);
-    if (status != TIDES_OK) return status;
-    const td_node_sink sink = {r->path_rows, r->path_low};
-    for (int k = 0; k < request->job_count; k++) {
-        const td_node_job *job = &request->jobs[k];
-        for (int i = 0; i < job->count; i++)
-            td_node_group(job, i, request->gaussians, request->rows, r->object, r->views, &image, &r->source, &sink);
-    }
-    backend->stats.time_project_s += td_now() - begun;
-    return TIDES_OK;
-}
-
-static tides_status path_misfits(td_backend *backend, const td_path_request *request, float *misfits, tides_error *error) {
-    reference *r = (reference *)backend;
-    double begun = td_now();
-    const td_path_terms terms = {(td_real)request->tolerance, (td_real)request->time_tolerance_s, (td_real)request->rounding,
-                                 0};
-    td_real *lengths = NULL;
-    tides_status status = copy_array(request->lengths, (size_t)request->pieces, &lengths, error);
-    for (int i = 0; i < request->count && status == TIDES_OK; i++)
-        misfits[i] =
-            (float)td_path_worst(r->path_rows, request->first[i], request->level, request->pieces, lengths, &terms, &r->image);
-    free(lengths);
-    backend->stats.time_project_s += td_now() - begun;
-    return status;
-}
-
-static tides_status halve_paths(td_backend *backend, const td_halve_request *request, tides_error *error) {
-    reference *r = (reference *)backend;
-    const size_t reals = (size_t)request->row_count * TD_PATH_STRIDE;
-    td_real *lengths = NULL;
-    tides_status status = grow_rows_of_paths(&r->path_rows, &r->path_row_capacity, reals, error);
-    if (status == TIDES_OK) status = copy_array(request->lengths, (size_t)request->pieces, &lengths, error);
-    for (int i = 0; i < request->count && status == TIDES_OK; i++)
-        td_path_halve(r->path_rows, request->from[i], request->to[i], request->level, request->pieces, lengths);
-    free(lengths);
-    return status;
-}
-
-static tides_status path_rows(td_backend *backend, int count, double *rows, double *low, tides_error *error) {
-    const reference *r = (const reference *)backend;
-    (void)error;
-    for (size_t i = 0; i < (size_t)count * TD_PATH_STRIDE; i++) rows[i] = r->path_rows[i];
-    for (int i = 0; i < count && low; i++) low[i] = r->path_low[i];
-    return TIDES_OK;
-}
-
-/* The weights of a batch's times in this precision, and which candidate is on which path. */
-static tides_status copy_cubics(reference *r, const td_batch *batch, tides_error *error) {
-    size_t count = (size_t)batch->slots * TD_PATH_LEVELS * TD_PATH_CUBIC;
-    tides_status status = td_reserve((void **)&r->path_cubics, &r->path_cubic_capacity, count, sizeof *r->path_cubics, error);
-    if (status == TIDES_OK) narrow(batch->paths->cubics, r->path_cubics, count);
-    if (status == TIDES_OK)
-        status = td_reserve((void **)&r->path_list, &r->path_list_capacity, (size_t)batch->candidate_count,
-                            sizeof *r->path_list, error);
-    for (int i = 0; i < batch->candidate_count && status == TIDES_OK; i++)
-        r->path_list[i] = td_path_of(batch->paths, batch->candidates[i], r->count);
-    return status;
-}
-
-static td_path_source path_source_of(const reference *r, const td_path_batch *batch) {
-    const td_path_source none = {{NULL, NULL, NULL, NULL}, NULL};
-    const td_path_source from = {{r->path_rows, r->path_low, r->path_cubics, batch ? batch->nodes : NULL}, r->path_list};
-    return batch ? from : none;
-}
+/* Rows of record paths in the double reference (kernels/path_node.h), for td_exact's twin; and rows that a motion has moved,
+ * for any td_exact. Part of reference_body.h, in its precision. */
 
 static void widen(const td_real *from, double *to, size_t count) {
     for (size_t i = 0; i < count; i++) to[i] = from[i];
@@ -112,3 +18,51 @@ static tides_status moved_rows(td_backend *backend, const td_moved_rows *rows, t
     widen(r->arrays[3] + rate * sh, rows->sh_rates, count * sh);
     return TIDES_OK;
 }
+
+#ifdef TD_REAL_DOUBLE
+/* An array grown to `count` numbers where it has fewer, keeping what it has. */
+static tides_status grow_rows_of_paths(td_real **array, size_t *capacity, size_t count, tides_error *error) {
+    if (count <= *capacity) return TIDES_OK;
+    size_t more = count > 2 * *capacity ? count : 2 * *capacity;
+    tides_status status = grow(array, more, error);
+    if (status == TIDES_OK) *capacity = more;
+    return status;
+}
+
+static tides_status nodes(td_backend *backend, const td_node_request *request, tides_error *error) {
+    reference *r = (reference *)backend;
+    double begun = td_now();
+    size_t rows = (size_t)request->row_count;
+    td_image image = r->image;
+    image.outputs = TD_OUT_SIGNAL;
+    tides_status status = grow_rows_of_paths(&r->path_rows, &r->path_row_capacity, rows * TD_PATH_STRIDE, error);
+    if (status == TIDES_OK) status = copy_views(r, request->views, request->slots, error);
+    if (status != TIDES_OK) return status;
+    for (int k = 0; k < request->job_count; k++) {
+        const td_node_job *job = &request->jobs[k];
+        for (int i = 0; i < job->count; i++)
+            td_node_group(job, i, request->gaussians, request->rows, r->object, r->views, &image, &r->source, r->path_rows);
+    }
+    backend->stats.time_project_s += td_now() - begun;
+    return TIDES_OK;
+}
+
+static tides_status halve_paths(td_backend *backend, const td_halve_request *request, tides_error *error) {
+    reference *r = (reference *)backend;
+    const size_t reals = (size_t)request->row_count * TD_PATH_STRIDE;
+    td_real *lengths = NULL;
+    tides_status status = grow_rows_of_paths(&r->path_rows, &r->path_row_capacity, reals, error);
+    if (status == TIDES_OK) status = copy_array(request->lengths, (size_t)request->pieces, &lengths, error);
+    for (int i = 0; i < request->count && status == TIDES_OK; i++)
+        td_path_halve(r->path_rows, request->from[i], request->to[i], request->level, request->pieces, lengths);
+    free(lengths);
+    return status;
+}
+
+static tides_status path_rows(td_backend *backend, int count, double *rows, tides_error *error) {
+    const reference *r = (const reference *)backend;
+    (void)error;
+    memcpy(rows, r->path_rows, (size_t)count * TD_PATH_STRIDE * sizeof *rows);
+    return TIDES_OK;
+}
+#endif

@@ -122,7 +122,6 @@ void tides_renderer_destroy(tides_renderer *renderer) {
     td_swaps_destroy(renderer->swaps);
     td_candidates_release(&renderer->candidates);
     td_dynamic_release(&renderer->dynamic);
-    td_paths_release(&renderer->paths);
     td_strays_release(&renderer->strays);
     td_clusters_release(&renderer->clusters);
     free(renderer->sweep_time);
@@ -146,7 +145,7 @@ void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *st
     const tides_render_stats *done = &renderer->backend->stats;
     stats->tile_jobs = done->tile_jobs;
     stats->blocks = done->blocks;
-    stats->gaussians_projected = done->gaussians_projected - stats->gaussians_on_paths;
+    stats->gaussians_projected = done->gaussians_projected;
     stats->gaussians_culled = done->gaussians_culled;
     stats->gaussians_shared = done->gaussians_shared;
     stats->pairs_evaluated = done->pairs_evaluated;

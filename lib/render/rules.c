@@ -126,7 +126,7 @@ static tides_status check_params(const tides_image_params *params, tides_error *
 }
 
 void tides_image_params_defaults(tides_image_params *params) {
-    /* The measures of smooth were chosen by error against run time (tides bench image). */
+    /* The measures of smooth were chosen by error against run time (tests/bench/own/bench_image.c). */
     static const tides_image_params defaults = {.size = sizeof defaults,
                                                 .rules = TIDES_RULES_SMOOTH,
                                                 .antialias = TIDES_ANTIALIAS_FILE,
@@ -183,4 +183,13 @@ td_image_numbers td_image_pack(const td_image *image) {
     memcpy(numbers.real, image, sizeof numbers.real);
     memcpy(numbers.whole, (const char *)image + sizeof numbers.real, sizeof numbers.whole);
     return numbers;
+}
+
+const char *td_renderer_lacks_exact_points(const tides_renderer *renderer) {
+    const td_image *image = &renderer->image;
+    if (renderer->psf.radius) return "the optics' blur (image.psf_sigma_px) makes a pixel of its neighbours too";
+    if (image->decoder) return "a decoder makes the scene's colours";
+    if (image->extent_rule != TD_EXTENT_ELLIPSE || td_drops_splats(image))
+        return "splats of image.rules inria and gsplat end abruptly, so that the image jumps";
+    return NULL;
 }

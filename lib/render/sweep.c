@@ -139,7 +139,7 @@ tides_status td_renderer_sweep_alone(tides_renderer *renderer, const tides_traje
     /* Where nothing moves, and nothing did, lists hold on as boxes do. */
     if (status == TIDES_OK && !renderer->listed) status = make_lists(renderer, error);
     renderer->stats.time_sweep_s += td_now() - begun;
-    return status == TIDES_OK ? td_paths_find(renderer, camera, start, stop, error) : status;
+    return status;
 }
 
 tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,

@@ -167,32 +167,7 @@ typedef struct td_halve_request {
     int row_count;         /* rows in all: others stay as they are */
 } td_halve_request;
 
-/* What misfits of paths are asked for of: `count` (a multiple of TD_PAD) of one level, from their first rows on. */
-typedef struct td_path_request {
-    const int *first; /* (count) */
-    int count, level, pieces;
-    const double *lengths;                        /* (pieces) [s] */
-    double tolerance, time_tolerance_s, rounding; /* td_path_terms */
-} td_path_request;
-
-/* Paths that a batch's Gaussians are on. */
-typedef struct td_path_batch {
-    const int *path_of;   /* (gaussians of the store) layout.h */
-    uint64_t serial;      /* changes with path_of: devices keep a copy for their candidates */
-    const double *cubics; /* (slots x TD_PATH_LEVELS x TD_PATH_CUBIC) weights of each slot's time */
-    const int *nodes;     /* (slots x TD_PATH_LEVELS) the node before it */
-} td_path_batch;
-
-/* That of a candidate, one of the `gaussians` of the store, or a row behind them (none), or padding. Devices keep one for each
- * candidate, in their order: a look at path_of is a miss of the cache, and what follows from it are more. */
-static inline int td_path_of(const td_path_batch *paths, int candidate, int gaussians) {
-    if (candidate < 0) return TD_PATH_UNSEEN;
-    return candidate < gaussians ? paths->path_of[candidate] : TD_PATH_DIRECT;
-}
-
-/* Lists of two kinds go to one device: the sweep's, and those that point at rows of what moves. No number is of both. */
-static inline uint64_t td_serial_of_sweep(uint64_t number) { return 2 * number; }
-static inline uint64_t td_serial_of_rows(uint64_t number) { return 2 * number + 1; }
+/* What no list is numbered: a device has none. */
 #define TD_SERIAL_OF_NOBODY UINT64_MAX
 
 static inline int td_sweep_times(int level) { return (2 << level) + 1; }
@@ -213,12 +188,11 @@ typedef struct td_batch {
     int job_count;
     const int *candidates; /* what the jobs point into */
     int candidate_count;
-    uint64_t candidates_serial; /* changes with the candidates: devices keep a copy (td_serial_of_sweep, _of_rows) */
+    uint64_t candidates_serial; /* changes with the candidates: devices keep a copy */
     int records;                /* records that the jobs use */
     int outputs;                /* TD_OUT_LUMINANCE .. _COLOUR, or _TRUTH for planes of ground truth in their place */
     int hint_count;             /* numbers in all hints, place 0 counted; they last until it changes */
     uint8_t *in_order;          /* (NULL: not wanted) at job.out: 1 where the list was in order */
-    const td_path_batch *paths; /* NULL: every candidate is projected */
     /* Those of which some Gaussian is in some list: a device may project them once for all tiles of a time (kernels/share.h).
      * They change with the candidates. NULL: candidates aren't all rows of the store. */
     const td_groups *groups;
@@ -271,19 +245,14 @@ typedef struct td_backend_class {
     tides_status (*prepare_cubics)(td_backend *backend, tides_error *error);
     /* td_misfit_group (interpolate.h): (count). */
     tides_status (*misfits)(td_backend *backend, const td_misfit_request *request, float *misfits, tides_error *error);
-    /* Gets kernels for record paths ready; batches without need none. */
-    tides_status (*prepare_paths)(td_backend *backend, tides_error *error);
-    /* Projects Gaussians at nodes. Batches with paths may then ask for the rows. */
-    tides_status (*nodes)(td_backend *backend, const td_node_request *request, tides_error *error);
-    /* td_path_worst (path_node.h): (count). */
-    tides_status (*path_misfits)(td_backend *backend, const td_path_request *request, float *misfits, tides_error *error);
-    /* The first `count` rows (x TD_PATH_STRIDE), and the low parts of their depths, unless that is NULL. */
-    tides_status (*path_rows)(td_backend *backend, int count, double *rows, double *low, tides_error *error);
     /* Copies rows that batches have moved, in double: for td_exact. */
     tides_status (*moved_rows)(td_backend *backend, const td_moved_rows *rows, tides_error *error);
-    /* td_path_halve (path_node.h), for td_exact's twin; NULL: OpenCL's td_exact has rows of its own. */
-    tides_status (*halve_paths)(td_backend *backend, const td_halve_request *request, tides_error *error);
     int draws; /* 1: knows td_batch.pictures */
+    /* Record paths, for td_exact's twin; NULL but in the double reference. Projects Gaussians at nodes; td_path_halve
+     * (path_node.h); the first `count` rows (x TD_PATH_STRIDE). */
+    tides_status (*nodes)(td_backend *backend, const td_node_request *request, tides_error *error);
+    tides_status (*halve_paths)(td_backend *backend, const td_halve_request *request, tides_error *error);
+    tides_status (*path_rows)(td_backend *backend, int count, double *rows, tides_error *error);
 } td_backend_class;
 
 struct td_backend {

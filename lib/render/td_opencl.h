@@ -8,6 +8,57 @@
 
 enum { TD_OUTPUT_KINDS = 5 };
 
+/* The scene on the device. Buffers alone: td_buffers_release. */
+typedef struct opencl_scene {
+    td_buffer image_buffer, object, geometry, rates, sh, sh_rates, decoder;
+} opencl_scene;
+
+/* A batch there: what it is asked, records of its jobs (depths and lights: td_sink), lists, planes. Buffers alone, too; the
+ * views may be a sweep's. */
+typedef struct opencl_work {
+    td_buffer views, backdrops, candidates, jobs, asked, turns, hints;
+    td_buffer records, colours, masks, depths, lights;
+    td_buffer keys, order, sorted_masks, words, counts, brightest, planes, blended;
+} opencl_work;
+
+/* An interval (opencl_sweep.c). */
+typedef struct opencl_sweep {
+    cl_kernel sweep_kernel;
+    td_buffer strays, sweep_rows, sweep_groups, boxes, travel;
+    float *swept; /* what a device with memory of its own has swept */
+    size_t swept_capacity;
+} opencl_sweep;
+
+/* What moves by itself (opencl_motion.c). */
+typedef struct opencl_motion {
+    int movers, kinds, moves_sh;
+    cl_kernel *move_kernel; /* (kinds) NULL where rows come from the host */
+    td_buffer mover_buffer, motion_data, owners, moments, move_jobs, move_gaussians;
+} opencl_motion;
+
+/* Interpolation of its rows (opencl_cubics.c); kernels are NULL where there's none. */
+typedef struct opencl_cubics {
+    cl_kernel cubic_kernel, misfit_kernel;
+    td_buffer cubics, cubic_jobs, misfit_terms, misfits;
+} opencl_cubics;
+
+/* Ground truth (opencl_truth.c); kernels are NULL where none was asked for. */
+typedef struct opencl_truth {
+    cl_kernel surface_kernel, truth_kernel;
+    td_buffer surfaces, surface_rates, object_numbers;
+    int scene_objects;
+} opencl_truth;
+
+/* Records that tiles share (opencl_share.c). */
+typedef struct opencl_share {
+    cl_kernel share_kernel[2]; /* without colours and with; NULL until first wanted */
+    td_buffer groups, group_places, shared_slots, shared_records, shared_colours, extents, places;
+    uint64_t groups_serial; /* of what the device has */
+    int *share_ints;        /* (2 x slots) td_job.shared of each; then those that are shared */
+    int *group_ints;        /* (groups of the store) */
+    size_t share_ints_capacity, group_ints_capacity;
+} opencl_share;
+
 typedef struct opencl_backend {
     td_backend base;
     tides_device *device;
@@ -15,54 +66,32 @@ typedef struct opencl_backend {
     td_image image;
     int gaussians, objects;
     int first_rate; /* row that rates begin with */
-    cl_kernel sweep_kernel, sort_kernel;
+    cl_kernel sort_kernel;
     cl_kernel project_kernel[TD_OUTPUT_KINDS], composite_kernel[TD_OUTPUT_KINDS]; /* by outputs; built when first wanted */
-    td_buffer image_buffer, object, geometry, rates, sh, sh_rates;                /* the scene */
-    td_buffer views, strays, sweep_rows, sweep_groups, backdrops, boxes, travel;  /* an interval */
-    td_buffer candidates, jobs, asked, turns;                                     /* a batch */
-    td_buffer records, colours, masks, keys, order, sorted_masks, words, counts, brightest, planes, blended, decoder, hints;
-    td_buffer depths, lights;   /* of the records (td_sink) */
+    opencl_scene scene;
+    opencl_work work;
+    opencl_sweep sweep;
+    opencl_motion motion;
+    opencl_cubics cubics;
+    opencl_truth truth;
+    opencl_share share;
     uint64_t candidates_serial; /* of what the device has */
     float *host;                /* staging for numbers that change precision */
     int *host_ints;
-    float *swept; /* what a device with memory of its own has swept */
-    size_t host_capacity, host_ints_capacity, swept_capacity;
-
-    int movers, kinds, moves_sh; /* motion (opencl_motion.c) */
-    cl_kernel *move_kernel;      /* (kinds) NULL where rows come from the host */
-    td_buffer mover_buffer, motion_data, owners, moments, move_jobs, move_gaussians;
-
-    cl_kernel cubic_kernel, misfit_kernel; /* interpolation (opencl_cubics.c); NULL where there's none */
-    td_buffer cubics, cubic_jobs, misfit_terms, misfits;
-
-    cl_kernel surface_kernel, truth_kernel; /* ground truth (opencl_truth.c); NULL where none was asked for */
-    td_buffer surfaces, surface_rates, object_numbers;
-    int scene_objects;
-
-    cl_kernel node_kernel, measure_kernel, fetch_kernel; /* record paths (opencl_paths.c); NULL where there are none */
-    td_buffer path_rows, path_low, path_of, path_cubics, path_nodes;
-    td_buffer node_jobs, node_gaussians, node_places, path_first, path_lengths, path_terms, path_misfits;
-    uint64_t path_serials[2]; /* of paths and candidates that the device's path_of is of */
-    int *path_list;           /* that, on the host */
-    size_t path_list_capacity;
-
-    cl_kernel share_kernel[2];    /* records that tiles share (opencl_share.c), without colours and with; */
-    cl_kernel share_fetch_kernel; /* from paths; NULL until first wanted */
-    td_buffer groups, group_places, shared_slots, shared_records, shared_colours, extents, places, store_paths;
-    uint64_t groups_serial, store_paths_serial; /* of what the device has */
-    int *share_ints;                            /* (2 x slots) td_job.shared of each; then those that are shared */
-    int *group_ints;                            /* (groups of the store) */
-    size_t share_ints_capacity, group_ints_capacity;
-
-    float *path_host; /* staging, beside `host`, which a batch under way is using */
-    size_t path_host_capacity;
+    size_t host_capacity, host_ints_capacity;
 } opencl_backend;
 
+/* Of a struct that is buffers and nothing else. */
+static inline void td_buffers_release(void *all, size_t bytes) {
+    td_buffer *buffer = all;
+    for (size_t i = 0; i < bytes / sizeof *buffer; i++) td_buffer_release(&buffer[i]);
+}
+
 /* The Gaussians, as most kernels take them: td_source (kernels/projection.h) with objects and views. */
-#define TD_SOURCE_ARGUMENTS(b)                                                                          \
-    TD_BUFFER_ARGUMENT((b)->object), TD_BUFFER_ARGUMENT((b)->views), TD_BUFFER_ARGUMENT((b)->geometry), \
-        TD_BUFFER_ARGUMENT((b)->rates), TD_BUFFER_ARGUMENT((b)->sh), TD_BUFFER_ARGUMENT((b)->sh_rates), \
-        TD_BUFFER_ARGUMENT((b)->owners), TD_VALUE_ARGUMENT((b)->first_rate), TD_VALUE_ARGUMENT((b)->gaussians)
+#define TD_SOURCE_ARGUMENTS(b)                                                                                            \
+    TD_BUFFER_ARGUMENT((b)->scene.object), TD_BUFFER_ARGUMENT((b)->work.views), TD_BUFFER_ARGUMENT((b)->scene.geometry),  \
+        TD_BUFFER_ARGUMENT((b)->scene.rates), TD_BUFFER_ARGUMENT((b)->scene.sh), TD_BUFFER_ARGUMENT((b)->scene.sh_rates), \
+        TD_BUFFER_ARGUMENT((b)->motion.owners), TD_VALUE_ARGUMENT((b)->first_rate), TD_VALUE_ARGUMENT((b)->gaussians)
 
 /* Work-items that share a job's candidates, or neighbouring Gaussians: one on a CPU, a warp or two on a GPU. */
 static inline size_t td_opencl_group_size(const opencl_backend *b) { return b->device->info.lanes > 1 ? 1 : 64; }
@@ -77,11 +106,12 @@ tides_status td_opencl_write_reals(opencl_backend *b, td_buffer *buffer, const d
 tides_status td_opencl_write_reals_at(opencl_backend *b, td_buffer *buffer, size_t first, const double *from, size_t count,
                                       tides_error *error);
 
-/* td_backend_class.sweep, and one group of Gaussians swept, for drivers that compile when a kernel first runs
+/* td_backend_class.sweep; one group of Gaussians swept, for drivers that compile when a kernel first runs; and all of it freed
  * (opencl_sweep.c). */
 tides_status td_opencl_sweep(td_backend *backend, const td_sweep_request *request, float *boxes, float *travel,
                              tides_error *error);
 tides_status td_opencl_warm_sweep(opencl_backend *b, tides_error *error);
+void td_opencl_sweep_release(opencl_backend *b);
 
 /* Host memory of a batch. */
 typedef struct td_staging {
@@ -109,10 +139,9 @@ tides_status td_opencl_motion_create(opencl_backend *b, const td_movers *movers,
 void td_opencl_motion_release(opencl_backend *b);
 
 /* Kernels that are built together and for the same decisions are one program: each costs PoCL 10 ms a process and
- * more. Those that every scene needs, those that make records, and those of record paths: */
+ * more. Those that every scene needs, and those that make records: */
 #define TD_FIRST_KERNELS "sweep.cl sort.cl"
 #define TD_PROJECT_KERNELS "project.cl share.cl"
-#define TD_PATH_KERNELS "path_nodes.cl path_misfits.cl path_project.cl"
 
 /* What an image fixes, compiled in: lines of defines, the caller's to free; NULL: out of memory (opencl_build.c). */
 char *td_opencl_defines(const char *files, const td_image *image, int outputs, tides_error *error);
@@ -127,16 +156,6 @@ tides_status td_opencl_prepare_cubics(td_backend *backend, tides_error *error);
 tides_status td_opencl_misfits(td_backend *backend, const td_misfit_request *request, float *misfits, tides_error *error);
 void td_opencl_cubics_release(opencl_backend *b);
 
-/* td_backend_class.prepare_paths, .nodes, .path_misfits, .path_rows; then the paths of a
- * batch to the device, and what it runs in place of the projection, its jobs and views being there (opencl_paths.c). */
-tides_status td_opencl_prepare_paths(td_backend *backend, tides_error *error);
-tides_status td_opencl_nodes(td_backend *backend, const td_node_request *request, tides_error *error);
-tides_status td_opencl_path_misfits(td_backend *backend, const td_path_request *request, float *misfits, tides_error *error);
-tides_status td_opencl_path_rows(td_backend *backend, int count, double *rows, double *low, tides_error *error);
-tides_status td_opencl_send_paths(opencl_backend *b, const td_batch *batch, tides_error *error);
-tides_status td_opencl_fetch(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error);
-void td_opencl_paths_release(opencl_backend *b);
-
 /* Which slots' tiles share records, to the jobs that go to the device; then, before a batch's own records are made, its jobs
  * and views being there, those that are shared (opencl_share.c). */
 tides_status td_opencl_choose_shared(opencl_backend *b, const td_batch *batch, td_staging *s, tides_error *error);
@@ -145,9 +164,9 @@ tides_status td_opencl_share_records(opencl_backend *b, const td_batch *batch, c
 void td_opencl_share_release(opencl_backend *b);
 
 /* The last arguments of what makes records of jobs. */
-#define TD_SHARED_ARGUMENTS(b, rows)                                                                  \
-    TD_BUFFER_ARGUMENT((b)->extents), TD_BUFFER_ARGUMENT((b)->group_places), TD_VALUE_ARGUMENT(rows), \
-        TD_BUFFER_ARGUMENT((b)->places), TD_BUFFER_ARGUMENT((b)->turns)
+#define TD_SHARED_ARGUMENTS(b, rows)                                                                              \
+    TD_BUFFER_ARGUMENT((b)->share.extents), TD_BUFFER_ARGUMENT((b)->share.group_places), TD_VALUE_ARGUMENT(rows), \
+        TD_BUFFER_ARGUMENT((b)->share.places), TD_BUFFER_ARGUMENT((b)->work.turns)
 
 /* Ground truth: what the store says of it; its kernels; planes of a batch in place of compositing, `asked` blocks of it;
  * freeing all (opencl_truth.c). */

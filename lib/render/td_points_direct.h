@@ -1,6 +1,7 @@
-/* Internal to lib/render: single pixels that see a splat whose path cubics don't follow (point_nodes.c): a clamp of colour, of the
- * Jacobian or at the near plane makes a kink of it, and what cubics make of that is wrong by thresholds. All that such a pixel may
- * see is projected at the point's own time, and nothing is between rows. It costs ten times as much as a point on curves. */
+/* Internal to lib/render: single pixels that see a splat whose path cubics don't follow (point_nodes.c): a clamp of colour,
+ * of the Jacobian or at the near plane makes a kink of it, and what cubics make of that is wrong by thresholds. All that
+ * such a pixel may see is projected at the point's own time, and nothing is between rows. It costs ten times as much as a
+ * point on curves. */
 #ifndef TD_POINTS_DIRECT_H
 #define TD_POINTS_DIRECT_H
 

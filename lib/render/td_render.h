@@ -32,10 +32,6 @@ tides_status td_renderer_prepare(tides_renderer *renderer, int outputs, tides_er
  * than `tolerance` and, where time_tolerance_s > 0, late by less than that. */
 tides_status td_renderer_interpolate(tides_renderer *renderer, double tolerance, double time_tolerance_s, tides_error *error);
 
-/* From the next sweep on splats follow record paths within an interval (stepping.paths), where log_luminance is off by less
- * than `tolerance` and, where time_tolerance_s > 0, late by less than that. Scenes with a decoder have none. */
-tides_status td_renderer_paths(tides_renderer *renderer, double tolerance, double time_tolerance_s, tides_error *error);
-
 /* -- stopping -------------------------------------------------------------------------------------------------------------- */
 
 /* From now on `heed` (NULL: nobody) is asked before each launch of tiles or points. Where it says other than 0, what is under
@@ -57,8 +53,8 @@ void td_renderer_put_counts(tides_renderer *renderer, const td_render_counts *co
 tides_status td_renderer_sweep(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                tides_error *error);
 
-/* A swap of depth of two splats that a block sees: when, in 1 / TD_SWAP_PARTS of the interval (over 10 ms 1.2 us, a twentieth of
- * what two splats 4 units away take to pass at 30 units/s), and by how much it moves Y, at most. */
+/* A swap of depth of two splats that a block sees: when, in 1 / TD_SWAP_PARTS of the interval (over 10 ms 1.2 us, a
+ * twentieth of what two splats 4 units away take to pass at 30 units/s), and by how much it moves Y, at most. */
 enum { TD_SWAP_PARTS = 1 << 13 };
 typedef struct td_swap {
     int32_t block; /* tile * TD_TILE_BLOCKS + the tile's block */
@@ -67,8 +63,8 @@ typedef struct td_swap {
     float wide; /* so many parts before and after it next to nothing of it is left */
 } td_swap;
 
-/* Looks for those of the interval swept last (swaps.c); none in hard order, where the image jumps at each. Then those of a block of a
- * tile, in order of time: (count). */
+/* Looks for those of the interval swept last (swaps.c); none in hard order, where the image jumps at each. Then those of a
+ * block of a tile, in order of time: (count). */
 tides_status td_renderer_find_swaps(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error);
 const td_swap *td_renderer_swaps(const tides_renderer *renderer, int tile, int block, int *count);
 
@@ -144,9 +140,9 @@ tides_status td_renderer_points_end(tides_renderer *renderer, tides_error *error
 void td_renderer_points_drop(tides_renderer *renderer);
 int td_renderer_points_go_on(const tides_renderer *renderer);
 
-/* From now on points are worked out one by one, in double precision whatever the renderer computes in, with every splat (no
- * stop rule), on the image that record paths make of the interval swept last (kernels/points.h). TIDES_UNSUPPORTED, saying
- * why, where that can't be had: then, as before, points are pixels of whole tiles. */
+/* Before any point is asked for: the renderer gets what works them out, one by one, in double precision whatever it computes
+ * in itself, with every splat (no stop rule), on the image that record paths make of the interval swept last
+ * (kernels/points.h). TIDES_UNSUPPORTED, saying why, where that can't be had. */
 tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *error);
 
 /* Why they can't, which doesn't depend on the device; NULL: they can. */

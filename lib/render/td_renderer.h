@@ -9,7 +9,6 @@
  *   clusters.c, space_order.c            what of a scene is in view (td_clusters.h); neighbours in space made neighbours
  *   candidate_hints.c                    depth order that one job of a tile leaves to the next
  *   swaps.c                              when splats change places in depth (td_swaps.h)
- *   paths.c, path_times.c                splats at a few times of an interval, cubics between (td_paths.h)
  *   tiles.c, psf.c, nonfinite.c          tiles at times: rendered, blurred, checked
  *   mosaic.c                             a colour filter: each pixel of the channel that it sees
  *   frame.c, flow.c                      whole images, and how fast they move
@@ -31,7 +30,6 @@
 #include "render/dynamic/td_dynamic.h"
 #include "render/dynamic/td_stray.h"
 #include "td_clusters.h"
-#include "td_paths.h"
 #include "td_psf.h"
 #include "td_render.h"
 
@@ -179,9 +177,8 @@ struct tides_renderer {
     size_t frame_capacity;
     uint8_t *in_order; /* (requests) 1 where a job's list was in order */
     size_t empty_capacity, in_order_capacity;
-    int record_limit;      /* records per launch */
-    int record_limit_told; /* where somebody waits to be told */
-    td_record_paths paths;
+    int record_limit;       /* records per launch */
+    int record_limit_told;  /* where somebody waits to be told */
     td_points *points;      /* exact ones, where they were asked for (points.c) */
     td_points *kept;        /* those of an instant that is kept, which share what these have */
     double swept[2];        /* the interval swept last [s after the epoch] */
@@ -203,10 +200,6 @@ tides_status td_mosaic_create(tides_device *device, const tides_scene *scene, co
                               tides_error *error);
 void td_mosaic_release(tides_renderer *renderer);
 void td_mosaic_add_stats(const tides_renderer *renderer, tides_render_stats *stats);
-
-/* Pixels of whole tiles (points_tiles.c). */
-tides_status td_points_of_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
-                                td_point_value *values, tides_error *error);
 
 /* Points through `look_up`, each by the renderer of its own channel (mosaic.c). */
 typedef tides_status td_look_up(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
@@ -243,11 +236,6 @@ tides_status td_renderer_sweep_views(tides_renderer *renderer, const tides_traje
 tides_status td_dynamic_sweep_pieces(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                      tides_error *error);
 
-/* Record paths of the interval swept last, whose candidate lists are there (paths.c); there are none where nothing asks for
- * them, and at an instant. */
-tides_status td_paths_find(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
-                           tides_error *error);
-
 /* The name of a backend's plane (TD_OUT_L ..), which is that of its channel; NULL where there is none (frame.c). */
 const char *td_plane_name(int plane);
 
@@ -271,14 +259,10 @@ tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_traje
                                      double *planes, tides_error *error);
 
 /* Likewise, whatever comes out; td_renderer_sharp_tiles then refuses what isn't finite, naming pixel, time and splat
- * (nonfinite.c). */
-tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
-                                         double *planes, tides_error *error);
-
-/* Likewise to whole images, of one time, by a backend that draws: without the tiles in between, which were a third of a large
- * frame (1280x720) that is cheap to render. */
-tides_status td_renderer_draw_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
-                                    td_pictures *pictures, tides_error *error);
+ * (nonfinite.c). To planes, or (not NULL) to whole images of one time, by a backend that draws: without the tiles in between,
+ * which were a third of a large frame (1280x720) that is cheap to render. */
+tides_status td_renderer_raw_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
+                                   double *planes, td_pictures *pictures, tides_error *error);
 tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
                                       const double *planes, tides_error *error);
 

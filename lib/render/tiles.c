@@ -116,30 +116,8 @@ static tides_status reserve(tides_renderer *renderer, size_t count, tides_error 
     return status;
 }
 
-/* The paths of the interval, for batches without colour. */
-static tides_status follow_paths(tides_renderer *renderer, const td_tile_batch *asked, const td_job *jobs, int count,
-                                 td_batch *batch, td_path_batch *follow, tides_error *error) {
-    td_record_paths *paths = &renderer->paths;
-    if (!paths->there || asked->outputs >= TD_OUT_COLOUR || asked->outputs == TD_OUT_TRUTH) return TIDES_OK;
-    tides_status status = td_paths_moments(paths, asked->times, asked->slots, error);
-    if (status != TIDES_OK) return status;
-    *follow = (td_path_batch){paths->path_of, paths->serial, paths->cubics, paths->nodes};
-    batch->paths = follow;
-    for (int i = 0; i < count; i++) {
-        int tile = jobs[i].y / TD_TILE * renderer->candidates.tiles_x + jobs[i].x / TD_TILE;
-        renderer->stats.gaussians_on_paths += (uint64_t)(jobs[i].count - paths->direct[tile]);
-    }
-    return TIDES_OK;
-}
-
-/* Whether some candidates' rows are to be worked out for the batch's times. */
-static int needs_rows(const tides_renderer *renderer, const td_batch *batch) {
-    return renderer->dynamic.gaussians && !(batch->paths && !renderer->paths.direct_moves);
-}
-
-/* To planes, or to pictures in their place. */
-static tides_status run_requests(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *asked,
-                                 double *planes, td_pictures *pictures, tides_error *error) {
+tides_status td_renderer_raw_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *asked,
+                                   double *planes, td_pictures *pictures, tides_error *error) {
     const td_request *requests = asked->requests;
     const int outputs = asked->outputs;
     tides_status status = td_renderer_views(renderer, camera, asked->times, asked->slots, error);
@@ -153,16 +131,13 @@ static tides_status run_requests(tides_renderer *renderer, const tides_trajector
     batch.slots = asked->slots;
     batch.candidates = renderer->candidates.list;
     batch.candidate_count = renderer->candidates.first[renderer->stats.tiles];
-    batch.candidates_serial = td_serial_of_sweep(renderer->candidates.serial);
+    batch.candidates_serial = renderer->candidates.serial;
     batch.outputs = outputs;
     batch.hint_count = td_candidates_hint_count(&renderer->candidates);
     batch.in_order = renderer->in_order;
     batch.pictures = pictures;
-    td_path_batch paths;
-    if (status == TIDES_OK) status = follow_paths(renderer, asked, renderer->jobs, jobs, &batch, &paths, error);
-    if (status != TIDES_OK) return status;
     const td_groups groups = {renderer->candidates.groups, renderer->candidates.group_count};
-    const int moves = needs_rows(renderer, &batch);
+    const int moves = renderer->dynamic.gaussians > 0; /* whose rows are to be worked out for the batch's times */
     if (!moves) batch.groups = &groups;
     status = moves ? td_dynamic_run_jobs(renderer, &batch, asked, renderer->jobs, jobs, planes, error)
                    : run_jobs(renderer, &batch, renderer->jobs, jobs, planes, error);
@@ -173,18 +148,8 @@ static tides_status run_requests(tides_renderer *renderer, const tides_trajector
     return status;
 }
 
-tides_status td_renderer_unchecked_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *asked,
-                                         double *planes, tides_error *error) {
-    return run_requests(renderer, camera, asked, planes, NULL, error);
-}
-
-tides_status td_renderer_draw_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *asked,
-                                    td_pictures *pictures, tides_error *error) {
-    return run_requests(renderer, camera, asked, NULL, pictures, error);
-}
-
 tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
                                      double *planes, tides_error *error) {
-    tides_status status = td_renderer_unchecked_tiles(renderer, camera, batch, planes, error);
+    tides_status status = td_renderer_raw_tiles(renderer, camera, batch, planes, NULL, error);
     return status == TIDES_OK ? td_renderer_check_finite(renderer, camera, batch, planes, error) : status;
 }

@@ -7,7 +7,7 @@
 #include "run/td_run.h"
 #include "run/td_session.h"
 #include "scene/td_scene.h"
-#include "solver/td_simulator.h"
+#include "solver/td_reached.h"
 #include "td_base.h"
 #include "td_struct.h"
 
@@ -30,14 +30,14 @@ struct tides_live {
 };
 
 /* What clocks that add intervals up may lose until they are a step's end still, beside what the grid takes for rounding
- * (lib/solver/grid.c): half of what open paths allow (lib/camera/trajectory.c), so that a path that was told up to then covers
- * the step. Then, what of two times may be rounding. */
+ * (lib/solver/steps/grid.c): half of what open paths allow (lib/camera/trajectory.c), so that a path that was told up to
+ * then covers the step. Then, what of two times may be rounding. */
 static const double lost_in_sums = 0.5e-10;
 static double slack_of(const tides_live *live, double time) {
     return lost_in_sums + DBL_EPSILON * (fabs(live->start) + fabs(time));
 }
 
-/* Steps that a run may have (lib/solver/create.c), and what a run without an end has of them. */
+/* Steps that a run may have (lib/solver/run/create.c), and what a run without an end has of them. */
 static const double most_steps = 0.999e12, furthest_s = 9.2e9;
 
 void tides_live_options_defaults(tides_live_options *options) {
@@ -54,11 +54,6 @@ static tides_status check_session(const tides_session_facts *f, tides_error *err
     if (f->values.event_truth)
         return td_fail(error, TIDES_UNSUPPORTED,
                        "%s: sensor.truth is true: it is for recordings, when they are finished; set it to false", origin);
-    if (f->values.stepping.budget > 0)
-        return td_fail(error, TIDES_UNSUPPORTED,
-                       "%s: stepping.budget is shared out over the whole run, whose length a live run doesn't know; set it to "
-                       "0",
-                       origin);
     return TIDES_OK;
 }
 
@@ -278,7 +273,7 @@ static int keep_events(void *user, const tides_event *events, size_t count) {
  * keeps all that pixels ask for later (td_solve_keep_start). */
 static void forget(tides_live *live) {
     enum { STEPS_THAT_LOOK_BACK = 2 };
-    if (live->options.keep || live->simulator->step < STEPS_THAT_LOOK_BACK) return;
+    if (live->options.keep || td_simulator_reached(live->simulator).step < STEPS_THAT_LOOK_BACK) return;
     const double reached = tides_live_reached(live);
     tides_trajectory_forget(live->camera, reached);
     for (int32_t i = 0; i < tides_scene_objects(live->scene); i++)
@@ -304,7 +299,7 @@ static tides_status fail_lost(tides_error *error) {
 
 /* Where a failure left a step half done the simulator goes no further; what it had given before is there to be had. */
 static tides_status advance(tides_live *live, double until, double slack, tides_error *error) {
-    if (live->simulator->broken && until <= tides_live_reached(live) + slack) return TIDES_OK;
+    if (td_simulator_reached(live->simulator).broken && until <= tides_live_reached(live) + slack) return TIDES_OK;
     tides_status status = tides_simulator_run(live->simulator, until + lost_in_sums, keep_events, live, NULL, NULL, error);
     return live->lost ? fail_lost(error) : status;
 }
@@ -334,22 +329,21 @@ tides_status tides_live_step(tides_live *live, const int32_t *objects, const tid
     live_mark *marks = td_alloc(told + 1, sizeof *marks, error);
     if (!marks) return TIDES_NO_MEMORY;
     size_t marked = 0;
-    const tides_simulator *s = live->simulator;
-    const int64_t step = s->step;
-    const int started = s->started; /* the image at the start may have the first two poses' rate */
+    const td_reached before = td_simulator_reached(live->simulator);
     tides_status status = TIDES_OK;
     for (size_t i = 0; i < told && status == TIDES_OK; i++) {
         status = mark(live, objects[i], &marks[marked++], error);
         if (status == TIDES_OK) status = tides_live_tell(live, objects[i], samples + i, 1, error);
     }
     if (status == TIDES_OK) status = tides_live_run(live, until, events, count, error);
-    const int unused = s->step == step && s->started == started; /* a step that fails leaves nothing that came of them */
+    const td_reached after = td_simulator_reached(live->simulator);
+    const int unused = after.step == before.step && after.started == before.started; /* nothing has come of them */
     while (status != TIDES_OK && unused && marked > 0)
         if (take_back(&marks[--marked], NULL) != TIDES_OK) status = td_fail(error, TIDES_NO_MEMORY, "out of memory");
     free(marks);
     return status;
 }
 
-double tides_live_reached(const tides_live *live) { return live->start + td_grid_time(live->simulator, live->simulator->step); }
+double tides_live_reached(const tides_live *live) { return live->start + td_simulator_reached(live->simulator).seconds; }
 
 tides_simulator *tides_live_simulator(const tides_live *live) { return live->simulator; }

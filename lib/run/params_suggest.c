@@ -80,6 +80,8 @@ tides_status td_param_unknown(const char *where, const char *given, tides_error 
     char key[TD_KEY_MAX];
     snprintf(key, sizeof key, "%.*s", TD_KEY_MAX - 1, given);
     td_one_line(key);
+    const char *instead = td_param_retired(key, NULL);
+    if (instead) return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is gone: %s", where, key, instead);
     size_t known = known_part(key), length = strcspn(key + known, ".");
     name_list list = {.count = 0};
     names_below(key, known, &list);

@@ -4,7 +4,7 @@
 #include "run/td_recording.h"
 
 #include "events/td_event_format.h"
-#include "solver/td_simulator.h"
+#include "solver/td_reached.h"
 #include "td_base.h"
 #include "td_struct.h"
 
@@ -59,7 +59,7 @@ static tides_status remove_checkpoint(const td_record *r, tides_error *error) {
 
 tides_status td_record_anew(td_record *r, tides_error *error) {
     tides_status status = remove_checkpoint(r, error);
-    if (status == TIDES_OK) status = tides_event_writer_open_as(r->path, r->how.format, r->facts, &r->writer, error);
+    if (status == TIDES_OK) status = tides_event_writer_open(r->path, r->how.format, r->facts, &r->writer, error);
     r->done->began = status == TIDES_OK;
     return status;
 }
@@ -71,8 +71,7 @@ tides_status td_record_again(td_record *r, tides_error *error) {
     tides_simulator_stats(r->simulator, &stats);
     r->done->events = stats.events_written;
     r->done->resumed_s = stats.simulated_s;
-    const tides_event *last = r->simulator->last.polarity ? &r->simulator->last : NULL;
-    status = td_event_writer_resume(r->path, r->facts, r->done->events, last, &r->writer, error);
+    status = td_event_writer_resume(r->path, r->facts, r->done->events, td_simulator_last(r->simulator), &r->writer, error);
     r->done->began = status == TIDES_OK;
     return status;
 }
@@ -83,7 +82,7 @@ int td_record_take(void *user, const tides_event *events, size_t count) {
     td_record *r = user;
     r->whole = 1;
     const int64_t *fired = r->simulator ? tides_simulator_fired(r->simulator) : NULL;
-    tides_status status = tides_event_writer_append_fired(r->writer, events, fired, count, &r->cause);
+    tides_status status = tides_event_writer_append(r->writer, events, fired, count, &r->cause);
     if (status == TIDES_OK) r->done->events += count;
     return status;
 }

@@ -251,17 +251,8 @@ tides_status tides_run_parse(const char *text, const char *directory, const char
     return parse(text, strlen(text), "run", directory ? directory : "", overrides, count, run, error);
 }
 
-tides_status td_add_note(char **notes, tides_error *error, const char *format, ...) {
-    char line[2048];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(line, sizeof line, format, arguments);
-    va_end(arguments);
-    return td_note(notes, line, error);
-}
-
 tides_status td_run_note(tides_run *run, const char *line, tides_error *error) {
-    return td_add_note(&run->notes, error, "%s", line);
+    return td_note(&run->notes, error, "%s", line);
 }
 
 const char *tides_run_notes(const tides_run *run) { return run && run->notes ? run->notes : ""; }

@@ -28,11 +28,11 @@ static tides_status note_path(const tides_run *run, const tides_path *path, cons
     tides_status status = TIDES_OK;
     for (const char *line = path->notes; *line && status == TIDES_OK;) {
         const size_t length = strcspn(line, "\n");
-        status = td_add_note(notes, error, "%s: %s: %.*s", key, file, (int)length, line);
+        status = td_note(notes, error, "%s: %s: %.*s", key, file, (int)length, line);
         line += length + (line[length] == '\n');
     }
     if (status != TIDES_OK || !path->untimed || (camera && tides_run_gives(run, "camera.duration_s"))) return status;
-    return td_add_note(notes, error, "%s: %s: has no times: its %zu poses are spread evenly over %g s%s", key, file,
+    return td_note(notes, error, "%s: %s: has no times: its %zu poses are spread evenly over %g s%s", key, file,
                    tides_trajectory_count(path->trajectory), camera ? td_run_number(run, "camera.duration_s") : 1.0,
                    camera ? "; camera.duration_s says how long they last" : "");
 }
@@ -307,7 +307,7 @@ static tides_status note_frames(const tides_run *run, const tides_scene *scene, 
     int32_t sees = 1;
     tides_status status = td_run_sees(scene, path, k, &sees, error);
     if (status != TIDES_OK || sees) return status;
-    return td_add_note(&opening->notes, error,
+    return td_note(&opening->notes, error,
                    "camera.file: %s: its cameras see next to nothing of the scene, or stand far outside: where nerfstudio made "
                    "it, put "
                    "its dataparser_transforms.json beside one of them, or name it in camera.frame",

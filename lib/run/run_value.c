@@ -91,6 +91,8 @@ static tides_status check_choice(const tides_param *row, const cJSON *value, con
     char names[256], suggestion[TD_SUGGESTION_MAX];
     const char *given = td_choice_text(value);
     if (is_choice(row->choices, given, names, sizeof names)) return TIDES_OK;
+    const char *instead = td_param_retired(row->key, given);
+    if (instead) return td_fail(error, TIDES_BAD_CONFIG, "%s: %s = \"%s\" is gone: %s", where, row->key, given, instead);
     return td_fail(error, TIDES_BAD_CONFIG, "%s: %s = %s is none of %s%s", where, row->key, show(value).text, names,
                    td_suggest(given, row->choices, "|", suggestion));
 }

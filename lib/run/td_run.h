@@ -36,6 +36,9 @@ int32_t td_param_is_group(const char *key);
 tides_status td_param_unknown(const char *where, const char *key, tides_error *error);
 void td_one_line(char *text);
 
+/* retired.c: what to do in place of a key that there was, or (choice not NULL) of a choice; NULL where there never was one. */
+const char *td_param_retired(const char *key, const char *choice);
+
 /* run_value.c: 1 where `value` equals the row's default; whether `value` may stand at `row`, errors starting with `where`. */
 int32_t td_param_is_default(const tides_param *row, const cJSON *value);
 tides_status td_param_check(const tides_param *row, const cJSON *value, const char *where, tides_error *error);
@@ -51,8 +54,7 @@ tides_status td_run_override(tides_run *run, const char *assignment, tides_error
 /* run_json.c: copies `value` to its row's place. */
 tides_status td_run_store(tides_run *run, const tides_param *row, const cJSON *value, tides_error *error);
 
-/* run.c: adds a line to notes, which are the caller's to free (NULL: none yet), or to the run's. */
-tides_status td_add_note(char **notes, tides_error *error, const char *format, ...) TD_PRINTF(3, 4);
+/* run.c: adds a line to the run's notes. */
 tides_status td_run_note(tides_run *run, const char *line, tides_error *error);
 
 /* rig.c: whether rig.cameras may be `value`; what the camera that rig.camera names has of its own, into the run; and its path,

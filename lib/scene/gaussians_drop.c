@@ -44,8 +44,6 @@ tides_status td_gaussians_drop(td_gaussians *gaussians, double scale, int64_t *d
     if (kept == 0) return td_fail(error, TIDES_BAD_FILE, "none of its %zu Gaussians can be rendered: %s", count, first.text);
     gaussians->count = (int64_t)kept;
     *dropped = (int64_t)(count - kept);
-    char line[400];
-    snprintf(line, sizeof line, "%lld of %zu Gaussians are left out (scene.invalid = drop), such as this: %.250s",
-             (long long)*dropped, count, first.text);
-    return td_note(&gaussians->notes, line, error);
+    return td_note(&gaussians->notes, error, "%lld of %zu Gaussians are left out (scene.invalid = drop), such as this: %.250s",
+                   (long long)*dropped, count, first.text);
 }

@@ -52,23 +52,21 @@ tides_status td_gltf_choose(td_gltf *g, const char *part) {
 static tides_status note_scenes(const td_gltf *g, char **notes) {
     if (cJSON_GetArraySize(scenes_of(g)) < 2) return TIDES_OK;
     char *all = list_scenes(g, g->error);
-    char *line =
-        all ? td_format(g->error, "its scene %lld is read, of %s: scene.part names another", (long long)td_gltf_scene(g), all)
-            : NULL;
-    const tides_status status = line ? td_note(notes, line, g->error) : TIDES_NO_MEMORY;
-    free(line);
+    if (!all) return TIDES_NO_MEMORY;
+    const tides_status status =
+        td_note(notes, g->error, "its scene %lld is read, of %s: scene.part names another", (long long)td_gltf_scene(g), all);
     free(all);
     return status;
 }
 
 tides_status td_gltf_note_rest(const td_gltf *g, const unsigned char *wanted, char **notes) {
-    char line[120];
     long long plain = 0;
     const int animations = cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(g->json, "animations"));
     for (int64_t i = 0; i < g->mesh_count; i++) plain += !wanted[i];
     tides_status status = note_scenes(g, notes);
-    snprintf(line, sizeof line, "%lld of its %lld meshes have no splats, and aren't shown", plain, (long long)g->mesh_count);
-    if (plain && !status) status = td_note(notes, line, g->error);
-    if (animations > 0 && !status) status = td_note(notes, "its animations aren't read: all is where it is at rest", g->error);
+    if (plain && !status)
+        status = td_note(notes, g->error, "%lld of its %lld meshes have no splats, and aren't shown", plain,
+                         (long long)g->mesh_count);
+    if (animations > 0 && !status) status = td_note(notes, g->error, "its animations aren't read: all is where it is at rest");
     return status;
 }

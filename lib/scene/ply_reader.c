@@ -220,14 +220,12 @@ static tides_status read_gaussians(binding *b, td_gaussians *gaussians) {
 /* What the comments say of training, or filter_3D where they don't. */
 static tides_status take_mode(const binding *b, td_gaussians *gaussians) {
     const td_ply_word mode = b->header->mode;
-    char line[160];
     if (has_filter(b) || td_ply_word_reads(mode, "mip")) gaussians->trained = TIDES_TRAINED_ANTIALIASED;
     if (td_ply_word_reads(mode, "default")) gaussians->trained = TIDES_TRAINED_PLAIN;
     if (mode.length == 0 || gaussians->trained != TIDES_TRAINED_UNKNOWN) return TIDES_OK;
-    snprintf(line, sizeof line,
-             "its splats' mode '%s' isn't known: they are drawn as plain ones; image.antialias says otherwise",
-             TD_PLY_QUOTE(mode));
-    return td_note(&gaussians->notes, line, b->error);
+    return td_note(&gaussians->notes, b->error,
+                   "its splats' mode '%s' isn't known: they are drawn as plain ones; image.antialias says otherwise",
+                   TD_PLY_QUOTE(mode));
 }
 
 tides_status td_ply_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {

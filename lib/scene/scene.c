@@ -70,9 +70,7 @@ static tides_status take_notes(tides_scene *scene, td_gaussians *gaussians, cons
     tides_status status = TIDES_OK;
     for (char *line = gaussians->notes, *end; line && status == TIDES_OK; line = end) {
         if ((end = strchr(line, '\n'))) *end++ = '\0';
-        char *named = td_format(error, "%s: %s", source, line);
-        status = named ? td_note(&scene->notes, named, error) : TIDES_NO_MEMORY;
-        free(named);
+        status = td_note(&scene->notes, error, "%s: %s", source, line);
     }
     free(gaussians->notes);
     gaussians->notes = NULL;

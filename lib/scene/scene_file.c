@@ -78,12 +78,10 @@ static tides_status add_model(tides_scene *scene, const char *path, const tides_
     td_model_dir dir;
     tides_status status = td_model_dir_find(path, scene->part, &dir, error);
     if (status) return status;
-    char *line = dir.others ? td_format(error, "%s: iteration %lld is read, of %s: scene.part names another", path,
-                                        (long long)dir.iteration, dir.others)
-                            : NULL;
-    if (dir.others) status = line ? td_note(&scene->notes, line, error) : TIDES_NO_MEMORY;
+    if (dir.others)
+        status = td_note(&scene->notes, error, "%s: iteration %lld is read, of %s: scene.part names another", path,
+                         (long long)dir.iteration, dir.others);
     if (!status) status = td_scene_add_model(scene, &dir, trajectory, scale, error);
-    free(line);
     td_model_dir_free(&dir);
     return status;
 }

@@ -18,14 +18,6 @@ int32_t tides_scene_trained(const tides_scene *scene) {
     return trained;
 }
 
-tides_status td_note(char **notes, const char *line, tides_error *error) {
-    char *grown = td_format(error, "%s%s%s", *notes ? *notes : "", *notes ? "\n" : "", line);
-    if (!grown) return TIDES_NO_MEMORY;
-    free(*notes);
-    *notes = grown;
-    return TIDES_OK;
-}
-
 int64_t tides_scene_dropped(const tides_scene *scene) { return scene ? scene->dropped : 0; }
 
 const char *tides_scene_notes(const tides_scene *scene) { return scene && scene->notes ? scene->notes : ""; }

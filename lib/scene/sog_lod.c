@@ -118,10 +118,9 @@ static tides_status read_part(const lod *l, const char *name, int64_t wanted, td
 }
 
 static tides_status note_levels(const lod *l, td_gaussians *gaussians) {
-    char line[160];
-    snprintf(line, sizeof line, "its level of detail %.20s is read, of 0, the finest, to %lld: scene.part names another",
-             l->level, (long long)l->coarsest);
-    return td_note(&gaussians->notes, line, l->error);
+    return td_note(&gaussians->notes, l->error,
+                   "its level of detail %.20s is read, of 0, the finest, to %lld: scene.part names another", l->level,
+                   (long long)l->coarsest);
 }
 
 static tides_status read_parts(const lod *l, td_gaussians *gaussians) {

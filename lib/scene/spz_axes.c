@@ -25,11 +25,11 @@ static tides_status read_system(const char *path, const unsigned char *payload, 
 }
 
 static tides_status note_record(uint32_t type, td_spz_records *found, tides_error *error) {
-    char line[96] = "its georeference isn't read: positions are in its local frame";
     for (size_t i = 0; i < sizeof silent_records / sizeof silent_records[0]; i++)
         if (type == silent_records[i]) return TIDES_OK;
-    if (type != place_record) snprintf(line, sizeof line, "its extension 0x%08lx isn't read", (unsigned long)type);
-    return td_note(&found->notes, line, error);
+    if (type == place_record)
+        return td_note(&found->notes, error, "its georeference isn't read: positions are in its local frame");
+    return td_note(&found->notes, error, "its extension 0x%08lx isn't read", (unsigned long)type);
 }
 
 tides_status td_spz_read_records(const char *path, const unsigned char *bytes, size_t size, td_spz_records *found,

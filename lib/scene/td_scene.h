@@ -66,9 +66,6 @@ tides_gaussians td_gaussians_view(const td_gaussians *gaussians);
 /* How two sets together were trained: what one of them says, MIXED where they disagree. */
 int32_t td_trained_join(int32_t a, int32_t b);
 
-/* Appends a line to `*notes`, which is NULL or allocated. */
-tides_status td_note(char **notes, const char *line, tides_error *error);
-
 /* Fails with `blame` (TIDES_BAD_ARGUMENT, TIDES_BAD_FILE), naming Gaussian and property, unless the values can be rendered:
  * all finite, quaternions that can be normalised, exp(log_scale) within float's range, means and coefficients within
  * TD_VALUE_MOST; in place, that is times `scale`. */

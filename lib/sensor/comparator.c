@@ -238,7 +238,7 @@ static tides_status step_pixel(tile_job *job, size_t j) {
     pixel.response.cubic = pixel.input;
     pixel.end = job->signals->S1[j];
     if (sensor->frontend.on) filter(job, &pixel);
-    if (sensor->light) pixel.input = fit(TIDES_MODEL_HERMITE, sensor->light, step->length_s, j);
+    if (job->pixel.light) pixel.input = fit(TIDES_MODEL_HERMITE, job->pixel.light, step->length_s, j);
     double ramp = sensor->leak[pixel.i] * job->pixel.start, rise = sensor->leak[pixel.i] * step->length_ns;
     for (int c = 0; c < 4; c++) pixel.response.cubic.control[c] += ramp + rise * (c / 3.0);
     pixel.end += ramp + rise;
@@ -264,6 +264,26 @@ static void add_counts(td_sensor_counts *sum, const td_sensor_counts *more) {
     sum->nonfinite += more->nonfinite;
     sum->suppressed += more->suppressed;
     sum->refractory += more->refractory;
+}
+
+tides_status td_work_join(td_work *to, const td_work *piece, tides_error *error) {
+    const size_t some = piece->events.count;
+    tides_status status = some > 0 ? td_event_buffer_reserve(&to->events, some, error) : TIDES_OK;
+    if (status != TIDES_OK) return status;
+    if (some > 0) memcpy(to->events.events + to->events.count, piece->events.events, some * sizeof *to->events.events);
+    to->events.count += some;
+    add_counts(&to->counts, &piece->counts);
+    return TIDES_OK;
+}
+
+void td_work_clear(td_work *work) {
+    work->events.count = 0;
+    work->counts = (td_sensor_counts){0};
+}
+
+void td_work_release(td_work *work) {
+    td_event_buffer_release(&work->events);
+    td_work_clear(work);
 }
 
 /* Takes back the events from `before` on; of ideal pixels, each says which count it has raised. */
@@ -312,16 +332,15 @@ static tides_status step_block(tile_job *job, size_t first, size_t count) {
     return TIDES_OK;
 }
 
-tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first,
-                            const td_signals *signals, const td_coverage *coverage, td_event_buffer *buffer,
-                            tides_error *error) {
-    const size_t before = buffer->count, pixels = (size_t)tile->count;
+tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first, const td_seen *seen,
+                            td_work *work, tides_error *error) {
+    const size_t before = work->events.count, pixels = (size_t)tile->count;
     noise_block noise;
-    tile_job job = {.pixel = {.sensor = sensor, .step = step, .buffer = buffer, .error = error},
+    tile_job job = {.pixel = {.sensor = sensor, .step = step, .light = seen->light, .buffer = &work->events, .error = error},
                     .tile = tile,
                     .first = first,
-                    .signals = signals,
-                    .coverage = coverage};
+                    .signals = seen->signals,
+                    .coverage = &seen->coverage};
     job.pixel.start = td_sensor_time(sensor, step->start_ns, step->start_fraction);
     job.stop = (double)(step->stop_ns - sensor->start_ns) + 2; /* floored, and less one where another step follows */
     job.noise = sensor->additive.on ? &noise : NULL;
@@ -334,7 +353,7 @@ tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_til
         }
     }
     if (!sensor->on) job.pixel.counts.cause[TIDES_CAUSE_SIGNAL] = job.pixel.counts.events_on + job.pixel.counts.events_off;
-    add_counts(&sensor->counts, &job.pixel.counts);
+    add_counts(&work->counts, &job.pixel.counts);
     return TIDES_OK;
 }
 
@@ -369,12 +388,16 @@ static tides_status advance_ideal(td_pixel_job *pixel, const td_sensor_single *s
     return status;
 }
 
-tides_status td_sensor_advance(td_sensor *sensor, const td_sensor_single *single, td_event_buffer *buffer, tides_error *error) {
+tides_status td_sensor_advance(td_sensor *sensor, const td_sensor_single *single, td_work *work, tides_error *error) {
     td_sensor_counts counts;
-    td_pixel_job job = {.sensor = sensor, .step = single->step, .buffer = buffer, .changes = single->changes, .error = error};
+    td_pixel_job job = {.sensor = sensor,
+                        .step = single->step,
+                        .buffer = &work->events,
+                        .changes = single->changes,
+                        .error = error};
     job.start = td_sensor_time(sensor, single->step->start_ns, single->step->start_fraction);
     single->changes->count = single->changes->lost = 0;
     tides_status status = sensor->on ? advance_pixel(&job, single, &counts) : advance_ideal(&job, single, &counts);
-    add_counts(&sensor->counts, &counts);
+    add_counts(&work->counts, &counts);
     return status;
 }

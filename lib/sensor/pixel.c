@@ -112,7 +112,7 @@ static uint16_t added_at(walk *w, double s) {
     if (!sensor->labels) return 0;
     seek_segment(w, s);
     double added = noise_at(w, s);
-    if (sensor->frontend.on || sensor->light) {
+    if (sensor->frontend.on || w->job->light) {
         double S = s < 1 ? td_response_value(&p->response, s) : p->end, ramp = sensor->leak[p->i] * time_at(w, s);
         added += S - ramp - td_model_value(&p->input, s);
     }

@@ -11,7 +11,8 @@
 typedef struct td_pixel_job {
     td_sensor *sensor;
     const td_step *step;
-    double start; /* of the step [ns since the run's start] */
+    double start;            /* of the step [ns since the run's start] */
+    const td_signals *light; /* td_seen.light */
     td_event_buffer *buffer;
     td_sensor_counts counts; /* of this call */
     td_changes *changes;     /* what is done where; NULL: nobody asks */

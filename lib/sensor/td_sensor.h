@@ -59,6 +59,15 @@ typedef struct td_sensor_counts {
     uint64_t refractory; /* crossings consumed, and noise events lost, in refractory periods */
 } td_sensor_counts;
 
+/* What comes of a piece of work: its events, and what happened. Pieces joined in their order are as one. */
+typedef struct td_work {
+    td_event_buffer events;
+    td_sensor_counts counts;
+} td_work;
+TIDES_MUST_CHECK tides_status td_work_join(td_work *to, const td_work *piece, tides_error *error);
+void td_work_clear(td_work *work);
+void td_work_release(td_work *work);
+
 typedef struct td_sensor {
     tides_sensor sensor;
     int on;             /* a block is on; else every pixel is ideal, and nothing of the blocks' below is there */
@@ -72,7 +81,6 @@ typedef struct td_sensor {
     double start_fraction;
     size_t count; /* pixels, in the simulator's order; as long are the arrays that are there */
     td_pixels pixels;
-    td_sensor_counts counts;
     /* the blocks' */
     double refractory_ns;
     double *threshold_on, *threshold_off; /* of each pixel */
@@ -87,7 +95,6 @@ typedef struct td_sensor {
     td_additive_noise additive;
     double *noise_segment, *noise_value; /* with it: number and begin [log units] of the segment that the time reached is on, */
     uint32_t *number;                    /* and the pixel's in the image */
-    const td_signals *light;             /* of a call: log-luminance, where the signals aren't; NULL: they are */
 } td_sensor;
 
 /* Checks what the comparator reads of the parameters, and the model: TIDES_BAD_ARGUMENT naming the field. */
@@ -119,6 +126,13 @@ typedef struct td_coverage {
     const double *begin, *end; /* (count) */
 } td_coverage;
 
+/* What a tile's pixels see at both ends of a step. */
+typedef struct td_seen {
+    const td_signals *signals;
+    const td_signals *light; /* log-luminance, where the signals aren't; NULL: they are */
+    td_coverage coverage;
+} td_seen;
+
 /* Compares one tile over one step; appends its events pixel by pixel, each pixel's in time order (td_event_sort makes a
  * stream). Pixel i of the tile is pixel first + i of the sensor. `step` is as the simulator has it: half-open, (start, stop];
  * events are at start_ns to stop_ns, both included, and no other step has one of these nanoseconds. A crossing at its stop
@@ -137,14 +151,13 @@ typedef struct td_coverage {
  * TIDES_OUT_OF_RANGE: a pixel would fire more than TD_EVENTS_PER_PIXEL_MAX events in the step. TIDES_NO_MEMORY. Then counts and
  * the events in the buffer are as before the call, and so are ideal pixels; the others are not. */
 TIDES_MUST_CHECK tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_tile *tile, size_t first,
-                                             const td_signals *signals, const td_coverage *coverage, td_event_buffer *buffer,
-                                             tides_error *error);
+                                             const td_seen *seen, td_work *work, tides_error *error);
 
 /* -- one pixel at a time --------------------------------------------------------------------------------------------------- */
 
-/* For the solver, which looks the signal up where events are, and compares those pixels again (lib/solver/solve.c). Where
- * optics, filters, a surround or additive noise stand between signal and comparator, what is done where isn't seen in the
- * signal: whether none of them is on, of parameters that are checked by it. */
+/* For the solver, which looks the signal up where events are, and compares those pixels again (lib/solver/lookup/solve.c).
+ * Where optics, filters, a surround or additive noise stand between signal and comparator, what is done where isn't seen in
+ * the signal: whether none of them is on, of parameters that are checked by it. */
 TIDES_MUST_CHECK tides_status td_sensor_shows_signal(const tides_sensor *params, int *shows, tides_error *error);
 
 /* Where a pixel's reference changed in a step. */
@@ -183,7 +196,7 @@ typedef struct td_sensor_single {
     td_pieces *pieces;
     td_changes *changes;
 } td_sensor_single;
-TIDES_MUST_CHECK tides_status td_sensor_advance(td_sensor *sensor, const td_sensor_single *single, td_event_buffer *buffer,
+TIDES_MUST_CHECK tides_status td_sensor_advance(td_sensor *sensor, const td_sensor_single *single, td_work *work,
                                                 tides_error *error);
 
 /* All that a pixel carries from one step to the next, to take it back to where it was. */

@@ -44,12 +44,6 @@ double td_pieces_slope(const td_pieces *pieces, double s) {
     return td_model_slope(&pieces->model[k], td_pieces_place(pieces, k, s)) / (pieces->from[k + 1] - pieces->from[k]);
 }
 
-double td_pieces_curvature(const td_pieces *pieces, double s) {
-    const int k = td_pieces_find(pieces, s);
-    const double length = pieces->from[k + 1] - pieces->from[k];
-    return td_model_curvature(&pieces->model[k], td_pieces_place(pieces, k, s)) / (length * length);
-}
-
 static double within(double s, double low, double high) { return s < low ? low : s > high ? high : s; }
 
 int td_pieces_crossing(const td_pieces *pieces, double reference, double threshold_on, double threshold_off, double from,

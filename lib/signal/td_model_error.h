@@ -16,7 +16,7 @@ static inline double td_embedded(double rise, double rate0, double rate1) {
  * deviation at the place where it was cut out of a longer one. The deviation bounds it from both sides, and between the bounds
  * the step's own estimate decides: a kink leaves one part as rough as the whole was and the other smooth.
  *
- * TD_PROBE_MOST: wherever a kink is, both parts' errors are about the deviation at most (lib/solver/probe.c).
+ * TD_PROBE_MOST: wherever a kink is, both parts' errors are about the deviation at most (lib/solver/steps/probe.c).
  * TD_PROBE_LEAST: of a smooth signal the parts have a fourteenth. The ends of a part with a kink in its middle say nothing of
  * it, and that mustn't hide more than what 1 / TD_PROBE_LEAST tolerances let through. TD_PROBE_EMBEDDED: the cubic is an order
  * better than the quadratic in the embedded estimate. With 0.7 the scenes of tides bench accuracy have the errors at a

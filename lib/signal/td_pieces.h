@@ -52,7 +52,6 @@ double td_pieces_value(const td_pieces *pieces, double s);
 
 /* Slope and curvature, per step. */
 double td_pieces_slope(const td_pieces *pieces, double s);
-double td_pieces_curvature(const td_pieces *pieces, double s);
 
 /* As td_response_crossing (lib/sensor): the first s in [from, to] at which S - reference >= threshold_on (returns +1) or
  * <= -threshold_off (-1); 0 where there is none. */

@@ -3,6 +3,7 @@
 #ifndef TD_GRID_H
 #define TD_GRID_H
 
+#include "signal/td_step.h"
 #include "tides/base.h"
 
 #include <stddef.h>
@@ -18,6 +19,7 @@ typedef struct td_grid {
     double *knot;      /* (knots) [s], ascending, within (start, stop) */
     int64_t *point;    /* (knots) number of the knot's point */
     int64_t *replaced; /* (knots) regular points that gave way up to and with this knot */
+    int64_t epoch_ns;  /* the nanosecond nearest to the run's start: event times are whole nanoseconds after it */
 } td_grid;
 
 /* A grid for [start, stop] with steps of step_s; `knots` [s] ascending, anywhere, are copied. `gap` [s] is at most half a
@@ -38,5 +40,10 @@ int td_grid_reaches(const td_grid *grid, int64_t k, double epoch, double time);
 
 /* The last such point; 0 where there is none. */
 int64_t td_grid_last_until(const td_grid *grid, double epoch, double time);
+
+/* The step between two times of the run, in absolute nanoseconds. What fires at its very end is a nanosecond earlier, except at
+ * the run's: so a packet never ends with the nanosecond that the next one begins with, and the stream is in order however it is
+ * cut into packets. */
+tides_status td_grid_step(const td_grid *grid, double start, double stop, td_step *step, tides_error *error);
 
 #endif

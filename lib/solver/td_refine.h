@@ -42,23 +42,23 @@ typedef struct td_refine {
     td_refine_step *step;
     size_t steps, step_capacity;
     int32_t spare_step; /* given back: a list by `next`, or -1 */
+    const int *unit;    /* those that are refined together, some of all that move, */
+    int units;          /* so many */
     int32_t *head;      /* (tiles) first step that hasn't been compared, or -1 */
     td_samples samples;
-    const int32_t *comparing; /* (tiles) the steps of all tiles that are compared together; NULL at other times */
-    size_t cuts;              /* in this macro step */
-    int early;                /* some of its steps have been compared while others are open; then */
-    double *reference;        /* (pixels) the references that the units which are refined began with */
+    size_t cuts;       /* in this macro step */
+    int early;         /* some of its steps have been compared while others are open; then */
+    double *reference; /* (pixels) the references that the units which are refined began with */
     size_t reference_capacity;
     int32_t *open; /* steps to be cut */
     size_t open_count, open_capacity;
     int32_t *pending; /* of these, on this level */
     size_t pending_count, pending_capacity;
-    size_t first_cut; /* job of the launch, from which on they are where the pending steps are cut */
-    int32_t *fresh;   /* steps that came of it */
+    int32_t *fresh; /* steps that came of it */
     size_t fresh_count, fresh_capacity;
 } td_refine;
 
-/* Begins the macro step from s->now, which is swept, for the tiles that move: renders its end and, where it is to be looked
+/* Begins the macro step from s->now, which is swept, for the tiles refine->unit: renders its end and, where it is to be looked
  * into, a first time within, and lists the steps that come of it as `fresh`, to be judged. Until the first step is compared
  * nothing of the simulator's pixel state changes. */
 tides_status td_refine_begin(tides_simulator *s, double start, double stop, tides_error *error);
@@ -67,14 +67,18 @@ tides_status td_refine_begin(tides_simulator *s, double start, double stop, tide
 tides_status td_refine_level(tides_simulator *s, double start, double stop, tides_error *error);
 
 /* Time of position `at` in the macro step: exact at both ends, the same double wherever it is asked for. */
-double td_refine_time(const td_refine *refine, double start, double stop, uint32_t at);
+static inline double td_refine_time(const td_refine *refine, double start, double stop, uint32_t at) {
+    const uint32_t whole = (uint32_t)1 << refine->depth;
+    return at == whole ? stop : start + (stop - start) * ((double)at / (double)whole);
+}
 
 /* A step shorter than twice the shortest isn't cut, whatever the measures say. */
 static inline int td_refine_may_cut(const td_refine *refine, const td_refine_step *step) {
     return step->to - step->from >= 2 * refine->shortest;
 }
 
-/* The place nearest to a step's middle where a swap of depth begins or ends that its samples may not show, or 0 (swap_cuts.c). */
+/* The place nearest to a step's middle where a swap of depth begins or ends that its samples may not show, or 0
+ * (swap_cuts.c). */
 uint32_t td_refine_swap(const tides_simulator *s, const td_refine_step *step, int32_t *begins);
 
 /* Bytes for the samples of a macro step, for sample_planes that are final. */
@@ -87,25 +91,19 @@ void td_refine_release(td_refine *refine);
 void td_control_judge(tides_simulator *s, td_refine_step *step, double start, double stop);
 tides_status td_control_steps(tides_simulator *s, tides_error *error);
 
-/* Compares, in time order, the accepted steps that nothing open is before. With `early` their samples are given back, and more
- * is to come; else all are accepted (settle.c). */
-tides_status td_settle(tides_simulator *s, double start, double stop, int early, tides_error *error);
+/* Whether the run ends with this step of the macro step. */
+int td_refine_ends_run(const tides_simulator *s, const td_refine_step *step);
 
-/* Whether the run ends with this step of the macro step (settle.c). */
-int td_ends_run(const tides_simulator *s, const td_refine_step *step);
-
-/* The planes of a step's samples at both its ends (settle.c). */
-void td_settle_planes(const tides_simulator *s, const td_refine_step *refined, const double *begin[], const double *end[]);
-
-/* The events from number `first` on came of a tile's accepted step, compared between these planes (settle.c). */
-void td_settle_timing(tides_simulator *s, const td_refine_step *refined, const td_step *step, const double *const begin[],
-                      const double *const end[], size_t first);
+/* The planes of a step's samples at both its ends. */
+void td_refine_planes(const tides_simulator *s, const td_refine_step *refined, const double *begin[], const double *end[]);
 
 /* How many of the moving units are refined together: nothing that decides a unit's steps is another's, so that a large image
- * needs the memory of a part of it; all, where they share a budget or have their steps in common (window.c). */
+ * needs the memory of a part of it; all, where they have their steps in common (window.c). */
 int td_window_units(const tides_simulator *s);
 
-/* Takes the steps of the next launch from refine->open to refine->pending (window.c). */
-tides_status td_window_take(tides_simulator *s, double start, double stop, tides_error *error);
+/* 1 where the samples of all open steps would be too many: what is accepted is to be compared first. Then takes the steps of
+ * the next launch from refine->open to refine->pending, all or the earliest (window.c). */
+int td_window_is_short(const tides_simulator *s);
+tides_status td_window_take(tides_simulator *s, int is_short, tides_error *error);
 
 #endif

@@ -7,6 +7,7 @@
 #include "td_state.h"
 #include "td_grid.h"
 #include "td_refine.h"
+#include "td_reached.h"
 #include "td_readout.h"
 #include "td_solve.h"
 #include "td_surround_steps.h"
@@ -39,51 +40,72 @@ typedef struct td_undo {
     uint64_t uncertain, solved, lookups;
 } td_undo;
 
+/* What was asked for, as far as it could be had: final when the run begins. */
+typedef struct td_parameters {
+    double step_s, min_step_s; /* [s] */
+    double tolerance;          /* [thresholds] */
+    double time_tolerance_s;
+    double memory_mb;
+    double interpolates; /* rows of motions within macro steps, as far as that stays within so much [thresholds]; 0: not */
+    tides_risk risk;
+    int mode, local, slope; /* TIDES_STEPPING_*; each unit has its own steps; TIDES_SLOPE_* */
+    int unit;               /* TIDES_UNIT_* */
+    int outputs;            /* planes that each sample renders: risk, a mask and the readout want diagnostics */
+    int sample_planes;      /* of these, TD_PLANES_SIGNAL or TD_PLANES_ALL */
+} td_parameters;
+
+/* The image and its units (td_units.h), which the solver calls tiles. */
+typedef struct td_layout {
+    int width, height;
+    int image_tiles; /* the renderer's */
+    int tiles;
+    td_tile *tile;       /* (tiles) */
+    size_t *first_pixel; /* (tiles + 1): where a tile's pixels begin in all arrays of pixels */
+} td_layout;
+
+/* Tiles that can change in the interval swept last. */
+typedef struct td_moving {
+    int *list; /* (tiles) */
+    int count;
+    int tiles; /* in so many of the renderer's tiles */
+} td_moving;
+
+/* Giving events away. */
+typedef struct td_packet {
+    tides_event *scratch; /* for sorting */
+    size_t scratch_capacity;
+    tides_event last; /* that was given away, of the run's parts before too; of no polarity: there was none */
+} td_packet;
+
 struct tides_simulator {
     tides_renderer *renderer;
     const tides_scene *scene; /* the caller's, as is the camera's path */
     const tides_trajectory *camera;
+    td_parameters given;
+    td_layout layout;
+    double epoch;  /* [s] the run's start: every other time in the solver is an offset from it, */
+    double length; /* [s] up to `length` */
+    td_grid grid;  /* where steps begin and end */
     td_sensor sensor;
     td_surround_steps surround; /* between the pixels and the comparator, where the sensor has one */
-    double epoch;               /* [s] the run's start: every other time in the solver is an offset from it, */
-    double length, step_s;      /* [s] up to `length` */
-    int64_t epoch_ns;           /* the nearest nanosecond; event times are whole nanoseconds after it */
-    td_grid grid;               /* where steps begin and end */
-    int mode, local;            /* TIDES_STEPPING_*; each tile has its own steps */
-    double min_step_s, tolerance, time_tolerance_s, budget, memory_mb;
-    double interpolates; /* rows of motions within macro steps, as far as that stays within so much [thresholds]; 0: not */
-    int paths;           /* records of splats within macro steps */
-    tides_risk risk;
-    int slope;              /* TIDES_SLOPE_* */
-    int outputs;            /* planes that each sample renders: risk, a mask and the readout want diagnostics */
-    td_run_readout readout; /* the readout, where one is attached */
-    int sample_planes;      /* of these, TD_PLANES_SIGNAL or TD_PLANES_ALL */
-    double *tile_risk;      /* (tiles) at the time reached */
-    td_refine refine;       /* TIDES_STEPPING_ERROR */
-    td_timing timing;       /* likewise: estimated errors of event times */
-    td_solve solve;         /* likewise: events on the image itself */
+    td_run_readout readout;     /* where one is attached */
+
+    int broken;          /* a step failed half way: the pixels no longer agree on the time */
+    int started;         /* the first sample is there */
+    int64_t step;        /* steps taken */
+    td_sample now, next; /* at the step's two ends */
+    double *tile_risk;   /* (tiles) at the time reached */
+
+    td_moving moving;
+    int batch, batch_limit; /* steps per launch: now, and at most */
+    td_launch launch;       /* what was rendered last */
+    td_refine refine;       /* adaptive steps; */
+    td_timing timing;       /* of theirs, estimated errors of event times, */
+    td_solve solve;         /* and events on the image itself */
+    td_work work;           /* events that wait to be given away, and what has happened in the run */
+    td_packet packet;
     td_asking asking;
     td_undo undo;
-    int broken;    /* a step failed half way: the pixels no longer agree on the time */
-    int64_t steps; /* of the whole run */
-    int64_t step;  /* steps taken */
-    int started;   /* the first sample is there */
-    int width, height;
-    int unit;               /* TIDES_UNIT_* */
-    int image_tiles;        /* the renderer's; s->tile are units (td_units.h) */
-    int tiles;              /* so many of them */
-    td_tile *tile;          /* (tiles) */
-    size_t *first_pixel;    /* (tiles + 1): where a tile's pixels begin in the arrays below */
-    td_sample now, next;    /* at the step's two ends */
-    int batch, batch_limit; /* steps per launch: now, and at most */
-    int *moving;            /* (tiles) those that can change in the interval swept last, */
-    int moving_count;       /* so many of them, */
-    int moving_tiles;       /* in so many of the renderer's tiles */
-    td_launch launch;       /* what was rendered last */
-    td_event_buffer events; /* of the packet */
-    tides_event *scratch;   /* for sorting */
-    size_t scratch_capacity;
-    tides_event last;   /* that was given away, of the run's parts before too; of no polarity: there was none */
     tides_stats stats;  /* times and steps; the rest is put together when asked for (statistics.c) */
     tides_stats before; /* what was counted in the parts of the run before a restore */
 };
@@ -98,8 +120,8 @@ static inline void td_turn_samples(tides_simulator *simulator) {
 /* Largest risk score of a tile's pixels, from planes of TD_OUT_DIAGNOSTICS. */
 double td_tile_risk(const tides_simulator *simulator, const td_tile *tile, const double *planes);
 
-/* The renderer's sweep of [start, stop], from the time reached on; then s->moving lists the tiles that can change in it, and
- * where motions have a knot at `start` their S_dot becomes that of what begins there (sweep.c). */
+/* The renderer's sweep of [start, stop], from the time reached on; then s->moving.list lists the tiles that can change in
+ * it, and where motions have a knot at `start` their S_dot becomes that of what begins there (sweep.c). */
 tides_status td_sweep(tides_simulator *simulator, double start, double stop, tides_error *error);
 
 /* -- fixed steps (fixed.c) -- */
@@ -141,20 +163,24 @@ static inline void td_unpack_diagnostics(const td_tile *tile, const double *plan
 
 /* What fixed steps and the first sample render: risk isn't asked there. */
 static inline int td_fixed_outputs(const tides_simulator *simulator) {
-    return simulator->sample_planes == TD_PLANES_ALL ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
+    return simulator->given.sample_planes == TD_PLANES_ALL ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
 }
 
-/* The sensor over one step of a tile between two samples of it: sample_planes pointers each (tile_step.c). */
+/* The sensor over one step of a tile between two samples of it: sample_planes pointers each; `light` as td_seen has it
+ * (tile_step.c). */
 tides_status td_compare_tile(tides_simulator *simulator, int tile, const td_step *step, const double *const begin[],
-                             const double *const end[], tides_error *error);
+                             const double *const end[], const td_signals *light, tides_error *error);
 
 /* The sensor over one step of the tiles in which nothing moves, where it wants that. */
 tides_status td_compare_still(tides_simulator *simulator, const td_step *step, tides_error *error);
 
-/* The step between two times [s after the epoch], in absolute nanoseconds. What fires at its very end is a nanosecond earlier,
- * except at the run's: so a packet never ends with the nanosecond that the next one begins with, and the stream is in order
- * however it is cut into packets. */
-tides_status td_step_of_run(const tides_simulator *simulator, double start, double stop, td_step *step, tides_error *error);
+/* The events from number `first` on came of a tile's accepted step, compared between these planes (tile_step.c). */
+void td_time_events(tides_simulator *simulator, const td_refine_step *refined, const td_step *step, const double *const begin[],
+                    const double *const end[], size_t first);
+
+/* Compares, in time order, the accepted steps that nothing open is before. With `early` their samples are given back, and more
+ * is to come; else all are accepted (settle.c). */
+tides_status td_settle(tides_simulator *simulator, double start, double stop, int early, tides_error *error);
 
 /* With a readout: the events of the step that ends at the grid point reached go through it (readout.c). */
 tides_status td_readout_step(tides_simulator *simulator, tides_error *error);
@@ -171,9 +197,6 @@ void td_undo_stopped(tides_simulator *simulator, tides_status status);
 
 /* What a pixel's comparator sees at the time reached: S with its leak's ramp. */
 double td_signal_now(const tides_simulator *simulator, size_t pixel);
-
-/* run.c: up to when a run that is asked for up to `until` [s] is the same as a longer one: where its last whole step began. */
-double td_simulator_extends_from(const tides_simulator *simulator, double until);
 
 /* Adds the arrays that a checkpoint holds; then, with these and the sensor's as they were at grid point `step`, makes the
  * simulator go on from there. `before` is what had been counted (state.c). */

@@ -95,20 +95,25 @@ typedef struct td_sampled {
     double L, slope, bend, floor, late, length_s;
 } td_sampled;
 
-typedef struct td_solve {
-    int32_t precision;    /* TIDES_SOLVE_*, none of them AUTO */
-    int32_t unsolved;     /* TIDES_UNSOLVED_* */
-    int is_exact;         /* what is looked up is in double, all of it */
-    double target_s;      /* times that are as good as that are settled */
-    double samples;       /* what samples may be off by beside what is looked up [log units] */
-    uint64_t events;      /* that were looked up, */
-    uint64_t lookups;     /* and points for them */
-    double *known;        /* (pixels) 1 where the reference is one that was looked up; NULL in single precision */
-    int kept;             /* the renderer has kept the run's start (td_solve_keep_start) */
-    size_t *wanted;       /* pixels whose references are to be looked up, */
+/* Pixels whose references are to be looked up. */
+typedef struct td_solve_refer_list {
+    size_t *wanted;       /* (count) */
     td_point *start;      /* and where they are */
-    td_point_value *rest; /* (references) what is found there */
-    size_t references, wanted_capacity, start_capacity, rest_capacity;
+    td_point_value *rest; /* what is found there */
+    size_t count, wanted_capacity, start_capacity, rest_capacity;
+} td_solve_refer_list;
+
+typedef struct td_solve {
+    int on;           /* events are looked up */
+    int32_t unsolved; /* TIDES_UNSOLVED_* */
+    int is_exact;     /* what is looked up is in double, all of it */
+    double target_s;  /* times that are as good as that are settled */
+    double samples;   /* what samples may be off by beside what is looked up [log units] */
+    uint64_t events;  /* that were looked up, */
+    uint64_t lookups; /* and points for them */
+    double *known;    /* (pixels) 1 where the reference is one that was looked up */
+    int kept;         /* the renderer has kept the run's start (td_solve_keep_start) */
+    td_solve_refer_list refer;
     td_looked *looked;
     size_t looked_count, looked_capacity;
     td_found *found;
@@ -119,6 +124,7 @@ typedef struct td_solve {
     size_t reach_capacity;
     td_trust *trust; /* likewise: before anything is looked up */
     size_t trust_capacity;
+    td_work ahead; /* of the pixel's step in hand: joined to the run's once nothing in it is to be looked up */
     td_solve_batch batch[TD_SOLVE_BATCHES]; /* in turns (solve_batches.c) */
     int asking;                             /* which is filled: td_solve_asking */
     td_sampled *sampled;                    /* of this macro step's events, those that come first in an order of chance */
@@ -128,7 +134,7 @@ typedef struct td_solve {
     size_t enough_now;  /* and of the first ones, when it has nothing to do */
 } td_solve;
 
-/* What the parameters ask for (precision, unsolved), once the renderer has its PSF; TIDES_UNSUPPORTED where it can't be had.
+/* What the parameters ask for (on, unsolved), once the renderer has its PSF; TIDES_UNSUPPORTED where it can't be had.
  * The device has no say in it. Then, when there is a sensor, what that takes. */
 TIDES_MUST_CHECK tides_status td_solve_choose(tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping,
                                               tides_error *error);
@@ -160,7 +166,10 @@ TIDES_MUST_CHECK tides_status td_solve_ask(tides_simulator *s, const td_tile *ti
 /* Looking up has taken the time since `begun` [s]. */
 void td_solve_note_time(tides_simulator *s, double begun);
 
-/* Looks up all that is asked for in it, to its values. */
+/* Gives a batch to the renderer; its values are there when what was given last has been received. Then both at once, of what is
+ * asked for: looks it all up (solve_ask.c). */
+TIDES_MUST_CHECK tides_status td_solve_send(tides_simulator *s, td_solve_batch *batch, tides_error *error);
+TIDES_MUST_CHECK tides_status td_solve_receive(tides_simulator *s, tides_error *error);
 TIDES_MUST_CHECK tides_status td_solve_look_up(tides_simulator *s, tides_error *error);
 
 /* The batch that is filled goes to the device; of the one that was there pixels are run, which may ask again. Whether one is
@@ -194,7 +203,7 @@ TIDES_MUST_CHECK tides_status td_solve_sample(tides_simulator *s, const td_sampl
 TIDES_MUST_CHECK tides_status td_solve_run(tides_simulator *s, td_solving *pixel, tides_error *error);
 
 /* What the models of pixels [first, first + count) of a unit on a step of h seconds may be off by before anything is looked up:
- * (count) (solve.c). */
+ * (count) (solve_nodes.c). */
 void td_solve_first_trust(const tides_simulator *s, const td_refine_step *refined, double h, int32_t first, int32_t count,
                           td_trust *trust);
 

@@ -17,16 +17,18 @@ typedef struct td_surround_steps {
     double *modes;                /* (pixels) modes of the surround then, mode (j, k) in the place of pixel (k, j) */
 } td_surround_steps;
 
-/* Where the sensor has a surround. A budget would leave some tiles' steps as they are: TIDES_UNSUPPORTED. */
-TIDES_MUST_CHECK tides_status td_surround_steps_create(struct tides_simulator *s, const tides_sensor *sensor,
-                                                       const tides_stepping *stepping, int height, tides_error *error);
+/* Where the sensor has a surround. */
+TIDES_MUST_CHECK tides_status td_surround_steps_create(struct tides_simulator *s, const tides_sensor *sensor, int height,
+                                                       tides_error *error);
 void td_surround_steps_release(td_surround_steps *steps);
 
 /* The run begins at s->now, or goes on from there with `modes`. */
 void td_surround_steps_begin(struct tides_simulator *s);
 void td_surround_steps_resume(struct tides_simulator *s);
 
-/* The comparator over the step of all tiles from s->now, at `start`, to s->next, at `stop`. */
-tides_status td_surround_compare(struct tides_simulator *s, double start, double stop, tides_error *error);
+/* The comparator over the step of all tiles from s->now, at `start`, to s->next, at `stop`; `which` (nullable) are the refined
+ * steps (tiles) that these are. */
+tides_status td_surround_compare(struct tides_simulator *s, double start, double stop, const int32_t *which,
+                                 tides_error *error);
 
 #endif

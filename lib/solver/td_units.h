@@ -62,10 +62,11 @@ static inline const double *td_launch_planes(const td_launch *launch, size_t i) 
 }
 
 /* What becomes of an ask that was rendered, of whose tile `planes` are: td_unpack_tile takes the unit's. */
-typedef void (*td_launch_taker)(struct tides_simulator *s, const td_ask *ask, const double *planes);
+typedef void (*td_launch_taker)(struct tides_simulator *s, const td_ask *ask, const double *planes, void *user);
 
 /* Renders all asks, as many at a time as memory_mb has room for (s->refine.batch), and has each taken. */
-tides_status td_launch_take_all(struct tides_simulator *s, int side, int outputs, td_launch_taker take, tides_error *error);
+tides_status td_launch_take_all(struct tides_simulator *s, int side, int outputs, td_launch_taker take, void *user,
+                                tides_error *error);
 
 void td_launch_release(td_launch *launch);
 

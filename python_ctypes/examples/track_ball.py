@@ -51,7 +51,7 @@ def make_run(folder):
     run = {
         "scene": {"file": "ball.h5", "background": [0.2, 0.2, 0.2]},
         "camera": {"file": "head.json"},
-        "stepping": {"step_s": STEP_S, "unit": "block", "paths": True, "tolerance": 0.05},
+        "stepping": {"step_s": STEP_S, "unit": "block", "tolerance": 0.05},
         "sensor": {"preset": "davis346"},
     }
     (folder / "run.json").write_text(json.dumps(run))

@@ -120,13 +120,11 @@ TIDES_MODEL_SECANT = 3
 TIDES_STEPPING_FIXED = 0
 TIDES_STEPPING_RISK = 1
 TIDES_STEPPING_ERROR = 2
-TIDES_STEPPING_ERROR_RISK = 3
 TIDES_SLOPE_EXACT = 0
 TIDES_SLOPE_DIFFERENCE = 1
 TIDES_SOLVE_OFF = 0
-TIDES_SOLVE_FLOAT = 1
-TIDES_SOLVE_DOUBLE = 2
-TIDES_SOLVE_AUTO = 3
+TIDES_SOLVE_DOUBLE = 1
+TIDES_SOLVE_AUTO = 2
 TIDES_UNSOLVED_NOT = 0
 TIDES_UNSOLVED_ASKED = 1
 TIDES_UNSOLVED_FIXED = 2
@@ -1554,9 +1552,6 @@ class tides_render_stats(Structure):
     uint64_t gaussians_still; /* at rest before a resting camera: not looked at again when lists were made */
     uint64_t gaussians_moved; /* rows worked out of Gaussians that move by themselves: (Gaussian, time) pairs */
     uint64_t gaussians_interpolated; /* rows that were interpolated instead (tides_stepping.interpolate_motion) */
-    uint64_t path_nodes; /* record paths (tides_stepping.paths): times that Gaussians were projected at, */
-    uint64_t gaussians_at_nodes; /* those projected there, each time counted, */
-    uint64_t gaussians_on_paths; /* and (Gaussian, tile job) pairs taken from them, which gaussians_projected leaves out */
     uint64_t sweeps; /* times that Gaussians were swept for tile candidate lists */
     uint64_t pairs_evaluated; /* (splat, pixel) pairs composited, in blocks of 16 */
     uint64_t lists_kept; /* tile jobs whose splats were in depth order already: not sorted */
@@ -1578,9 +1573,6 @@ class tides_render_stats(Structure):
     gaussians_still: int
     gaussians_moved: int
     gaussians_interpolated: int
-    path_nodes: int
-    gaussians_at_nodes: int
-    gaussians_on_paths: int
     sweeps: int
     pairs_evaluated: int
     lists_kept: int
@@ -1607,9 +1599,6 @@ class tides_render_stats(Structure):
         ("gaussians_still", c_uint64),
         ("gaussians_moved", c_uint64),
         ("gaussians_interpolated", c_uint64),
-        ("path_nodes", c_uint64),
-        ("gaussians_at_nodes", c_uint64),
-        ("gaussians_on_paths", c_uint64),
         ("sweeps", c_uint64),
         ("pairs_evaluated", c_uint64),
         ("lists_kept", c_uint64),
@@ -1652,8 +1641,6 @@ class tides_stepping(Structure):
     double tolerance; /* ERROR: estimated error of S, in units of the smaller threshold. 0: 0.1 where events are
     looked up and steps only have to find them, 0.01 where the model says when they are */
     double time_tolerance_s; /* ERROR: estimated error of event times [s]; 0: not asked for */
-    double budget; /* renders that cuts may cost in the whole run, in full frames; what is over it goes first where
-    the measures are worst. 0: no bound */
     tides_risk risk; /* RISK */
     int32_t slope; /* TIDES_SLOPE_* */
     int32_t interpolate_motion; /* 1: between the start, middle and end of a macro step expensive motion models (networks,
@@ -1661,13 +1648,10 @@ class tides_stepping(Structure):
     both tolerances (0.01 where `tolerance` is 0: looking up sees the same motion). FIXED: has
     no effect, each step is worked out */
     double memory_mb; /* [1e6 bytes] >= 1: what the samples of a macro step and their launches may take: tiles are taken so
-    many at a time. Where tiles share their steps or a budget, a few samples of each moving tile, if
+    many at a time. Where tiles share their steps, a few samples of each moving tile, if
     that is more; looking up single pixels has a room of its own, 512 at most. Changes the order of
     the work, no event */
     int32_t solve; /* TIDES_SOLVE_* */
-    int32_t paths; /* 1: within a macro step splats follow record paths, cubics between the times at which they are projected,
-    Gaussian by Gaussian as many as stay within a hundredth of both tolerances. Images whose colours a
-    decoder makes have none. FIXED: has no effect, each step is projected */
     int32_t unit; /* TIDES_UNIT_* */
     """
 
@@ -1679,13 +1663,11 @@ class tides_stepping(Structure):
     min_step_s: float
     tolerance: float
     time_tolerance_s: float
-    budget: float
     risk: tides_risk
     slope: int
     interpolate_motion: int
     memory_mb: float
     solve: int
-    paths: int
     unit: int
 
     _fields_ = [
@@ -1697,13 +1679,11 @@ class tides_stepping(Structure):
         ("min_step_s", c_double),
         ("tolerance", c_double),
         ("time_tolerance_s", c_double),
-        ("budget", c_double),
         ("risk", tides_risk),
         ("slope", c_int32),
         ("interpolate_motion", c_int32),
         ("memory_mb", c_double),
         ("solve", c_int32),
-        ("paths", c_int32),
         ("unit", c_int32),
     ]
 
@@ -1722,7 +1702,6 @@ class tides_stats(Structure):
     uint64_t events_refractory; /* crossings consumed and noise events lost in refractory periods */
     uint64_t steps; /* (tile or block, step) pairs that went to the comparator */
     uint64_t steps_rejected; /* cut in two: such pairs that were too coarse, or to be looked into */
-    uint64_t steps_over_budget; /* accepted above the tolerance because the budget was used up */
     uint64_t steps_at_minimum; /* accepted above the tolerance because they were as short as min_step_s */
     double worst_delay_s; /* in the readout, jitter aside [s] */
     double worst_error; /* largest estimate among accepted steps [thresholds]; 0 under fixed steps, which estimate none */
@@ -1737,7 +1716,7 @@ class tides_stats(Structure):
     double time_compare_s, time_sink_s, time_other_s; /* wall time of the comparator, the sink, the rest [s] */
     uint64_t peak_memory_bytes; /* of the process */
     /* Of `steps`, those that rest on a probe: an evaluation inside a step that they are a part of, compared with its model in
-    * value and rate. All under error control but where min_step_s or the budget leaves macro steps whole. */
+    * value and rate. All under error control but where min_step_s leaves macro steps whole. */
     uint64_t steps_probed;
     /* Accepted although above the tolerance, because what a probe saw is no more than rounding of S in single precision:
     * shorter steps would see as much. */
@@ -1748,7 +1727,7 @@ class tides_stats(Structure):
     double worst_deviation; /* the largest that a probe saw where a step rests on it [thresholds] */
     uint64_t events_solved; /* of `events`, those whose times were looked up in the image (stepping.solve), and */
     uint64_t points_looked_up; /* pixels at single times that were looked up for them */
-    double time_look_up_s; /* waiting for that in double precision; in single it is part of the renderer's times */
+    double time_look_up_s; /* waiting for that */
     uint64_t solve; /* TIDES_SOLVE_* that the run has: AUTO is OFF or DOUBLE; */
     uint64_t unsolved; /* TIDES_UNSOLVED_*: why it is OFF */
     uint64_t unit; /* TIDES_UNIT_* that the run has: TILE or BLOCK */
@@ -1770,7 +1749,6 @@ class tides_stats(Structure):
     events_refractory: int
     steps: int
     steps_rejected: int
-    steps_over_budget: int
     steps_at_minimum: int
     worst_delay_s: float
     worst_error: float
@@ -1815,7 +1793,6 @@ class tides_stats(Structure):
         ("events_refractory", c_uint64),
         ("steps", c_uint64),
         ("steps_rejected", c_uint64),
-        ("steps_over_budget", c_uint64),
         ("steps_at_minimum", c_uint64),
         ("worst_delay_s", c_double),
         ("worst_error", c_double),
@@ -3392,14 +3369,9 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     ], "file first_ns end_ns start_ns stop_ns rebased error"),
     # void tides_event_writer_abandon(tides_event_writer *writer)
     "tides_event_writer_abandon": (None, [P(tides_event_writer)], "writer"),
-    # tides_status tides_event_writer_append(tides_event_writer *writer, const tides_event *events, size_t count,
-    # tides_error *error)
-    "tides_event_writer_append": (c_int32, [
-        P(tides_event_writer), P(tides_event), c_size_t, P(tides_error)
-    ], "writer events count error"),
-    # tides_status tides_event_writer_append_fired(tides_event_writer *writer, const tides_event *events, const int64_t
+    # tides_status tides_event_writer_append(tides_event_writer *writer, const tides_event *events, const int64_t
     # *fired, size_t count, tides_error *error)
-    "tides_event_writer_append_fired": (c_int32, [
+    "tides_event_writer_append": (c_int32, [
         P(tides_event_writer), P(tides_event), P(c_int64), c_size_t, P(tides_error)
     ], "writer events fired count error"),
     # int32_t tides_event_writer_can_resume(const char *path)
@@ -3412,14 +3384,9 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_event_writer_finish": (c_int32, [P(tides_event_writer), c_int64, P(tides_error)], "writer stop_ns error"),
     # tides_status tides_event_writer_flush(tides_event_writer *writer, tides_error *error)
     "tides_event_writer_flush": (c_int32, [P(tides_event_writer), P(tides_error)], "writer error"),
-    # tides_status tides_event_writer_open(const char *path, const tides_event_file *file, tides_event_writer **writer,
-    # tides_error *error)
-    "tides_event_writer_open": (c_int32, [
-        c_char_p, P(tides_event_file), P(P(tides_event_writer)), P(tides_error)
-    ], "path file writer error"),
-    # tides_status tides_event_writer_open_as(const char *path, const char *format, const tides_event_file *file,
+    # tides_status tides_event_writer_open(const char *path, const char *format, const tides_event_file *file,
     # tides_event_writer **writer, tides_error *error)
-    "tides_event_writer_open_as": (c_int32, [
+    "tides_event_writer_open": (c_int32, [
         c_char_p, c_char_p, P(tides_event_file), P(P(tides_event_writer)), P(tides_error)
     ], "path format file writer error"),
     # tides_status tides_event_writer_resume(const char *path, const tides_event_file *file, uint64_t count,

@@ -203,10 +203,8 @@ class EventWriter(Handle):
         facts = _api.tides_event_file(width, height, encoded(run), encoded(seed), labels, start_ns, stop_ns)
         if resume is not None:
             call("tides_event_writer_resume", path(file), facts, resume, byref(made))
-        elif format is not None:
-            call("tides_event_writer_open_as", path(file), encoded(format), facts, byref(made))
         else:
-            call("tides_event_writer_open", path(file), facts, byref(made))
+            call("tides_event_writer_open", path(file), encoded(format), facts, byref(made))
         super().__init__(made)
         self._stop_ns = 0
 
@@ -223,10 +221,7 @@ class EventWriter(Handle):
 
     def _append(self, records: Any, count: int, fired: Any = None) -> None:
         with self._lock:
-            if fired:
-                call("tides_event_writer_append_fired", self._pointer, records, fired, count)
-            else:
-                call("tides_event_writer_append", self._pointer, records, count)
+            call("tides_event_writer_append", self._pointer, records, fired, count)
 
     def flush(self) -> None:
         """What was appended so far survives the death of the process. HDF5 only."""

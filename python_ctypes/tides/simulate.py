@@ -42,9 +42,9 @@ class Sensor(Value, _api.tides_sensor):
 
 
 class Stepping(Value, _api.tides_stepping):
-    """Step control: mode ("fixed", "risk", "error", "error_risk"), model ("hermite", "quadratic", "linear", "secant"), step_s,
-    min_step_s, tolerance [thresholds; 0: 0.1 where events are looked up, else 0.01], time_tolerance_s, budget [full frames], local,
-    solve ("off", "float", "double", "auto"), unit ("tile", "block", "auto"), paths, memory_mb, risk.w_b ..."""
+    """Step control: mode ("fixed", "risk", "error"), model ("hermite", "quadratic", "linear", "secant"), step_s,
+    min_step_s, tolerance [thresholds; 0: 0.1 where events are looked up, else 0.01], time_tolerance_s, local,
+    solve ("off", "double", "auto"), unit ("tile", "block", "auto"), memory_mb, risk.w_b ..."""
 
     _defaults, _groups = "tides_stepping_defaults", ("stepping.",)
     _words = {

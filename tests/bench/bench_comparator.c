@@ -39,7 +39,7 @@ static void bench_tiles(int32_t model, double rise) {
     td_sensor sensor;
     td_tile tile = {0, 0, WIDTH, PIXELS};
     td_signals signals = {S0, S0_dot, S1, S1_dot};
-    td_event_buffer buffer = {0};
+    td_work work = {.events = {0}};
     td_step step;
     tides_error error;
     tides_sensor_defaults(&ideal);
@@ -55,10 +55,10 @@ static void bench_tiles(int32_t model, double rise) {
     while (spent < 0.3) {
         double lasted = 0;
         for (int repeat = 0; repeat < TILES; repeat++) {
-            buffer.count = 0;
+            work.events.count = 0;
             if (rise > 0.2) td_sensor_begin(&sensor, S0);
             double before = td_now();
-            if (td_sensor_step(&sensor, &step, &tile, 0, &signals, NULL, &buffer, &error) != TIDES_OK) {
+            if (td_sensor_step(&sensor, &step, &tile, 0, &(td_seen){.signals = &signals}, &work, &error) != TIDES_OK) {
                 fprintf(stderr, "%s\n", error.text);
                 exit(1);
             }
@@ -68,14 +68,14 @@ static void bench_tiles(int32_t model, double rise) {
         spent += lasted;
         compared += (size_t)TILES * PIXELS;
     }
-    const td_sensor_counts counts = sensor.counts;
+    const td_sensor_counts counts = work.counts;
     spent = least / TILES / PIXELS * (double)compared;
     uint64_t events = counts.events_on + counts.events_off;
     printf("%-9s  rise %5.2f  %6.2f ns/pixel  solved %5.1f %%", MODELS[model], rise, 1e9 * spent / (double)compared,
            100.0 * (double)counts.solved / (double)compared);
     if (events) printf("  %6.1f ns/event  %4.1f events/pixel", 1e9 * spent / (double)events, (double)events / (double)compared);
     printf("\n");
-    td_event_buffer_release(&buffer);
+    td_work_release(&work);
     td_sensor_release(&sensor);
 }
 

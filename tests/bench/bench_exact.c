@@ -1,5 +1,4 @@
-/* Projection at three nodes of record paths, in the backend's precision and in double: milliseconds of a launch, on the clock
- * and of all threads together.
+/* Projection at three nodes of record paths, in double: milliseconds of a launch, on the clock and of all threads together.
  *   usage: bench_exact [GAUSSIANS [SH_DEGREE [JOB_SIZE]]] */
 #include <stdarg.h>
 #include <stddef.h>
@@ -50,18 +49,17 @@ static double processor(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* The fastest of some turns: exact NULL for the backend's own. */
-static tides_status measure(const char *name, td_backend *backend, td_exact *exact, const td_node_request *request,
-                            tides_error *error) {
+/* The fastest of some turns. */
+static tides_status measure(td_backend *backend, td_exact *exact, const td_node_request *request, tides_error *error) {
     double least = 1e9, work = 1e9;
     tides_status status = TIDES_OK;
     for (int turn = 0; turn < TURNS && status == TIDES_OK; turn++) {
         double begun = td_now(), before = processor();
-        status = exact ? td_exact_nodes(exact, backend, request, error) : backend->type->nodes(backend, request, error);
+        status = td_exact_nodes(exact, backend, request, error);
         if (td_now() - begun < least) least = td_now() - begun;
         if (processor() - before < work) work = processor() - before;
     }
-    printf("%-8s %8.1f %10.1f\n", name, 1e3 * least, 1e3 * work);
+    printf("%8.1f %10.1f\n", 1e3 * least, 1e3 * work);
     return status;
 }
 
@@ -74,12 +72,10 @@ static tides_status run(tides_device *device, const random_scene *scene, int job
     asked a = ask(store.count, job_size);
     const td_node_request request = {views, NODES, a.jobs, a.job_count, a.gaussians, a.rows, a.count, a.count};
     tides_status status = td_backend_create_opencl(device, &store, &image, &backend, error);
-    if (status == TIDES_OK) status = backend->type->prepare_paths(backend, error);
     if (status == TIDES_OK) status = td_exact_create(device, &store, &image, &exact, error);
-    printf("%d Gaussians of SH degree %d, %d nodes, jobs of %d\n%-8s %8s %10s\n", store.count, scene->recipe.sh_degree, NODES,
-           job_size, "", "ms", "cpu ms");
-    if (status == TIDES_OK) status = measure("float", backend, NULL, &request, error);
-    if (status == TIDES_OK) status = measure("double", backend, exact, &request, error);
+    printf("%d Gaussians of SH degree %d, %d nodes, jobs of %d\n%8s %10s\n", store.count, scene->recipe.sh_degree, NODES,
+           job_size, "ms", "cpu ms");
+    if (status == TIDES_OK) status = measure(backend, exact, &request, error);
     td_exact_destroy(exact);
     if (backend) backend->type->destroy(backend);
     free(views);

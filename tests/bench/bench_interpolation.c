@@ -1,8 +1,8 @@
-/* What interpolating is worth where a deformation network moves a scene, and what it costs: its rows
- * (scene.interpolate_motion), or what splats do on the screen (stepping.paths). Then what looking events up adds.
+/* What interpolating rows is worth where a deformation network moves a scene, and what it costs (scene.interpolate_motion).
+ * Then what looking events up adds.
  *   bench_interpolation [DEVICE] [GAUSSIANS] [STEP_S] [TIME_ROWS]
- * 4DGaussians with the sizes of its D-NeRF configuration and random weights, 2 s long, 0.1 s of it simulated without, with the
- * one and with the other; then by default, where events are looked up, and by default with paths; in turns; best of the rounds.
+ * 4DGaussians with the sizes of its D-NeRF configuration and random weights, 2 s long, 0.1 s of it simulated without and with;
+ * then by default, where events are looked up; in turns; best of the rounds.
  * Then how far their streams of events are from those without. Its planes have TIME_ROWS rows of random numbers: 75 as in that
  * configuration, whose training makes them smooth, with fewer the network has as few kinks. Last, for comparison, a model that
  * isn't interpolated because its rows are cheap: a polynomial's. */
@@ -19,8 +19,8 @@
 #include <string.h>
 #include <time.h>
 
-enum { ROUNDS = 3, WAYS = 5, SOLVED = 3 };
-static const char *const ways[WAYS] = {"without", "rows", "paths", "default", "default, paths"};
+enum { ROUNDS = 3, WAYS = 3, SOLVED = 2 };
+static const char *const ways[WAYS] = {"without", "rows", "default"};
 static const double START = 0.5, STOP = 0.6, DURATION = 2;
 
 static void stop_on(tides_status status, const tides_error *error) {
@@ -70,7 +70,6 @@ static stream simulate(tides_device *device, const tides_scene *scene, double st
         tides_stepping_defaults(&stepping);
     stepping.step_s = step_s;
     stepping.interpolate_motion = way == 1;
-    stepping.paths = way == 2 || way == SOLVED + 1;
     stop_on(tides_trajectory_create_static(position, quaternion, &camera, &error), &error);
     stop_on(tides_simulator_create(device, scene, camera, &intrinsics, &params, &sensor, &stepping, START, STOP, NULL, NULL,
                                    &simulator, &error),
@@ -136,11 +135,10 @@ static void compare(const char *name, tides_device *device, const tides_scene *s
     for (int on = 0; on < WAYS; on++) {
         const tides_stats *stats = &kept[on].stats;
         printf("%-14s run %7.2f s, processor %7.2f s, motion %7.2f s, projection %7.2f s; rows %8.0f k worked out, %8.0f k "
-               "interpolated; %8.0f k projected, %8.0f k at nodes, %8.0f k on paths; %.1f renders\n",
+               "interpolated; %8.0f k projected; %.1f renders\n",
                ways[on], run[on], processor[on], motion[on], stats->render.time_project_s,
                1e-3 * (double)stats->render.gaussians_moved, 1e-3 * (double)stats->render.gaussians_interpolated,
-               1e-3 * (double)stats->render.gaussians_projected, 1e-3 * (double)stats->render.gaussians_at_nodes,
-               1e-3 * (double)stats->render.gaussians_on_paths, stats->renders_full_frame_equivalent);
+               1e-3 * (double)stats->render.gaussians_projected, stats->renders_full_frame_equivalent);
     }
     for (int on = 1; on < WAYS; on++) print_apart(&kept[0], &kept[on]);
     for (int on = 0; on < WAYS; on++) free(kept[on].events);

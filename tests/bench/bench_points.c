@@ -4,6 +4,7 @@
 #include "render/td_render.h"
 #include "tides.h"
 #include "tests/support/scene_make.h"
+#include "tests/support/tile_points.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -85,7 +86,7 @@ static void compare(const char *file, double stop_change, double start, double l
                                   &error),
             &error);
     stop_on(td_renderer_sweep(renderer, facts.camera, start, start + length, &error), &error);
-    stop_on(td_renderer_points(renderer, facts.camera, points, COMPARED, truth, &error), &error);
+    stop_on(tile_points(renderer, facts.camera, points, COMPARED, truth, &error), &error);
     for (int i = 0; i < COMPARED; i++) {
         off[i] = fabs(values[i].L - truth[i].L);
         late[i] = off[i] / (fabs(truth[i].L_dot) + 1e-9);

@@ -41,7 +41,7 @@ static double run(td_sensor *sensor) {
     const td_tile tile = {0, 0, WIDTH, PIXELS};
     const td_signals signals = {S, rate, S, rate};
     const td_coverage cover = {coverage, coverage};
-    td_event_buffer buffer = {0};
+    td_work work = {.events = {0}};
     tides_error error = {TIDES_OK, ""};
     td_sensor_begin(sensor, S);
     double begun = td_now();
@@ -49,14 +49,15 @@ static double run(td_sensor *sensor) {
         td_step step;
         tides_status status = td_step_between(k * 1e-3, (k + 1) * 1e-3, &step, &error);
         step.stop_ns--;
-        if (status == TIDES_OK) status = td_sensor_step(sensor, &step, &tile, 0, &signals, &cover, &buffer, &error);
+        if (status == TIDES_OK)
+            status = td_sensor_step(sensor, &step, &tile, 0, &(td_seen){.signals = &signals, .coverage = cover}, &work, &error);
         if (status != TIDES_OK) {
             fprintf(stderr, "%s\n", error.text);
             exit(1);
         }
-        buffer.count = 0;
+        work.events.count = 0;
     }
-    free(buffer.events);
+    free(work.events.events);
     return 1e9 * (td_now() - begun) / ((double)STEPS * PIXELS);
 }
 

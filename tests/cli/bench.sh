@@ -1,13 +1,13 @@
 # A benchmark leaves tables that agree with each other and pictures, refuses nonsense, and stops when asked to.
 refuse 2 "no benchmark is called acuracy; did you mean accuracy\?" tides bench acuracy
-refuse 2 "no benchmark is called speed; there are accuracy, ablation, blocks, determinism, image, live, scaling, stability, throughput and all" \
+refuse 2 "no benchmark is called speed; there are accuracy, ablation, blocks, determinism, live, stability and all" \
     tides bench speed
 refuse 2 "--row needle-1e6: there is no such row; did you mean needles-1e6\?" tides bench stability --row needle-1e6
-refuse 2 "--row: only determinism, scaling and stability have rows" tides bench image --row needles-1e6
-refuse 2 "--row pixel: there is no such row; did you mean pixels\?" tides bench scaling --row pixel
+refuse 2 "--row: blocks has no rows; --scene chooses a scene" tides bench blocks --row needles-1e6
+refuse 2 "no benchmark is called throughput" tides bench throughput
 refuse 2 "all takes neither --scene nor --row" tides bench all --scene fan
 refuse 2 "--scene: stability has rows" tides bench stability --scene fan
-refuse 2 "--row togther: there is no such row; did you mean together\?" tides bench determinism --row togther
+refuse 2 "--row sovled: there is no such row; did you mean solved\?" tides bench determinism --row sovled
 refuse 2 "too few arguments" tides bench
 refuse 2 "--scene ocluder: neither a scene nor a file; did you mean occluder\?" tides bench accuracy --scene ocluder
 touch taken
@@ -51,7 +51,7 @@ assert len(letters) > 100 and all(0 < x < width - 6 and 0 < y < height for x, y 
 PY
 # As many results in both tables; every method is there, on its image.
 [ "$(grep -c '"method":' made/accuracy.json)" = $(($(wc -l <made/accuracy.csv) - 1)) ] || fail "JSON and CSV differ in length"
-for method in esim quadratic hermite error solved_float blocks paths error_time error_global risk error_risk; do
+for method in esim quadratic hermite error solved blocks error_time error_global risk; do
     grep -q "^handheld,$method,.*,smooth," made/accuracy.csv || fail "no $method"
 done
 grep -q "^handheld,esim_inria,.*,inria," made/accuracy.csv || fail "no esim on the inria image"
@@ -63,8 +63,8 @@ less "$(column dt_p95_us esim 32000)" "$(column dt_p95_us esim 2000)" "p95 of 32
 less "$(column dt_p95_us hermite 2000)" "$(column dt_p95_us esim 2000)" "p95 of the cubic against the secant"
 less "$(column dt_p95_us error 0.003)" "$(column dt_p95_us error 0.1)" "p95 of tolerance 0.003 against 0.1"
 less "$(column worst_residual error 0.003)" 1 "the residual"
-less "$(column dt_p95_us solved_float 0.1)" "$(column dt_p95_us error 0.1)" "p95 of events looked up against the cubic alone"
-less 0 "$(column points_looked_up solved_float 0.1)" "points"
+less "$(column dt_p95_us solved 0.1)" "$(column dt_p95_us error 0.1)" "p95 of events looked up against the cubic alone"
+less 0 "$(column points_looked_up solved 0.1)" "points"
 [ "$(column points_looked_up error 0.1)" = 0 ] || fail "the cubic alone looks nothing up"
 
 expect 0 tides bench ablation --quick --json --quiet --scene handheld -o made
@@ -72,7 +72,7 @@ is_json
 [ ! -s err ] || fail "--quiet leaves stderr alone"
 grep -q '"bench":[[:space:]]*"ablation"' out || fail "--json should print the results"
 for file in ablation.json ablation.csv ablation.png; do exists made/$file; done
-for variant in full with_risk no_alpha_dot risk_only risk_only_no_alpha_dot with_masking with_readout global_step solved_float blocks paths one_event fixed_step compute_matched \
+for variant in full risk_only risk_only_no_alpha_dot with_masking with_readout global_step solved blocks one_event fixed_step compute_matched \
     differenced_cubic quadratic differenced_quadratic linear differenced_linear straight_line; do
     grep -q "^handheld,$variant," made/ablation.csv || fail "no $variant"
 done
@@ -83,18 +83,6 @@ less "$(column dt_p95_us compute_matched)" "$(column dt_p95_us differenced_cubic
 # A readout only adds to what the solver is off.
 less "$(column dt_p95_us full)" "$(column dt_p95_us with_readout)" "p95 without and with a readout"
 less "$(column mismatch_percent full)" "$(column mismatch_percent with_readout)" "mismatches without and with a readout that drops"
-
-expect 0 tides bench image --quick --scene handheld -o made
-for image in smooth hard_cutoff hard_order inria; do
-    out "^handheld +$image "
-    grep -q "^handheld,error,.*,$image," made/image.csv || fail "no $image"
-done
-for key in jumps_per_pixel_s jump_sum_per_pixel_s largest_jump psnr_db largest_difference_x frame_time_s; do
-    grep -q "\"$key\":" made/image.json || fail "image.json lacks $key"
-done
-# smooth jumps less than inria.
-jumps() { awk -v image="$1" '/"image":/ { found = index($0, "\"" image "\"") } found && /jump_sum/ { print $2 + 0; exit }' made/image.json; }
-less "$(jumps smooth)" "$(jumps inria)" "jumps of smooth against inria"
 
 expect 0 tides bench blocks --quick -o made
 out "^fan +off +[0-9.e-]+ +[0-9.]+ "
@@ -118,51 +106,11 @@ done
 less "$(cell ns_per_pixel_step mismatch)" "$(cell ns_per_pixel_step circuit)" "what mismatch costs against the circuit"
 less "$(cell pixel_steps_per_s circuit)" "$(cell pixel_steps_per_s off)" "the throughput with the circuit against that without"
 
-# Stages add up to frames; the limit makes inria's image, or says why there is none.
-expect 0 tides bench throughput --quick -o made
-for maker in inria gsplat smooth "smooth Y"; do out "^random +96x72 +$maker +composite +[0-9.]+ +[0-9.]+% "; done
-out "frame under smooth over inria +random 96x72 +[0-9.]+ at most 1.5 times"
-for part in look_up composite compare; do out "^demo +96x72 +run +$part +[0-9.]+ +[0-9.]+% "; done
-for sink in nothing HDF5; do out "comparator to sink +$sink +[0-9.]+ at least [0-9]+ million events/s"; done
-out "^random +96x72 +RAW +sink +[0-9.]+ "
-missing made/throughput_events.raw
-out "^targets: [0-9]+ of [0-9]+ measured are reached"
-for file in throughput.json throughput.csv throughput.png; do exists made/$file; done
-[ "$(grep -c '"stage":' made/throughput.json)" = $(($(wc -l <made/throughput.csv) - 1)) ] || fail "JSON and CSV differ in length"
-for key in maker share calls items_per_s pairs_per_s bytes_per_s limit_s over_limit over_inria over_without_rates target reached; do
-    grep -q "\"$key\":" made/throughput.json || fail "throughput.json lacks $key"
-done
-awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
-    { of = $at["scene"] "," $at["maker"] } $at["stage"] == "processor" { next }
-    $at["stage"] == "frame" || $at["stage"] == "compare to sink" { whole[of] = $at["share"]; next } { parts[of] += $at["share"] }
-    END { for (of in whole) if (parts[of] < 0.5 || parts[of] > 1.5) { print of, parts[of]; exit 1 } }' made/throughput.csv ||
-    fail "stages don't add up to their frames"
-if grep -q "no limit:" err; then
-    grep -q "^random,.*,limit," made/throughput.csv && fail "there is no limit, and it has rows"
-else
-    grep -q "^random,96,72,2000,inria,composite,.*,[0-9.e-]*,[0-9.]*," made/throughput.csv || fail "no limit of composite"
-    out "^random +96x72 +limit +lists "
-fi
-refuse 2 "--scene guiter: neither a scene nor a file; did you mean guitar\?" tides bench throughput --scene guiter
-
-# Points cost more where there is more to do; the page has what is in the folder, pictures too.
-expect 0 tides bench scaling --quick --row pixels --row layers --row coplanar --row "moving share" --row start -o made --pictures pdf
-head -c 5 made/scaling.pdf | grep -q %PDF- || fail "scaling.pdf is no PDF"
-out "exponent of cost +pixels +[0-9.e-]+ at most 1.05"
-out "renders of a dense plane, over a quarter of it +12 and 3 splats a pixel +[0-9.]+ at most 1.5"
-out "start to the first event, kernels cached +2 000 Gaussians +[0-9.]+ at most 0.3 s"
-for file in scaling.json scaling.csv scaling.png index.html; do exists made/$file; done
-for key in axis x unit exponent exponent_at_end processor_time_s host_time_s peak_memory_mb target reached; do
-    grep -q "\"$key\":" made/scaling.json || fail "scaling.json lacks $key"
-done
-point() { awk -F, -v axis="$1" -v x="$2" 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } $1 == axis && $2 == x { print $at["pairs_evaluated"] }' made/scaling.csv; }
-less "$(point pixels 4800)" "$(point pixels 19200)" "pairs of few pixels against many"
-less "$(point layers 1)" "$(point layers 4)" "pairs of one layer against four"
-grep -q "^in view," made/scaling.csv && fail "it wasn't asked for"
-for name in accuracy throughput scaling; do grep -q "<h2 id=\"$name\">" made/index.html || fail "the page lacks $name"; done
+# The page has what is in the folder, pictures too.
+for name in accuracy ablation blocks; do grep -q "<h2 id=\"$name\">" made/index.html || fail "the page lacks $name"; done
 grep -q 'src="data:image/png;base64,iVBORw0KGgo' made/index.html || fail "the page has no picture"
 grep -Eq '(src|href)="?(http|/|[a-z]+\.png)' made/index.html && fail "the page needs other files"
-${PYTHON:-python3} - made/index.html made/scaling.png <<'END' || fail "the page's picture isn't the file's"
+${PYTHON:-python3} - made/index.html made/blocks.png <<'END' || fail "the page's picture isn't the file's"
 import base64, re, sys
 page = open(sys.argv[1]).read()
 pictures = [base64.b64decode(p, validate=True) for p in re.findall(r'base64,([^"]*)"', page)]
@@ -191,10 +139,10 @@ err "1 rows fail; made/stability.json says why"
 grep -q "^gaussians-1e6,.*,FAIL,died of signal" made/stability.csv || fail "a row that fails should say so"
 
 # One hash for each run, whatever the way; and it is that of the events of `tides simulate`.
-expect 0 tides bench determinism --quick --row together -o made
-grep -Eqx '[0-9a-f]{64}  together' out || fail "one hash for the run"
-[ "$(grep -c "^together,.*,same," made/determinism.csv)" = 6 ] || fail "six ways, all the same"
-grep -q "^together,killed,.*,same,.*,[1-9],[0-9.]*$" made/determinism.csv || fail "nothing was killed"
+expect 0 tides bench determinism --quick --row solved -o made
+grep -Eqx '[0-9a-f]{64}  solved' out || fail "one hash for the run"
+[ "$(grep -c "^solved,.*,same," made/determinism.csv)" = 6 ] || fail "six ways, all the same"
+grep -q "^solved,killed,.*,same,.*,[1-9],[0-9.]*$" made/determinism.csv || fail "nothing was killed"
 ls made | grep -Eq '\.cut|checkpoint|part$' && fail "files of the ways are left"
 if "${PYTHON:-/usr/bin/python3}" -c 'import h5py' 2>/dev/null; then
     settings=$(sed -n 's/^.*"settings":[[:space:]]*"\(.*\)",*$/\1/p' made/determinism.json | sed 's/[^ ][^ ]*/--set &/g')
@@ -227,7 +175,6 @@ missing stopped/accuracy.json
 # Live runs are told a pose every millisecond; every step has its latency.
 expect 0 tides bench live --quick -o made
 out "demo +tiles +10 "
-out "demo +together +10 "
 for key in median_ms p99_ms worst_ms first_ms events_per_step; do
     grep -q "\"$key\":[[:space:]]*[0-9.]*[1-9]" made/live.json || fail "live.json lacks $key"
 done

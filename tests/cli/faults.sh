@@ -139,12 +139,12 @@ memory() {
     [ "$who" != ours ] || [ "$crashes" = 0 ] || fail "HDF5 crashed where ours got no memory"
 }
 memory ours 40 "a run"
-memory ours 30 "events looked up" --set stepping.solve=double --set stepping.unit=block --set stepping.paths=true --set time.stop=0.01
+memory ours 30 "events looked up" --set stepping.solve=double --set stepping.unit=block --set time.stop=0.01
 unset TIDES_DEVICE
 tides devices --json >devices.json 2>err
 grep -q '"kind":[[:space:]]*"cpu"' devices.json &&
     memory ours 20 "events looked up on the processor" --device cpu --set stepping.solve=double --set stepping.unit=block \
-        --set stepping.paths=true --set time.stop=0.01
+        --set time.stop=0.01
 export TIDES_DEVICE=reference
 memory others 20 "a run"
 memory hdf5 20 "a run"

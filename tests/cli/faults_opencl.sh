@@ -53,5 +53,4 @@ sweep() {
 }
 
 sweep 10 tides simulate run.json -qo e.h5 --device cpu --set time.stop=0.01
-sweep 16 tides simulate run.json -qo e.h5 --device cpu --set time.stop=0.01 --set stepping.solve=double --set stepping.unit=block \
-    --set stepping.paths=true
+sweep 16 tides simulate run.json -qo e.h5 --device cpu --set time.stop=0.01 --set stepping.solve=double --set stepping.unit=block

@@ -87,7 +87,7 @@ missing a.h5; missing b.h5
 # "-" is no file.
 for command in "simulate run.json -o -" "simulate run.json -o a.h5 --stats -" "simulate run.json -o a.h5 --preview -" "init -o -" \
     "camera orbit --from 1,0,0 -o -" "convert e.h5 -" "cut e.h5 - --start 0" "frames run.json -o -" "dataset run.json -o - --layout tum" \
-    "compare run.json -o -" "demo -o -" "export e.h5 -o -" "tracks run.json -o -" "imu run.json -o -" "scene disc -o -" "bench image -o -" "batch batch.json -o -"; do
+    "compare run.json -o -" "demo -o -" "export e.h5 -o -" "tracks run.json -o -" "imu run.json -o -" "scene disc -o -" "bench blocks -o -" "batch batch.json -o -"; do
     refuse 1 "standard output isn't" tides $command
     missing ./-
 done

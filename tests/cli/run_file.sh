@@ -6,7 +6,12 @@ run "camera.width = 0 is out of range; it must lie in \[1, 16384\] px" --set cam
 run "image.log_eps = \"nan\" is not a number" --set image.log_eps=nan
 run "sensor.threshold_on = -1 is out of range" --set sensor.threshold_on=-1
 run "time.stop = 0 s is not after time.start = 0 s" --set time.stop=0
-run "stepping.mode = \"riks\" is none of fixed, risk, error, error_risk" --set stepping.mode=riks
+run "stepping.mode = \"riks\" is none of fixed, risk, error; did you mean risk\?" --set stepping.mode=riks
+# What was, and is no more, says what does its work.
+run "--set: stepping.mode = \"error_risk\" is gone: \"error\" finds" --set stepping.mode=error_risk
+run "--set: stepping.paths is gone: tiles are projected" --set stepping.paths=true
+run "--set: stepping.budget is gone: a looser stepping.tolerance" --set stepping.budget=3
+run "--set: stepping.solve = \"float\" is gone: \"double\" is" --set stepping.solve=float
 run "error control estimates the error of the hermite model only" --set stepping.model=linear
 run "method = \"eism\" is none of tides, esim" --set method=eism
 run "seed = \"x\" is not a 64-bit number" --seed x

@@ -43,9 +43,9 @@ static int put(const char *path, const char *format, const tides_event_file *fac
     tides_event_writer *writer = NULL;
     tides_error error = {TIDES_OK, ""};
     const size_t half = l->count / 2;
-    tides_status status = tides_event_writer_open_as(path, format, facts, &writer, &error);
-    if (status == TIDES_OK) status = tides_event_writer_append(writer, l->events, half, &error);
-    if (status == TIDES_OK) status = tides_event_writer_append(writer, l->events + half, l->count - half, &error);
+    tides_status status = tides_event_writer_open(path, format, facts, &writer, &error);
+    if (status == TIDES_OK) status = tides_event_writer_append(writer, l->events, NULL, half, &error);
+    if (status == TIDES_OK) status = tides_event_writer_append(writer, l->events + half, NULL, l->count - half, &error);
     if (status == TIDES_OK) {
         status = tides_event_writer_finish(writer, l->count ? l->events[l->count - 1].t : 0, &error);
         writer = NULL;

@@ -112,7 +112,6 @@ static void choose(world *w, fuzz_bytes *b) {
     w->stepping.mode = bits & 2 ? TIDES_STEPPING_FIXED : TIDES_STEPPING_ERROR;
     w->stepping.unit = bits & 4 ? TIDES_UNIT_BLOCK : TIDES_UNIT_TILE;
     w->stepping.solve = bits & 8 && !(bits & 1) ? TIDES_SOLVE_DOUBLE : TIDES_SOLVE_OFF;
-    w->stepping.paths = (bits >> 4) & 1;
     w->stepping.step_s = 2e-3;
     w->stepping.tolerance = tolerances[more >> 2 & 3];
     w->stepping.interpolate_motion = (int32_t)(more >> 1) & 1;

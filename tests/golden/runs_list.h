@@ -29,7 +29,6 @@ static const char common[] = "time.start=0.42 time.stop=0.455 scene.background=[
 #define FIXED "stepping.mode=fixed "
 #define RISK "stepping.mode=risk stepping.solve=off "
 #define ERROR "stepping.mode=error stepping.solve=off "
-#define BOTH "stepping.mode=error_risk stepping.solve=off "
 
 /* Every block of the sensor but the circuit, which takes the low-pass's place, at once. */
 #define ALL                                                                                                               \
@@ -63,10 +62,7 @@ static const run_entry runs[] = {
     {"stepping/error long steps", "rigid", F32, ERROR "stepping.step_s=0.02 stepping.memory_mb=1", 0},
     {"stepping/error of time", "rigid", F32, ERROR "stepping.time_tolerance_s=0.00001", 0},
     {"stepping/error tight", "rigid", F64, ERROR "stepping.tolerance=0.001", 0},
-    {"stepping/error budget", "rigid", F32, ERROR "stepping.step_s=0.01 stepping.budget=2", 0},
-    {"stepping/error_risk hermite", "rigid", F32, BOTH, RUN_RESUME},
     {"stepping/error blocks", "rigid", F32, ERROR "stepping.unit=block", RUN_CPU | RUN_RESUME},
-    {"stepping/error_risk blocks", "rigid", F64, BOTH "stepping.unit=block stepping.tolerance=0.002", RUN_RESUME},
     {"stepping/default", "rigid", F32, "", RUN_CPU | RUN_RESUME},
     {"stepping/default double", "rigid", F64, "", RUN_RESUME},
     {"stepping/default risk", "rigid", F32, "stepping.mode=risk", RUN_RESUME},

@@ -232,7 +232,7 @@ static td_event_buffer run_frames(const golden *g, const movie *m, planes *at) {
     td_sensor sensor;
     tides_sensor params;
     td_tile tile = {0, 0, (int32_t)m->width, (int32_t)m->pixels};
-    td_event_buffer buffer = {0};
+    td_work work = {.events = {0}};
     tides_sensor_defaults(&params);
     params.threshold_on = g->on;
     params.threshold_off = g->off;
@@ -245,14 +245,14 @@ static td_event_buffer run_frames(const golden *g, const movie *m, planes *at) {
         td_step step;
         signal_at(m, frame, g->epsilon, at->S[now], at->S_dot[now]);
         assert_int_equal(td_step_between(m->t[frame - 1], m->t[frame], &step, NULL), TIDES_OK);
-        assert_int_equal(td_sensor_step(&sensor, &step, &tile, 0, &signals, NULL, &buffer, NULL), TIDES_OK);
+        assert_int_equal(td_sensor_step(&sensor, &step, &tile, 0, &(td_seen){.signals = &signals}, &work, NULL), TIDES_OK);
         assert_true(td_sensor_worst_residual(&sensor, at->S[now], NULL, 0) < 1.0);
     }
-    if (g->model != TIDES_MODEL_LINEAR) assert_int_equal(sensor.counts.caught_up, 0);
-    assert_int_equal(sensor.counts.truncated, 0);
-    assert_true(sensor.counts.events_on + sensor.counts.events_off == buffer.count);
+    if (g->model != TIDES_MODEL_LINEAR) assert_int_equal(work.counts.caught_up, 0);
+    assert_int_equal(work.counts.truncated, 0);
+    assert_true(work.counts.events_on + work.counts.events_off == work.events.count);
     td_sensor_release(&sensor);
-    return buffer;
+    return work.events;
 }
 
 static stream make_stream(const golden *g, const movie *m) {

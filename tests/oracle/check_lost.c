@@ -39,9 +39,7 @@ static int list_kinds(void) {
     return 0;
 }
 
-static int32_t solve_named(const char *name) {
-    return strcmp(name, "off") == 0 ? TIDES_SOLVE_OFF : strcmp(name, "float") == 0 ? TIDES_SOLVE_FLOAT : TIDES_SOLVE_AUTO;
-}
+static int32_t solve_named(const char *name) { return strcmp(name, "off") == 0 ? TIDES_SOLVE_OFF : TIDES_SOLVE_AUTO; }
 
 /* An option with a value; 0 where there's none of that name. */
 static int read_option(options *o, const char *name, const char *value) {

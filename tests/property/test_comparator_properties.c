@@ -21,7 +21,7 @@ enum { PIXELS = 256 };
 typedef struct rig {
     td_sensor sensor;
     double S0[PIXELS], S0_dot[PIXELS], S1[PIXELS], S1_dot[PIXELS];
-    td_event_buffer buffer;
+    td_work work;
 } rig;
 
 /* -- random input -------------------------------------------------------------------------------------------------------- */
@@ -67,14 +67,14 @@ static rig *new_rig(int32_t model, double on, double off) {
 
 static void free_rig(rig *r) {
     td_sensor_release(&r->sensor);
-    free(r->buffer.events);
+    free(r->work.events.events);
     free(r);
 }
 
 static void reset(rig *r) {
     td_sensor_begin(&r->sensor, r->S0);
-    r->buffer.count = 0;
-    memset(&r->sensor.counts, 0, sizeof r->sensor.counts);
+    r->work.events.count = 0;
+    memset(&r->work.counts, 0, sizeof r->work.counts);
 }
 
 static void advance(rig *r, int32_t count, double start, double stop) {
@@ -83,7 +83,7 @@ static void advance(rig *r, int32_t count, double start, double stop) {
     td_step step;
     tides_error error = {0, ""};
     if (td_step_between(start, stop, &step, &error) != TIDES_OK ||
-        td_sensor_step(&r->sensor, &step, &tile, 0, &signals, NULL, &r->buffer, &error) != TIDES_OK)
+        td_sensor_step(&r->sensor, &step, &tile, 0, &(td_seen){.signals = &signals}, &r->work, &error) != TIDES_OK)
         fail_msg("%s", error.text);
 }
 
@@ -184,14 +184,14 @@ static void events_equal_dense_sampling(void **state) {
         advance(r, 1, 0.0, 1.0);
         power p = hermite_power(r->S0[0], r->S0_dot[0], r->S1[0], r->S1_dot[0]);
         int count = run_oracle(&p, on, off, expected);
-        if ((size_t)count != r->buffer.count) fail_msg("trial %d: %zu events, not %d", trial, r->buffer.count, count);
+        if ((size_t)count != r->work.events.count) fail_msg("trial %d: %zu events, not %d", trial, r->work.events.count, count);
         for (int k = 0; k < count; k++) {
-            double s = 1e-9 * (double)r->buffer.events[k].t;
-            assert_int_equal(r->buffer.events[k].polarity, expected[k].polarity);
+            double s = 1e-9 * (double)r->work.events.events[k].t;
+            assert_int_equal(r->work.events.events[k].polarity, expected[k].polarity);
             assert_true(s <= expected[k].s + 1e-12);
             assert_true(s >= expected[k].s - 1.0 / ORACLE_SAMPLES - 2e-9);
         }
-        assert_int_equal(r->sensor.counts.caught_up + r->sensor.counts.truncated, 0);
+        assert_int_equal(r->work.counts.caught_up + r->work.counts.truncated, 0);
         assert_invariant(r, 1);
         free_rig(r);
     }
@@ -280,11 +280,12 @@ static void cutting_a_step_changes_nothing(void **state) {
             advance(cut, 1, start + a * h, start + b * h);
             assert_invariant(cut, 1);
         }
-        if (whole->buffer.count != cut->buffer.count)
-            fail_msg("trial %d: %zu events in %d pieces, not %zu", trial, cut->buffer.count, pieces, whole->buffer.count);
-        for (size_t k = 0; k < cut->buffer.count; k++) {
-            assert_int_equal(cut->buffer.events[k].polarity, whole->buffer.events[k].polarity);
-            assert_in_range(cut->buffer.events[k].t - whole->buffer.events[k].t + 2, 0, 4);
+        if (whole->work.events.count != cut->work.events.count)
+            fail_msg("trial %d: %zu events in %d pieces, not %zu", trial, cut->work.events.count, pieces,
+                     whole->work.events.count);
+        for (size_t k = 0; k < cut->work.events.count; k++) {
+            assert_int_equal(cut->work.events.events[k].polarity, whole->work.events.events[k].polarity);
+            assert_in_range(cut->work.events.events[k].t - whole->work.events.events[k].t + 2, 0, 4);
         }
         assert_true(cut->sensor.pixels.reference[0] == whole->sensor.pixels.reference[0]);
         free_rig(whole);
@@ -296,8 +297,8 @@ static void cutting_a_step_changes_nothing(void **state) {
 static void assert_orderly(const rig *r, size_t first, int64_t start_ns, int64_t stop_ns) {
     int64_t last[PIXELS];
     for (int i = 0; i < PIXELS; i++) last[i] = start_ns;
-    for (size_t k = first; k < r->buffer.count; k++) {
-        const tides_event *event = &r->buffer.events[k];
+    for (size_t k = first; k < r->work.events.count; k++) {
+        const tides_event *event = &r->work.events.events[k];
         int i = event->y * 16 + event->x;
         assert_true(event->t >= last[i]);
         assert_true(event->t <= stop_ns);
@@ -322,7 +323,7 @@ static void the_invariant_holds_after_every_step(void **state) {
                 r->S0_dot[i] = any_size(1e3);
                 r->S1_dot[i] = any_size(1e3);
             }
-            size_t first = r->buffer.count;
+            size_t first = r->work.events.count;
             advance(r, PIXELS, k * 1e-3, (k + 1) * 1e-3);
             assert_invariant(r, PIXELS);
             assert_orderly(r, first, k * 1000000LL, (k + 1) * 1000000LL);
@@ -332,10 +333,10 @@ static void the_invariant_holds_after_every_step(void **state) {
             on += r->sensor.pixels.count_on[i];
             off += r->sensor.pixels.count_off[i];
         }
-        assert_true(on == r->sensor.counts.events_on);
-        assert_true(off == r->sensor.counts.events_off);
-        assert_true(on + off == r->buffer.count);
-        assert_true(r->sensor.counts.truncated > 0);
+        assert_true(on == r->work.counts.events_on);
+        assert_true(off == r->work.counts.events_off);
+        assert_true(on + off == r->work.events.count);
+        assert_true(r->work.counts.truncated > 0);
         free_rig(r);
     }
 }
@@ -375,18 +376,19 @@ static void rejection_changes_nothing(void **state) {
         reset(slow);
         advance(fast, PIXELS, 0.0, 1.0);
         advance(slow, PIXELS, 0.0, 1.0);
-        assert_int_equal(fast->buffer.count, slow->buffer.count);
-        if (fast->buffer.count)
-            assert_memory_equal(fast->buffer.events, slow->buffer.events, fast->buffer.count * sizeof *fast->buffer.events);
+        assert_int_equal(fast->work.events.count, slow->work.events.count);
+        if (fast->work.events.count)
+            assert_memory_equal(fast->work.events.events, slow->work.events.events,
+                                fast->work.events.count * sizeof *fast->work.events.events);
         assert_memory_equal(fast->sensor.pixels.reference, slow->sensor.pixels.reference,
                             PIXELS * sizeof *fast->sensor.pixels.reference);
         assert_memory_equal(fast->sensor.pixels.count_on, slow->sensor.pixels.count_on,
                             PIXELS * sizeof *fast->sensor.pixels.count_on);
         assert_memory_equal(fast->sensor.pixels.count_off, slow->sensor.pixels.count_off,
                             PIXELS * sizeof *fast->sensor.pixels.count_off);
-        assert_int_equal(fast->sensor.counts.nonfinite, slow->sensor.counts.nonfinite);
-        assert_int_equal(slow->sensor.counts.solved, PIXELS);
-        assert_true(fast->sensor.counts.solved < PIXELS);
+        assert_int_equal(fast->work.counts.nonfinite, slow->work.counts.nonfinite);
+        assert_int_equal(slow->work.counts.solved, PIXELS);
+        assert_true(fast->work.counts.solved < PIXELS);
         free_rig(fast);
         free_rig(slow);
     }
@@ -408,7 +410,7 @@ static void references_do_not_drift(void **state) {
         assert_true(r->sensor.pixels.reference[0] == 0.3 + (double)net * 0.1);
         if (k % 2) assert_in_range(net + 1, 0, 2); /* hysteresis: within one threshold of the level */
     }
-    assert_true(r->buffer.count > 100000);
+    assert_true(r->work.events.count > 100000);
     free_rig(r);
 }
 
@@ -431,7 +433,7 @@ static void advance_singly(rig *r, const td_step *step) {
         td_changes changes;
         const td_sensor_single single =
             {.step = step, .pixel = (size_t)i, .x = i % 16, .y = i / 16, .ends = &ends, .changes = &changes};
-        assert_int_equal(td_sensor_advance(&r->sensor, &single, &r->buffer, NULL), TIDES_OK);
+        assert_int_equal(td_sensor_advance(&r->sensor, &single, &r->work, NULL), TIDES_OK);
     }
 }
 
@@ -458,17 +460,19 @@ static void tiles_do_what_their_pixels_do(void **state) {
                 double *const to[4] = {apart->S0, apart->S0_dot, apart->S1, apart->S1_dot};
                 memcpy(to[c], from[c], sizeof apart->S0);
             }
-            assert_int_equal(td_sensor_step(&together->sensor, &step, &tile, 0, &signals, NULL, &together->buffer, NULL),
+            assert_int_equal(td_sensor_step(&together->sensor, &step, &tile, 0, &(td_seen){.signals = &signals},
+                                            &together->work, NULL),
                              TIDES_OK);
             advance_singly(apart, &step);
         }
-        together->sensor.counts.solved = apart->sensor.counts.solved; /* singly, no pixel is passed over */
-        assert_int_equal(together->buffer.count, apart->buffer.count);
-        assert_memory_equal(together->buffer.events, apart->buffer.events, apart->buffer.count * sizeof(tides_event));
-        assert_memory_equal(&together->sensor.counts, &apart->sensor.counts, sizeof apart->sensor.counts);
+        together->work.counts.solved = apart->work.counts.solved; /* singly, no pixel is passed over */
+        assert_int_equal(together->work.events.count, apart->work.events.count);
+        assert_memory_equal(together->work.events.events, apart->work.events.events,
+                            apart->work.events.count * sizeof(tides_event));
+        assert_memory_equal(&together->work.counts, &apart->work.counts, sizeof apart->work.counts);
         assert_memory_equal(together->sensor.pixels.reference, apart->sensor.pixels.reference, PIXELS * sizeof(double));
         assert_memory_equal(together->sensor.pixels.count_on, apart->sensor.pixels.count_on, PIXELS * sizeof(uint32_t));
-        events += apart->buffer.count;
+        events += apart->work.events.count;
         free_rig(together);
         free_rig(apart);
     }

@@ -121,7 +121,7 @@ static outcome run_cut(const job *j, tides_device *device, int cuts, const char 
     assert_non_null(o.signal);
     tides_simulator_state(s, o.signal, NULL, NULL, NULL);
     tides_simulator_stats(s, &o.stats);
-    assert_true(s->step == s->steps); /* it ran to its end */
+    assert_true(s->step == s->grid.steps); /* it ran to its end */
     if (o.stats.simulated_s != j->stop - j->start) fail_msg("%.17g s of %.17g", o.stats.simulated_s, j->stop - j->start);
     tides_simulator_destroy(s);
     return o;
@@ -148,7 +148,7 @@ static size_t pixels_in(const world *w) {
 static triple random_triple(uint64_t *seed, int dyadic) {
     static const double starts[] = {0.3, 1e6, 1.305031102e9, 1.4e9, 2e9}, steps[] = {1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1};
     static const double slivers[] = {0, 0, 1e-12, 1e-7, 1e-4, 9e-4, 1e-2, -1e-7, -1e-3};
-    static const int modes[] = {TIDES_STEPPING_FIXED, TIDES_STEPPING_FIXED, TIDES_STEPPING_ERROR, TIDES_STEPPING_ERROR_RISK};
+    static const int modes[] = {TIDES_STEPPING_FIXED, TIDES_STEPPING_FIXED, TIDES_STEPPING_ERROR, TIDES_STEPPING_ERROR};
     triple t;
     t.step_s = steps[scene_next(seed) % 6] * (scene_next(seed) % 2 ? 1 : 0.5 + scene_between(seed, 0, 1));
     double count = scene_next(seed) % 2 ? (double)(1 + scene_next(seed) % 9) : 0.3 + 9 * scene_between(seed, 0, 1);

@@ -30,7 +30,7 @@ static int note(void *user, const tides_event *events, size_t count) {
     growth *g = user;
     tides_error error;
     if (count == 0) return 0;
-    scene_expect_ok(tides_event_writer_append(g->writer, events, count, &error), &error);
+    scene_expect_ok(tides_event_writer_append(g->writer, events, NULL, count, &error), &error);
     const struct mallinfo2 heap = mallinfo2();
     const size_t used = heap.uordblks + heap.hblkhd;
     const int quarter = (int)(4 * ((double)events[0].t - g->start) / (g->stop - g->start));
@@ -72,7 +72,7 @@ static void check(const char *spec, int32_t mode, const char *file) {
     j.stepping.step_s = 0.004;
     const tides_event_file facts = {.width = SIDE, .height = SIDE};
     growth g = {.stop = 2e9};
-    scene_expect_ok(tides_event_writer_open(file, &facts, &g.writer, &error), &error);
+    scene_expect_ok(tides_event_writer_open(file, NULL, &facts, &g.writer, &error), &error);
     tides_simulator *s = make_simulator(&j, device);
     scene_expect_ok(tides_simulator_run(s, j.stop, note, &g, NULL, NULL, &error), &error);
     print_message("%s, mode %d: %.2f million events, %zu kB in use at most in the run's quarters, %zu, %zu, %zu\n", spec,

@@ -77,8 +77,8 @@ static void write_events(const char *path, size_t count, int32_t labels) {
     tides_error error;
     assert_non_null(events);
     random_stream(events, count, 64, 48, 50000000, 1, &state);
-    scene_expect_ok(tides_event_writer_open(path, &facts, &writer, &error), &error);
-    scene_expect_ok(tides_event_writer_append(writer, events, count, &error), &error);
+    scene_expect_ok(tides_event_writer_open(path, NULL, &facts, &writer, &error), &error);
+    scene_expect_ok(tides_event_writer_append(writer, events, NULL, count, &error), &error);
     scene_expect_ok(tides_event_writer_finish(writer, 50000000, &error), &error);
     free(events);
 }

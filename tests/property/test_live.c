@@ -118,10 +118,9 @@ enum { SETTINGS = 8 };
 static const char *const settings[][SETTINGS] = {
     {"stepping.mode=fixed", "stepping.step_s=0.0005"},
     {"stepping.mode=error"},
-    {"stepping.mode=error_risk", "stepping.local=false"},
-    {"stepping.unit=block", "stepping.paths=true", "stepping.step_s=0.001"},
-    {"stepping.solve=double", "stepping.tolerance=0.1", "stepping.unit=block", "stepping.paths=true"},
-    {"stepping.solve=float", "stepping.tolerance=0.1"},
+    {"stepping.mode=risk", "stepping.local=false"},
+    {"stepping.unit=block", "stepping.solve=off", "stepping.step_s=0.001"},
+    {"stepping.solve=double", "stepping.tolerance=0.1", "stepping.unit=block"},
     {"sensor.leak_rate_hz=5", "sensor.threshold_sigma=0.03", "sensor.refractory_s=0.0005", "frontend.shot_noise_hz=50",
      "frontend.hot_pixel_fraction=0.01", "stepping.solve=double", "sensor.labels=true"},
     {"frontend.photoreceptor_cutoff_hz=300", "frontend.noise_rms=0.02", "frontend.psf_sigma_px=0.7"},

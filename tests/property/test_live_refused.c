@@ -21,11 +21,7 @@ static void what_needs_the_whole_run_is_refused(void **state) {
     tides_session *session = plain(*state, &scene, 0, NULL), *other = NULL;
     tides_live_options options;
     tides_live_options_defaults(&options);
-    const char *const budget[] = {"stepping.budget=10"}, *const frames[] = {"method=esim"},
-                      *const truth[] = {"sensor.truth=true"};
-    scene_expect_ok(tides_session_vary(session, budget, 1, &other, &error), &error);
-    refused_to_open(other, NULL, TIDES_UNSUPPORTED, "stepping.budget|length|set it to 0");
-    tides_session_close(other);
+    const char *const frames[] = {"method=esim"}, *const truth[] = {"sensor.truth=true"};
     scene_expect_ok(tides_session_vary(session, frames, 1, &other, &error), &error);
     refused_to_open(other, NULL, TIDES_UNSUPPORTED, "esim|frames");
     tides_session_close(other);

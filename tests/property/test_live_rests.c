@@ -140,11 +140,11 @@ static void rests_before_any_sensor(void **state) {
     assert_true(presets >= 9);
 }
 
-/* Through a colour filter each channel has a renderer, which keeps the start itself; in single precision and without looks
- * nothing is kept. */
+/* Through a colour filter each channel has a renderer, which keeps the start itself; without looks nothing is
+ * kept. */
 static void rests_however_events_are_looked_up(void **state) {
-    static const char *const ways[] = {"sensor.colour_filter=rggb", "stepping.solve=float", "stepping.solve=off",
-                                       "stepping.mode=fixed", "sensor.leak_rate_hz=2"};
+    static const char *const ways[] = {"sensor.colour_filter=rggb", "stepping.solve=off", "stepping.mode=fixed",
+                                       "sensor.leak_rate_hz=2"};
     for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
         random_scene scene;
         tides_session *session = session_of(*state, &scene, ways[i]);

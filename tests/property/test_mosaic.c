@@ -210,7 +210,6 @@ static void solved_events_are_their_channels(void **state) {
     tides_sensor_defaults(&sensor);
     stepping.solve = TIDES_SOLVE_DOUBLE;
     stepping.unit = TIDES_UNIT_BLOCK;
-    stepping.paths = 1;
     sensor.threshold_on = sensor.threshold_off = 0.08;
     stream filtered = run_through(device, &scene, TIDES_FILTER_BGGR, -1, &stepping, &sensor);
     qsort(filtered.events, filtered.count, sizeof *filtered.events, by_pixel);

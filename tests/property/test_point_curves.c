@@ -9,6 +9,7 @@
 #include "network_scene.h"
 #include "td_device.h"
 #include "td_sort.h"
+#include "tests/support/tile_points.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -57,8 +58,12 @@ static void scatter(const swept *w, td_point *points) {
 static uint64_t values_of(swept *w, int exact, const td_point *points, td_point_value *values) {
     tides_error error;
     const uint64_t before = w->renderer->backend->stats.gaussians_moved;
-    if (exact) scene_expect_ok(td_renderer_exact_points(w->renderer, &error), &error);
-    scene_expect_ok(td_renderer_points(w->renderer, w->scene.base.path, points, POINTS, values, &error), &error);
+    if (exact) {
+        scene_expect_ok(td_renderer_exact_points(w->renderer, &error), &error);
+        scene_expect_ok(td_renderer_points(w->renderer, w->scene.base.path, points, POINTS, values, &error), &error);
+    } else {
+        scene_expect_ok(tile_points(w->renderer, w->scene.base.path, points, POINTS, values, &error), &error);
+    }
     return w->renderer->backend->stats.gaussians_moved - before;
 }
 

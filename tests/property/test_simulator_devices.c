@@ -93,7 +93,6 @@ static void test_devices_agree(void **state) {
         j = adaptive_job_of(&scene, 1);
         compare_devices(&j, "random scene, adaptive", 1000);
         j.stepping.solve = TIDES_SOLVE_DOUBLE;
-        j.stepping.paths = (int32_t)trial % 2;
         j.stepping.unit = trial % 2 ? TIDES_UNIT_BLOCK : TIDES_UNIT_TILE;
         compare_devices(&j, "random scene, solved", 1);
         random_scene_free(&scene);

@@ -68,7 +68,7 @@ static void test_slopes_by_difference(void **state) {
     outcome o = {0};
     tides_error error;
     double before[43 * 37];
-    const double last = s->epoch + td_grid_time(s, s->steps - 1);
+    const double last = s->epoch + td_grid_time(s, s->grid.steps - 1);
     begin(&j, s, &o);
     scene_expect_ok(tides_simulator_run(s, last, collect, &o, NULL, NULL, &error), &error);
     memcpy(before, s->now.plane[TD_PLANE_S], sizeof before);

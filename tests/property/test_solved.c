@@ -94,7 +94,8 @@ static void unseen(tides_sensor *s) { s->b_min = 0.3; }
 /* What is reported is worth something: p95 within so many times of the true one. */
 #define MOST_RATIO 5.0
 
-/* Times are whole nanoseconds: what is true is known to half of one, which is a twentieth of the p95 that are asked for here. */
+/* Times are whole nanoseconds: what is true is known to half of one, which is a twentieth of the p95 that are asked for
+ * here. */
 static const double half_a_ns_us = 5e-4;
 
 static const struct block {
@@ -158,10 +159,7 @@ static void test_any_window_and_cut(void **state) {
         job j = loose_job(&w);
         j.stepping.tolerance = 0.003; /* many samples */
         if (trial >= 2) hold(&j.sensor);
-        if (trial % 2) {
-            j.device = "reference-f32";
-            j.stepping.solve = TIDES_SOLVE_FLOAT;
-        }
+        if (trial % 2) j.device = "reference-f32";
         outcome whole = run(&j), cut = run_cut(&j);
         j.stepping.memory_mb = 1;
         outcome windows = run(&j);
@@ -217,9 +215,9 @@ static void test_any_batches(void **state) {
  * what they are taken to be off by. */
 static double know_all(tides_simulator *s) {
     double worst = 0;
-    for (int t = 0; t < s->tiles; t++) {
-        const td_tile *tile = &s->tile[t];
-        const size_t first = s->first_pixel[t];
+    for (int t = 0; t < s->layout.tiles; t++) {
+        const td_tile *tile = &s->layout.tile[t];
+        const size_t first = s->layout.first_pixel[t];
         double doubt[TD_TILE_PIXELS];
         td_point points[TD_TILE_PIXELS];
         td_point_value values[TD_TILE_PIXELS];

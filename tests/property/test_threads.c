@@ -29,9 +29,8 @@ static job kind_of(const random_scene *scene, int kind) {
     job j = kind == 0 ? job_of(scene) : adaptive_job_of(scene, 1);
     j.stop = j.start + 0.02;
     if (kind == 2) {
-        j.stepping.solve = TIDES_SOLVE_FLOAT;
+        j.stepping.solve = TIDES_SOLVE_DOUBLE;
         j.stepping.unit = TIDES_UNIT_BLOCK;
-        j.stepping.paths = 1;
     }
     return j;
 }

@@ -28,7 +28,7 @@ typedef struct rig {
     int tiles;
     size_t pixels;
     double *plane[RIG_PLANES]; /* S, S_dot, coverage, now and next */
-    td_event_buffer buffer;
+    td_work work;
     double start, now;
     rig_signal signal;
     rig_coverage coverage;
@@ -71,7 +71,7 @@ static inline void rig_free(rig *r) {
     td_sensor_release(&r->sensor);
     for (int p = 0; p < RIG_PLANES; p++) free(r->plane[p]);
     free(r->tile);
-    free(r->buffer.events);
+    free(r->work.events.events);
     free(r);
 }
 
@@ -103,7 +103,8 @@ static inline void rig_step(rig *r, double stop) {
         size_t at = (size_t)t * RIG_PIXELS;
         td_signals signals = {r->plane[0] + at, r->plane[1] + at, r->plane[3] + at, r->plane[4] + at};
         td_coverage coverage = {r->plane[2] + at, r->plane[5] + at};
-        if (td_sensor_step(&r->sensor, &step, &r->tile[t], at, &signals, &coverage, &r->buffer, &error) != TIDES_OK)
+        if (td_sensor_step(&r->sensor, &step, &r->tile[t], at, &(td_seen){.signals = &signals, .coverage = coverage}, &r->work,
+                           &error) != TIDES_OK)
             fail_msg("%s", error.text);
     }
     for (int p = 0; p < 3; p++) {
@@ -124,8 +125,8 @@ static inline void rig_run(rig *r, double stop, int steps) {
 /* Events of one pixel, in order. */
 static inline size_t rig_events(const rig *r, int x, int y, tides_event *events, size_t room) {
     size_t count = 0;
-    for (size_t k = 0; k < r->buffer.count; k++) {
-        const tides_event *e = &r->buffer.events[k];
+    for (size_t k = 0; k < r->work.events.count; k++) {
+        const tides_event *e = &r->work.events.events[k];
         if (e->x == x && e->y == y && count < room) events[count++] = *e;
     }
     return count;

@@ -27,8 +27,8 @@ static int write_events(const char *path) {
     const tides_event events[] = {{.t = 10, .x = 1, .y = 2, .polarity = 1}, {.t = 20, .x = 3, .y = 0, .polarity = -1}};
     tides_event_writer *writer = NULL;
     if (tides_file_check(path, 0, NULL) != TIDES_OK) return 1;
-    if (tides_event_writer_open(path, &facts, &writer, NULL) != TIDES_OK) return 1;
-    if (tides_event_writer_append(writer, events, 2, NULL) == TIDES_OK)
+    if (tides_event_writer_open(path, NULL, &facts, &writer, NULL) != TIDES_OK) return 1;
+    if (tides_event_writer_append(writer, events, NULL, 2, NULL) == TIDES_OK)
         return tides_event_writer_finish(writer, 1000, NULL) != TIDES_OK;
     tides_event_writer_abandon(writer);
     return 1;

@@ -82,9 +82,7 @@ static void test_other_runs(void **state) {
     OTHER(stepping.local = 0, "stepping.local is 1 there and 0 here");
     OTHER(stepping.unit = TIDES_UNIT_BLOCK, "stepping.unit is 0 there and 1 here");
     OTHER(stepping.interpolate_motion = 1, "stepping.interpolate_motion is 0 there and 0.01 here");
-    OTHER(stepping.paths = 1, "stepping.paths is 0 there and 1 here");
-    OTHER(stepping.solve = TIDES_SOLVE_FLOAT, "stepping.solve is 0 there and 1 here");
-    OTHER(stepping.budget = 32, "stepping.budget per step is 0 there and 2 here");
+    OTHER(stepping.solve = TIDES_SOLVE_DOUBLE, "stepping.solve is 0 there and 1 here");
     OTHER(stepping.risk.w_b = 0.5, "stepping.risk.w_b is 0.3 there and 0.5 here");
     OTHER(start = 0.195, "time.start is 0.2 there and 0.195 here");
     OTHER(stop = 0.23, "was made at 0.24 s, after time.stop = 0.23 s");

@@ -19,7 +19,7 @@ typedef struct rig {
     td_sensor sensor;
     td_tile tile;
     double S0[PIXELS_MAX], S0_dot[PIXELS_MAX], S1[PIXELS_MAX], S1_dot[PIXELS_MAX];
-    td_event_buffer buffer;
+    td_work work;
     tides_error error;
 } rig;
 
@@ -38,7 +38,7 @@ static rig *new_rig(int32_t model, double on, double off, td_tile tile) {
 
 static void free_rig(rig *r) {
     td_sensor_release(&r->sensor);
-    free(r->buffer.events);
+    free(r->work.events.events);
     free(r);
 }
 
@@ -46,7 +46,7 @@ static void reset(rig *r) { td_sensor_begin(&r->sensor, r->S0); }
 
 static tides_status advance(rig *r, const td_step *step) {
     td_signals signals = {r->S0, r->S0_dot, r->S1, r->S1_dot};
-    return td_sensor_step(&r->sensor, step, &r->tile, 0, &signals, NULL, &r->buffer, &r->error);
+    return td_sensor_step(&r->sensor, step, &r->tile, 0, &(td_seen){.signals = &signals}, &r->work, &r->error);
 }
 
 static td_step step_between(double start, double stop) {
@@ -77,9 +77,9 @@ static rig *one_pixel(int32_t model, double S0, double S0_dot, double S1, double
 }
 
 static void assert_event(const rig *r, size_t index, int64_t t, int polarity) {
-    assert_true(index < r->buffer.count);
-    assert_int_equal(r->buffer.events[index].t, t);
-    assert_int_equal(r->buffer.events[index].polarity, polarity);
+    assert_true(index < r->work.events.count);
+    assert_int_equal(r->work.events.events[index].t, t);
+    assert_int_equal(r->work.events.events[index].polarity, polarity);
 }
 
 /* -- closed forms ---------------------------------------------------------------------------------------------------------- */
@@ -100,11 +100,12 @@ static void ramps_at_a_thousand_seconds(void **state) {
             assert_int_equal(advance(r, &step), TIDES_OK);
             assert_invariant(r);
         }
-        assert_in_range(r->buffer.count, 369, 370); /* 2 x 3.7 / 0.02 = 370: the last is at the very end */
-        for (size_t k = 0; k < r->buffer.count; k++) {
+        assert_in_range(r->work.events.count, 369, 370); /* 2 x 3.7 / 0.02 = 370: the last is at the very end */
+        for (size_t k = 0; k < r->work.events.count; k++) {
             double exact = 1e12 + 1e9 * on * (double)(k + 1) / slope;
-            assert_int_equal(r->buffer.events[k].polarity, 1);
-            assert_true(fabs((double)r->buffer.events[k].t + 0.5 - exact) <= 1.0); /* floored: within half a ns, and rounding */
+            assert_int_equal(r->work.events.events[k].polarity, 1);
+            assert_true(fabs((double)r->work.events.events[k].t + 0.5 - exact) <=
+                        1.0); /* floored: within half a ns, and rounding */
         }
         free_rig(r);
     }
@@ -133,13 +134,13 @@ static void sinusoids_against_arcsines(void **state) {
         for (; sign * (end - (reference + step)) >= 0.0; index++) {
             reference += step;
             double t = (half * pi + sign * asin(reference)) / w, slope = w * sqrt(1.0 - reference * reference);
-            assert_true(index < r->buffer.count);
-            assert_int_equal(r->buffer.events[index].polarity, sign > 0.0 ? 1 : -1);
-            assert_true(fabs((double)r->buffer.events[index].t + 0.5 - 1e9 * t) <= 1.0 + 1e9 * 4e-9 / slope);
+            assert_true(index < r->work.events.count);
+            assert_int_equal(r->work.events.events[index].polarity, sign > 0.0 ? 1 : -1);
+            assert_true(fabs((double)r->work.events.events[index].t + 0.5 - 1e9 * t) <= 1.0 + 1e9 * 4e-9 / slope);
         }
     }
-    assert_in_range(r->buffer.count, index, index + 1); /* one more may fire at the last instant, S = 0 */
-    assert_int_equal(r->sensor.counts.caught_up, 0);
+    assert_in_range(r->work.events.count, index, index + 1); /* one more may fire at the last instant, S = 0 */
+    assert_int_equal(r->work.counts.caught_up, 0);
     free_rig(r);
 }
 
@@ -151,10 +152,10 @@ static void any_length_of_step(void **state) {
         rig *r = one_pixel(TIDES_MODEL_HERMITE, 0.0, 1.1 / h, 1.1, 1.1 / h);
         td_step step = step_between(0.0, h);
         assert_int_equal(advance(r, &step), TIDES_OK);
-        assert_int_equal(r->buffer.count, 5);
+        assert_int_equal(r->work.events.count, 5);
         for (int k = 0; k < 5; k++) {
             double exact = 1e9 * h * 0.2 * (k + 1) / 1.1;
-            assert_true(fabs((double)r->buffer.events[k].t + 0.5 - exact) <= 0.51 + 1e-15 * exact);
+            assert_true(fabs((double)r->work.events.events[k].t + 0.5 - exact) <= 0.51 + 1e-15 * exact);
         }
         assert_invariant(r);
         free_rig(r);
@@ -169,8 +170,8 @@ static void a_signal_at_rest_fires_nothing(void **state) {
             td_step step = step_between(k * 1e-3, (k + 1) * 1e-3);
             assert_int_equal(advance(r, &step), TIDES_OK);
         }
-        assert_int_equal(r->buffer.count, 0);
-        assert_int_equal(r->sensor.counts.solved, 0);
+        assert_int_equal(r->work.events.count, 0);
+        assert_int_equal(r->work.counts.solved, 0);
         free_rig(r);
     }
 }
@@ -185,13 +186,13 @@ static void a_crossing_between_two_steps_fires_once(void **state) {
         r->sensor.sensor.threshold_on = 0.25;
         td_step first = step_between(0.0, 1e-3), second = step_between(1e-3, 2e-3);
         assert_int_equal(advance(r, &first), TIDES_OK);
-        assert_int_equal(r->buffer.count, 1);
+        assert_int_equal(r->work.events.count, 1);
         assert_event(r, 0, 1000000, 1);
         r->S0[0] = 0.25;
         r->S1[0] = 0.375;
         r->S0_dot[0] = r->S1_dot[0] = 125.0;
         assert_int_equal(advance(r, &second), TIDES_OK);
-        assert_int_equal(r->buffer.count, 1);
+        assert_int_equal(r->work.events.count, 1);
         free_rig(r);
     }
 }
@@ -202,14 +203,14 @@ static void what_the_end_denies_is_taken_back(void **state) {
     rig *r = one_pixel(TIDES_MODEL_LINEAR, 0.0, 640.0, 0.0, -640.0); /* 0.2 at 312500 ns */
     td_step step = step_between(0.0, 1e-3);
     assert_int_equal(advance(r, &step), TIDES_OK);
-    assert_int_equal(r->buffer.count, 6);
+    assert_int_equal(r->work.events.count, 6);
     for (int k = 0; k < 3; k++) {
-        assert_in_range(r->buffer.events[k].t, 312500 * (k + 1) - 1, 312500 * (k + 1));
-        assert_event(r, k, r->buffer.events[k].t, 1);
+        assert_in_range(r->work.events.events[k].t, 312500 * (k + 1) - 1, 312500 * (k + 1));
+        assert_event(r, k, r->work.events.events[k].t, 1);
         assert_event(r, k + 3, 1000000, -1);
     }
-    assert_int_equal(r->sensor.counts.caught_up, 3);
-    assert_int_equal(r->sensor.counts.truncated, 0);
+    assert_int_equal(r->work.counts.caught_up, 3);
+    assert_int_equal(r->work.counts.truncated, 0);
     assert_true(r->sensor.pixels.reference[0] == 0.0);
     free_rig(r);
 }
@@ -220,8 +221,8 @@ static void a_small_overshoot_stands(void **state) {
     rig *r = one_pixel(TIDES_MODEL_LINEAR, 0.0, 210.0, 0.15, 0.0);
     td_step step = step_between(0.0, 1e-3);
     assert_int_equal(advance(r, &step), TIDES_OK);
-    assert_int_equal(r->buffer.count, 1);
-    assert_int_equal(r->sensor.counts.caught_up, 0);
+    assert_int_equal(r->work.events.count, 1);
+    assert_int_equal(r->work.counts.caught_up, 0);
     assert_invariant(r);
     free_rig(r);
 }
@@ -233,9 +234,9 @@ static void what_the_model_missed_is_caught_up(void **state) {
     rig *r = one_pixel(TIDES_MODEL_LINEAR, 0.0, 0.0, 0.65, 0.0);
     td_step step = step_between(0.0, 1e-3);
     assert_int_equal(advance(r, &step), TIDES_OK);
-    assert_int_equal(r->buffer.count, 3);
+    assert_int_equal(r->work.events.count, 3);
     for (size_t k = 0; k < 3; k++) assert_event(r, k, 1000000, 1);
-    assert_int_equal(r->sensor.counts.caught_up, 3);
+    assert_int_equal(r->work.counts.caught_up, 3);
     free_rig(r);
 }
 
@@ -247,7 +248,7 @@ static void an_end_on_a_level_is_caught_up(void **state) {
         rig *r = one_pixel(TIDES_MODEL_LINEAR, 0.0, 0.0, 0.5 * polarity, 0.0);
         r->sensor.sensor.threshold_on = r->sensor.sensor.threshold_off = 0.25;
         assert_int_equal(advance(r, &step), TIDES_OK);
-        assert_int_equal(r->buffer.count, 2);
+        assert_int_equal(r->work.events.count, 2);
         assert_event(r, 1, 1000000, polarity);
         assert_true(r->sensor.pixels.reference[0] == 0.5 * polarity);
         free_rig(r);
@@ -262,10 +263,10 @@ static void an_excursion_within_a_step_is_seen(void **state) {
     td_step step = step_between(0.0, 1e-3);
     assert_int_equal(advance(cubic, &step), TIDES_OK);
     assert_int_equal(advance(secant, &step), TIDES_OK);
-    assert_int_equal(secant->buffer.count, 0);
-    assert_int_equal(cubic->buffer.count, 2);
+    assert_int_equal(secant->work.events.count, 0);
+    assert_int_equal(cubic->work.events.count, 2);
     double s = 0.5 - sqrt(0.05); /* s - s^2 = 0.2 */
-    assert_true(fabs((double)cubic->buffer.events[0].t + 0.5 - 1e6 * s) <= 0.51);
+    assert_true(fabs((double)cubic->work.events.events[0].t + 0.5 - 1e6 * s) <= 0.51);
     assert_event(cubic, 1, 1000000, -1); /* back at 0 = 0.2 - C-, which is reached exactly at the end */
     free_rig(cubic);
     free_rig(secant);
@@ -282,12 +283,12 @@ static void a_jump_of_a_thousand_thresholds(void **state) {
             r->sensor.sensor.max_events_per_step = whole ? 1000 : 64;
             td_step step = step_between(0.0, 1e-3);
             assert_int_equal(advance(r, &step), TIDES_OK);
-            assert_int_equal(r->buffer.count, 1000);
-            assert_int_equal(r->sensor.counts.truncated, whole ? 0 : 936);
-            assert_int_equal(r->sensor.counts.caught_up, 0);
+            assert_int_equal(r->work.events.count, 1000);
+            assert_int_equal(r->work.counts.truncated, whole ? 0 : 936);
+            assert_int_equal(r->work.counts.caught_up, 0);
             for (size_t k = 0; k < 1000; k++) {
                 double exact = whole || k < 64 ? 1e6 * 0.25 * (double)(k + 1) / 250.125 : 1e6;
-                assert_true(fabs((double)r->buffer.events[k].t + 0.5 - exact) <= 0.51);
+                assert_true(fabs((double)r->work.events.events[k].t + 0.5 - exact) <= 0.51);
             }
             assert_invariant(r);
             free_rig(r);
@@ -302,10 +303,10 @@ static void a_cut_excursion_cancels(void **state) {
     r->sensor.sensor.max_events_per_step = 5;
     td_step step = step_between(0.0, 1e-3);
     assert_int_equal(advance(r, &step), TIDES_OK);
-    assert_int_equal(r->buffer.count, 10);
-    for (size_t k = 0; k < 5; k++) assert_event(r, k, r->buffer.events[k].t, 1);
+    assert_int_equal(r->work.events.count, 10);
+    for (size_t k = 0; k < 5; k++) assert_event(r, k, r->work.events.events[k].t, 1);
     for (size_t k = 5; k < 10; k++) assert_event(r, k, 1000000, -1);
-    assert_int_equal(r->sensor.counts.truncated, 5);
+    assert_int_equal(r->work.counts.truncated, 5);
     assert_invariant(r);
     free_rig(r);
 }
@@ -317,8 +318,8 @@ static void the_last_allowed_event_is_not_truncated(void **state) {
     r->sensor.sensor.max_events_per_step = 3;
     td_step step = step_between(0.0, 1e-3);
     assert_int_equal(advance(r, &step), TIDES_OK);
-    assert_int_equal(r->buffer.count, 3);
-    assert_int_equal(r->sensor.counts.truncated + r->sensor.counts.caught_up, 0);
+    assert_int_equal(r->work.events.count, 3);
+    assert_int_equal(r->work.counts.truncated + r->work.counts.caught_up, 0);
     free_rig(r);
 }
 
@@ -333,8 +334,8 @@ static void signals_that_are_no_numbers_fire_nothing(void **state) {
             rig *r = one_pixel(model, 0.0, 0.0, 0.0, 0.0);
             *(k < 3 ? &r->S0[0] : &r->S1[0]) = odd[k % 3];
             assert_int_equal(advance(r, &step), TIDES_OK);
-            assert_int_equal(r->buffer.count, 0);
-            assert_int_equal(r->sensor.counts.nonfinite, 1);
+            assert_int_equal(r->work.events.count, 0);
+            assert_int_equal(r->work.counts.nonfinite, 1);
             assert_true(r->sensor.pixels.reference[0] == 0.0);
             free_rig(r);
         }
@@ -343,8 +344,8 @@ static void signals_that_are_no_numbers_fire_nothing(void **state) {
         rig *r = one_pixel(TIDES_MODEL_HERMITE, odd[k], 0.0, 0.0, 0.0);
         r->S0[0] = 1.0;
         assert_int_equal(advance(r, &step), TIDES_OK);
-        assert_int_equal(r->buffer.count, 0);
-        assert_int_equal(r->sensor.counts.nonfinite, 1);
+        assert_int_equal(r->work.events.count, 0);
+        assert_int_equal(r->work.counts.nonfinite, 1);
         free_rig(r);
     }
     /* After NaN: caught up at the end of a step whose start is NaN; or at the start of one whose start is finite again. */
@@ -358,8 +359,8 @@ static void signals_that_are_no_numbers_fire_nothing(void **state) {
         assert_event(ends, k, 1000000, 1);
         assert_event(starts, k, 0, 1);
     }
-    assert_int_equal(ends->sensor.counts.caught_up, 2);
-    assert_int_equal(starts->sensor.counts.caught_up, 2);
+    assert_int_equal(ends->work.counts.caught_up, 2);
+    assert_int_equal(starts->work.counts.caught_up, 2);
     free_rig(ends);
     free_rig(starts);
 }
@@ -377,8 +378,8 @@ static void too_many_events_leave_no_trace(void **state) {
         r->S1[i] = r->S0[i] > 0.0 ? -3.0 : 0.5;
     }
     r->S1[16 * 6 + 5] = 1e8;
-    const size_t events = r->buffer.count;
-    const td_sensor_counts counts = r->sensor.counts;
+    const size_t events = r->work.events.count;
+    const td_sensor_counts counts = r->work.counts;
     double reference[256];
     uint32_t on[256], off[256];
     memcpy(reference, r->sensor.pixels.reference, sizeof reference);
@@ -389,8 +390,8 @@ static void too_many_events_leave_no_trace(void **state) {
     assert_memory_equal(r->sensor.pixels.reference, reference, sizeof reference);
     assert_memory_equal(r->sensor.pixels.count_on, on, sizeof on);
     assert_memory_equal(r->sensor.pixels.count_off, off, sizeof off);
-    assert_memory_equal(&r->sensor.counts, &counts, sizeof counts);
-    assert_int_equal(r->buffer.count, events);
+    assert_memory_equal(&r->work.counts, &counts, sizeof counts);
+    assert_int_equal(r->work.events.count, events);
     r->S1[16 * 6 + 5] = 0.5; /* mended, it goes on */
     assert_int_equal(advance(r, &step), TIDES_OK);
     assert_invariant(r);
@@ -432,9 +433,9 @@ static void pixels_have_their_places(void **state) {
         for (int i = 0; i < tiles[k].count; i++) r->S1[i] = i % 2 ? 0.3 : -0.15;
         td_step step = step_between(0.0, 1e-3);
         assert_int_equal(advance(r, &step), TIDES_OK);
-        assert_int_equal(r->buffer.count, tiles[k].count);
+        assert_int_equal(r->work.events.count, tiles[k].count);
         for (int i = 0; i < tiles[k].count; i++) {
-            const tides_event *event = &r->buffer.events[i];
+            const tides_event *event = &r->work.events.events[i];
             assert_int_equal(event->x, tiles[k].x0 + i % tiles[k].width);
             assert_int_equal(event->y, tiles[k].y0 + i / tiles[k].width);
             assert_int_equal(event->polarity, i % 2 ? 1 : -1);
@@ -443,8 +444,8 @@ static void pixels_have_their_places(void **state) {
             assert_int_equal(r->sensor.pixels.count_off[i], 1 - i % 2);
             assert_true(r->sensor.pixels.reference[i] == (i % 2 ? 0.2 : -0.1));
         }
-        assert_int_equal(r->sensor.counts.events_on, tiles[k].count / 2);
-        assert_int_equal(r->sensor.counts.events_off, (tiles[k].count + 1) / 2);
+        assert_int_equal(r->work.counts.events_on, tiles[k].count / 2);
+        assert_int_equal(r->work.counts.events_off, (tiles[k].count + 1) / 2);
         free_rig(r);
     }
 }

@@ -53,11 +53,11 @@ static uint64_t write_in(const char *path, const trial *t, const tides_event *ev
     const tides_event_file facts = {.width = t->width, .height = t->height};
     tides_event_writer *writer = NULL;
     tides_error error = {TIDES_OK, ""};
-    if (tides_event_writer_open_as(path, t->format, &facts, &writer, &error) != TIDES_OK) fail_msg("%s", error.text);
+    if (tides_event_writer_open(path, t->format, &facts, &writer, &error) != TIDES_OK) fail_msg("%s", error.text);
     for (size_t done = 0, portion = 1; done < count; done += portion) {
         portion = 1 + portion * 7 % 5003;
         if (portion > count - done) portion = count - done;
-        if (tides_event_writer_append(writer, events + done, portion, &error) != TIDES_OK) fail_msg("%s", error.text);
+        if (tides_event_writer_append(writer, events + done, NULL, portion, &error) != TIDES_OK) fail_msg("%s", error.text);
     }
     assert_int_equal(tides_event_writer_count(writer), count);
     uint64_t collapsed = tides_event_writer_collapsed(writer);
@@ -154,8 +154,8 @@ static void test_abandoned(void **state) {
         snprintf(part, sizeof part, "%s.part", path);
         tides_event *events = random_events(5, count, t->width, t->height, 1000);
         tides_event_writer *writer = NULL;
-        assert_int_equal(tides_event_writer_open_as(path, t->format, &facts, &writer, NULL), TIDES_OK);
-        assert_int_equal(tides_event_writer_append(writer, events, count, NULL), TIDES_OK);
+        assert_int_equal(tides_event_writer_open(path, t->format, &facts, &writer, NULL), TIDES_OK);
+        assert_int_equal(tides_event_writer_append(writer, events, NULL, count, NULL), TIDES_OK);
         tides_event_writer_abandon(writer);
         assert_false(file_exists(path));
         check_back(part, t, t->format, events, count);
@@ -168,8 +168,8 @@ static void expect_refused(const char *path, const char *format, const tides_eve
     const tides_event_file facts = {.width = 64, .height = 48};
     tides_event_writer *writer = NULL;
     tides_error error = {TIDES_OK, ""};
-    if (tides_event_writer_open_as(path, format, &facts, &writer, &error) != TIDES_OK) fail_msg("%s", error.text);
-    assert_int_equal(tides_event_writer_append(writer, events, count, &error), TIDES_UNSUPPORTED);
+    if (tides_event_writer_open(path, format, &facts, &writer, &error) != TIDES_OK) fail_msg("%s", error.text);
+    assert_int_equal(tides_event_writer_append(writer, events, NULL, count, &error), TIDES_UNSUPPORTED);
     if (!strstr(error.text, says)) fail_msg("'%s' doesn't say '%s'", error.text, says);
     assert_int_equal(tides_event_writer_count(writer), 0);
     tides_event_writer_abandon(writer);
@@ -196,22 +196,23 @@ static void test_refused_files(void **state) {
     tides_error error;
     char path[700];
     snprintf(path, sizeof path, "%s", in_folder(*state, "events.raw"));
-    assert_int_equal(tides_event_writer_open(path, &facts, &writer, &error), TIDES_UNSUPPORTED);
+    assert_int_equal(tides_event_writer_open(path, NULL, &facts, &writer, &error), TIDES_UNSUPPORTED);
     assert_non_null(strstr(error.text, "2049"));
-    assert_int_equal(tides_event_writer_open_as(path, "evt21", &small, &writer, &error), TIDES_UNSUPPORTED);
+    assert_int_equal(tides_event_writer_open(path, "evt21", &small, &writer, &error), TIDES_UNSUPPORTED);
     assert_non_null(strstr(error.text, "only read"));
-    assert_int_equal(tides_event_writer_open_as(path, "evt33", &small, &writer, &error), TIDES_BAD_ARGUMENT);
+    assert_int_equal(tides_event_writer_open(path, "evt33", &small, &writer, &error), TIDES_BAD_ARGUMENT);
     assert_non_null(strstr(error.text, "did you mean evt"));
-    assert_int_equal(tides_event_writer_open(in_folder(*state, "events.mp4"), &small, &writer, &error), TIDES_UNSUPPORTED);
+    assert_int_equal(tides_event_writer_open(in_folder(*state, "events.mp4"), NULL, &small, &writer, &error),
+                     TIDES_UNSUPPORTED);
     assert_non_null(strstr(error.text, ".mp4"));
     assert_int_equal(tides_event_writer_resume(path, &small, 0, &writer, &error), TIDES_UNSUPPORTED);
     assert_non_null(strstr(error.text, "HDF5"));
     assert_false(tides_event_writer_can_resume(path));
     assert_true(tides_event_writer_can_resume("events.h5"));
-    assert_int_equal(tides_event_writer_open(path, &small, &writer, &error), TIDES_OK);
+    assert_int_equal(tides_event_writer_open(path, NULL, &small, &writer, &error), TIDES_OK);
     assert_int_equal(tides_event_writer_flush(writer, &error), TIDES_UNSUPPORTED);
     tides_event_writer *second = NULL;
-    assert_int_equal(tides_event_writer_open(path, &small, &second, &error), TIDES_WRITE_FAILED);
+    assert_int_equal(tides_event_writer_open(path, NULL, &small, &second, &error), TIDES_WRITE_FAILED);
     assert_non_null(strstr(error.text, "another run"));
     tides_event_writer_abandon(writer);
     tides_event_format last;
@@ -230,9 +231,9 @@ static void write_much(void *result, void *user) {
     tides_event_writer *writer = NULL;
     tides_error error = {TIDES_OK, ""};
     tides_event *events = random_events(3, 20000, 64, 64, 1000);
-    o->status = tides_event_writer_open(user, &facts, &writer, &error);
+    o->status = tides_event_writer_open(user, NULL, &facts, &writer, &error);
     for (int i = 0; i < 20 && o->status == TIDES_OK; i++) {
-        o->status = tides_event_writer_append(writer, events, 20000, &error);
+        o->status = tides_event_writer_append(writer, events, NULL, 20000, &error);
         for (size_t e = 0; e < 20000; e++) events[e].t += INT64_C(1000000000);
     }
     if (o->status == TIDES_OK)

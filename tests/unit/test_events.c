@@ -84,16 +84,16 @@ static void test_portions_make_no_difference(void **state) {
     write_all(in_folder(f, "whole.h5"), &facts, events, count, 0);
     tides_event_writer *writer = NULL;
     tides_error error = {0};
-    assert_int_equal(tides_event_writer_open(in_folder(f, "parts.h5"), &facts, &writer, &error), TIDES_OK);
+    assert_int_equal(tides_event_writer_open(in_folder(f, "parts.h5"), NULL, &facts, &writer, &error), TIDES_OK);
     uint64_t random = 5;
     for (size_t done = 0; done < count;) {
         size_t portion = (size_t)(scene_next(&random) % 9973);
         if (portion > count - done) portion = count - done;
-        assert_int_equal(tides_event_writer_append(writer, events + done, portion, &error), TIDES_OK);
+        assert_int_equal(tides_event_writer_append(writer, events + done, NULL, portion, &error), TIDES_OK);
         done += portion;
         assert_int_equal(tides_event_writer_count(writer), done);
     }
-    assert_int_equal(tides_event_writer_append(writer, NULL, 0, &error), TIDES_OK);
+    assert_int_equal(tides_event_writer_append(writer, NULL, NULL, 0, &error), TIDES_OK);
     assert_int_equal(tides_event_writer_finish(writer, 0, &error), TIDES_OK);
     assert_file_holds(in_folder(f, "parts.h5"), events, count);
     size_t bytes[2];
@@ -200,22 +200,22 @@ static void test_refused_events(void **state) {
     const char *path = in_folder(*state, "refused.h5");
     tides_event_writer *writer = NULL;
     tides_error error = {0};
-    assert_int_equal(tides_event_writer_open(path, &facts, &writer, &error), TIDES_OK);
-    assert_int_equal(tides_event_writer_append(writer, good, 2, &error), TIDES_OK);
+    assert_int_equal(tides_event_writer_open(path, NULL, &facts, &writer, &error), TIDES_OK);
+    assert_int_equal(tides_event_writer_append(writer, good, NULL, 2, &error), TIDES_OK);
     for (size_t r = 0; r < sizeof refusals / sizeof *refusals; r++) {
         /* After a good one in the same call, of which nothing may be written either. */
         tides_event pair[] = {{.t = 5000, .x = 5, .y = 4, .polarity = 1}, refusals[r].event};
         error = (tides_error){0};
-        assert_int_equal(tides_event_writer_append(writer, pair, 2, &error), refusals[r].status);
+        assert_int_equal(tides_event_writer_append(writer, pair, NULL, 2, &error), refusals[r].status);
         assert_int_equal(error.status, refusals[r].status);
         if (!strstr(error.text, refusals[r].says) || !strstr(error.text, "event 3")) fail_msg("%zu: %s", r, error.text);
         assert_int_equal(tides_event_writer_count(writer), 2);
-        assert_int_equal(tides_event_writer_append(writer, &refusals[r].event, 1, NULL), refusals[r].status);
+        assert_int_equal(tides_event_writer_append(writer, &refusals[r].event, NULL, 1, NULL), refusals[r].status);
     }
     /* The last nanosecond that fits, and the same event twice. */
     const tides_event late = {.t = INT64_C(4294967295999), .x = 345, .y = 259, .polarity = 1};
     const tides_event twice[] = {late, late};
-    assert_int_equal(tides_event_writer_append(writer, twice, 2, &error), TIDES_OK);
+    assert_int_equal(tides_event_writer_append(writer, twice, NULL, 2, &error), TIDES_OK);
     assert_int_equal(tides_event_writer_finish(writer, 0, &error), TIDES_OK);
     const tides_event all[] = {good[0], good[1], late, late};
     assert_file_holds(path, all, 4);
@@ -229,12 +229,12 @@ static void test_bad_arguments(void **state) {
     const int32_t sizes[][2] = {{0, 5}, {5, 0}, {-1, 5}, {65537, 5}, {5, 65537}};
     for (size_t s = 0; s < 5; s++) {
         tides_event_file wrong = {.width = sizes[s][0], .height = sizes[s][1]};
-        assert_int_equal(tides_event_writer_open(path, &wrong, &writer, &error), TIDES_BAD_ARGUMENT);
+        assert_int_equal(tides_event_writer_open(path, NULL, &wrong, &writer, &error), TIDES_BAD_ARGUMENT);
     }
-    assert_int_equal(tides_event_writer_open(NULL, &facts, &writer, &error), TIDES_BAD_ARGUMENT);
-    assert_int_equal(tides_event_writer_open(path, NULL, &writer, &error), TIDES_BAD_ARGUMENT);
-    assert_int_equal(tides_event_writer_open(path, &facts, NULL, NULL), TIDES_BAD_ARGUMENT);
-    assert_int_equal(tides_event_writer_append(NULL, NULL, 0, NULL), TIDES_BAD_ARGUMENT);
+    assert_int_equal(tides_event_writer_open(NULL, NULL, &facts, &writer, &error), TIDES_BAD_ARGUMENT);
+    assert_int_equal(tides_event_writer_open(path, NULL, NULL, &writer, &error), TIDES_BAD_ARGUMENT);
+    assert_int_equal(tides_event_writer_open(path, NULL, &facts, NULL, NULL), TIDES_BAD_ARGUMENT);
+    assert_int_equal(tides_event_writer_append(NULL, NULL, NULL, 0, NULL), TIDES_BAD_ARGUMENT);
     assert_int_equal(tides_event_writer_finish(NULL, 0, NULL), TIDES_BAD_ARGUMENT);
     tides_event_writer_abandon(NULL);
     assert_null(writer);
@@ -245,12 +245,14 @@ static void test_unwritable(void **state) {
     folder *f = *state;
     tides_event_writer *writer = NULL;
     tides_error error;
-    assert_int_equal(tides_event_writer_open(in_folder(f, "missing/events.h5"), &facts, &writer, &error), TIDES_WRITE_FAILED);
+    assert_int_equal(tides_event_writer_open(in_folder(f, "missing/events.h5"), NULL, &facts, &writer, &error),
+                     TIDES_WRITE_FAILED);
     assert_non_null(strstr(error.text, "No such file"));
     put_text(in_folder(f, "plain"), "text");
-    assert_int_equal(tides_event_writer_open(in_folder(f, "plain/events.h5"), &facts, &writer, &error), TIDES_WRITE_FAILED);
+    assert_int_equal(tides_event_writer_open(in_folder(f, "plain/events.h5"), NULL, &facts, &writer, &error),
+                     TIDES_WRITE_FAILED);
     assert_non_null(strstr(error.text, "Not a directory"));
-    assert_int_equal(tides_event_writer_open(f->path, &facts, &writer, &error), TIDES_WRITE_FAILED);
+    assert_int_equal(tides_event_writer_open(f->path, NULL, &facts, &writer, &error), TIDES_WRITE_FAILED);
     assert_non_null(strstr(error.text, "folder"));
     assert_null(writer);
 }
@@ -260,9 +262,9 @@ static void test_two_writers(void **state) {
     const tides_event one = {.t = 7, .polarity = 1};
     tides_event_writer *first = NULL, *second = NULL;
     tides_error error;
-    assert_int_equal(tides_event_writer_open(path, &facts, &first, NULL), TIDES_OK);
-    assert_int_equal(tides_event_writer_append(first, &one, 1, NULL), TIDES_OK);
-    assert_int_equal(tides_event_writer_open(path, &facts, &second, &error), TIDES_WRITE_FAILED);
+    assert_int_equal(tides_event_writer_open(path, NULL, &facts, &first, NULL), TIDES_OK);
+    assert_int_equal(tides_event_writer_append(first, &one, NULL, 1, NULL), TIDES_OK);
+    assert_int_equal(tides_event_writer_open(path, NULL, &facts, &second, &error), TIDES_WRITE_FAILED);
     assert_non_null(strstr(error.text, "another run"));
     assert_int_equal(tides_event_writer_finish(first, 0, NULL), TIDES_OK);
     assert_file_holds(path, &one, 1);
@@ -276,8 +278,8 @@ static void test_existing_file_stays_until_finish(void **state) {
     snprintf(part, sizeof part, "%s.part", path);
     put_text(path, "precious");
     tides_event_writer *writer = NULL;
-    assert_int_equal(tides_event_writer_open(path, &facts, &writer, NULL), TIDES_OK);
-    assert_int_equal(tides_event_writer_append(writer, &one, 1, NULL), TIDES_OK);
+    assert_int_equal(tides_event_writer_open(path, NULL, &facts, &writer, NULL), TIDES_OK);
+    assert_int_equal(tides_event_writer_append(writer, &one, NULL, 1, NULL), TIDES_OK);
     check_text(path, "precious");
     tides_event_writer_abandon(writer);
     check_text(path, "precious");
@@ -285,8 +287,8 @@ static void test_existing_file_stays_until_finish(void **state) {
 
     /* An end beyond 32-bit microseconds fails the finish, and nothing is lost. */
     tides_error error;
-    assert_int_equal(tides_event_writer_open(path, &facts, &writer, NULL), TIDES_OK);
-    assert_int_equal(tides_event_writer_append(writer, &one, 1, NULL), TIDES_OK);
+    assert_int_equal(tides_event_writer_open(path, NULL, &facts, &writer, NULL), TIDES_OK);
+    assert_int_equal(tides_event_writer_append(writer, &one, NULL, 1, NULL), TIDES_OK);
     assert_int_equal(tides_event_writer_finish(writer, INT64_MAX, &error), TIDES_UNSUPPORTED);
     check_text(path, "precious");
     assert_file_holds(part, &one, 1);

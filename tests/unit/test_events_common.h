@@ -85,8 +85,8 @@ static inline void write_all(const char *path, const tides_event_file *facts, co
                              int64_t stop) {
     tides_error error = {0};
     tides_event_writer *writer = NULL;
-    if (tides_event_writer_open(path, facts, &writer, &error) != TIDES_OK) fail_msg("%s", error.text);
-    if (tides_event_writer_append(writer, events, count, &error) != TIDES_OK) fail_msg("%s", error.text);
+    if (tides_event_writer_open(path, NULL, facts, &writer, &error) != TIDES_OK) fail_msg("%s", error.text);
+    if (tides_event_writer_append(writer, events, NULL, count, &error) != TIDES_OK) fail_msg("%s", error.text);
     if (tides_event_writer_finish(writer, stop, &error) != TIDES_OK) fail_msg("%s", error.text);
 }
 

@@ -13,11 +13,11 @@ static void part_of(folder *f, char out[700]) { snprintf(out, 700, "%s.part", in
  * the child: returns its exit code. */
 static int append_forever(const char *path, const tides_event *events, size_t count, int ready) {
     tides_event_writer *writer = NULL;
-    if (tides_event_writer_open(path, &facts, &writer, NULL) != TIDES_OK) return 2;
+    if (tides_event_writer_open(path, NULL, &facts, &writer, NULL) != TIDES_OK) return 2;
     if (write(ready, "", 1) != 1) return 4;
     for (size_t done = 0; done < count;) {
         size_t portion = count - done < 12345 ? count - done : 12345;
-        if (tides_event_writer_append(writer, events + done, portion, NULL) != TIDES_OK) return 3;
+        if (tides_event_writer_append(writer, events + done, NULL, portion, NULL) != TIDES_OK) return 3;
         done += portion;
     }
     return 0;
@@ -107,15 +107,15 @@ static void write_until_full(void *result, void *user) {
     const stream *from = user;
     tides_event_writer *writer = NULL;
     tides_error error = {0}, again = {0};
-    seen->opened = tides_event_writer_open(from->path, &facts, &writer, &error);
+    seen->opened = tides_event_writer_open(from->path, NULL, &facts, &writer, &error);
     if (seen->opened != TIDES_OK) return;
     for (size_t done = 0; done < STREAM && seen->failed == TIDES_OK; done += 10000)
-        seen->failed = tides_event_writer_append(writer, from->events + done, 10000, &error);
+        seen->failed = tides_event_writer_append(writer, from->events + done, NULL, 10000, &error);
     seen->count = tides_event_writer_count(writer);
     const char *safe = strstr(error.text, "its first ");
     seen->safe = safe ? strtoull(safe + 10, NULL, 10) : UINT64_MAX;
     seen->text_says_why = strstr(error.text, "File too large") != NULL;
-    seen->again = tides_event_writer_append(writer, from->events, 1, &again);
+    seen->again = tides_event_writer_append(writer, from->events, NULL, 1, &again);
     seen->same_text = strcmp(error.text, again.text) == 0;
     seen->finished = tides_event_writer_finish(writer, 0, NULL);
 }

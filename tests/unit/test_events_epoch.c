@@ -89,13 +89,14 @@ static void test_resumed(void **state) {
             const tides_event_file facts = facts_over(known ? start : 0, known ? stop : 0);
             const tides_event_file later = facts_over(known ? start : 0, known ? stop + 4000 * second : 0);
             tides_event_writer *writer = NULL;
-            assert_int_equal(tides_event_writer_open(path, &facts, &writer, &error), TIDES_OK);
-            assert_int_equal(tides_event_writer_append(writer, events, cuts[c], &error), TIDES_OK);
+            assert_int_equal(tides_event_writer_open(path, NULL, &facts, &writer, &error), TIDES_OK);
+            assert_int_equal(tides_event_writer_append(writer, events, NULL, cuts[c], &error), TIDES_OK);
             assert_int_equal(tides_event_writer_flush(writer, &error), TIDES_OK);
-            assert_int_equal(tides_event_writer_append(writer, events + cuts[c], (COUNT - cuts[c]) / 2, &error), TIDES_OK);
+            assert_int_equal(tides_event_writer_append(writer, events + cuts[c], NULL, (COUNT - cuts[c]) / 2, &error),
+                             TIDES_OK);
             tides_event_writer_abandon(writer);
             if (tides_event_writer_resume(path, &later, cuts[c], &writer, &error) != TIDES_OK) fail_msg("%s", error.text);
-            assert_int_equal(tides_event_writer_append(writer, events + cuts[c], COUNT - cuts[c], &error), TIDES_OK);
+            assert_int_equal(tides_event_writer_append(writer, events + cuts[c], NULL, COUNT - cuts[c], &error), TIDES_OK);
             assert_int_equal(tides_event_writer_finish(writer, stop, &error), TIDES_OK);
             check_file(path, events, COUNT, known ? start / 1000 : events[0].t / 1000, stop);
         }
@@ -128,7 +129,7 @@ static void test_refused(void **state) {
         tides_error error = {0};
         char part[720];
         snprintf(part, sizeof part, "%s.part", in_folder(*state, cases[c].name));
-        expect_refused(tides_event_writer_open(in_folder(*state, cases[c].name), &facts, &writer, &error), &error,
+        expect_refused(tides_event_writer_open(in_folder(*state, cases[c].name), NULL, &facts, &writer, &error), &error,
                        cases[c].says, cases[c].more);
         assert_null(writer);
         assert_int_not_equal(access(part, F_OK), 0);
@@ -143,27 +144,27 @@ static void test_resumed_too_far(void **state) {
     tides_event *events = events_from(5, start, 1000);
     tides_event_writer *writer = NULL;
     tides_error error = {0};
-    assert_int_equal(tides_event_writer_open(path, &facts, &writer, &error), TIDES_OK);
-    assert_int_equal(tides_event_writer_append(writer, events, 1000, &error), TIDES_OK);
+    assert_int_equal(tides_event_writer_open(path, NULL, &facts, &writer, &error), TIDES_OK);
+    assert_int_equal(tides_event_writer_append(writer, events, NULL, 1000, &error), TIDES_OK);
     tides_event_writer_abandon(writer);
     expect_refused(tides_event_writer_resume(path, &later, 1000, &writer, &error), &error, "4300", "from the beginning");
     assert_int_equal(tides_event_writer_resume(path, &facts, 1000, &writer, &error), TIDES_OK);
     const tides_event late = {.t = 4295 * second, .polarity = 1}, early = {.t = -1, .polarity = 1};
-    expect_refused(tides_event_writer_append(writer, &late, 1, &error), &error, "too late", "t_offset");
+    expect_refused(tides_event_writer_append(writer, &late, NULL, 1, &error), &error, "too late", "t_offset");
     assert_int_equal(tides_event_writer_finish(writer, 0, &error), TIDES_OK);
     assert_file_holds(path, events, 1000);
-    assert_int_equal(tides_event_writer_open(path, &facts, &writer, &error), TIDES_OK);
-    expect_refused(tides_event_writer_append(writer, &early, 1, &error), &error, "too early", "start");
+    assert_int_equal(tides_event_writer_open(path, NULL, &facts, &writer, &error), TIDES_OK);
+    expect_refused(tides_event_writer_append(writer, &early, NULL, 1, &error), &error, "too early", "start");
     tides_event_writer_abandon(writer);
     /* The whole of 64 bits doesn't fit, and says so. */
     const tides_event_file bare = facts_over(0, 0);
     const tides_event ends[] = {{.t = INT64_MIN + 5000, .polarity = 1},
                                 {.t = INT64_MAX, .polarity = 1},
                                 {.t = INT64_MIN, .polarity = 1}};
-    assert_int_equal(tides_event_writer_open(path, &bare, &writer, &error), TIDES_OK);
-    expect_refused(tides_event_writer_append(writer, ends, 2, &error), &error, "too late", "event 1");
-    expect_refused(tides_event_writer_append(writer, ends + 2, 1, &error), &error, "too early", "event 0");
-    assert_int_equal(tides_event_writer_append(writer, ends, 1, &error), TIDES_OK);
+    assert_int_equal(tides_event_writer_open(path, NULL, &bare, &writer, &error), TIDES_OK);
+    expect_refused(tides_event_writer_append(writer, ends, NULL, 2, &error), &error, "too late", "event 1");
+    expect_refused(tides_event_writer_append(writer, ends + 2, NULL, 1, &error), &error, "too early", "event 0");
+    assert_int_equal(tides_event_writer_append(writer, ends, NULL, 1, &error), TIDES_OK);
     assert_int_equal(tides_event_writer_finish(writer, ends[0].t, &error), TIDES_OK);
     assert_file_holds(path, ends, 1);
     free(events);
@@ -186,8 +187,8 @@ static void test_other_formats(void **state) {
         tides_event_reader *reader = NULL;
         tides_error error = {0};
         size_t got = 0;
-        if (tides_event_writer_open_as(path, format, &facts, &writer, &error) != TIDES_OK) fail_msg("%s", error.text);
-        if (tides_event_writer_append(writer, events, COUNT, &error) != TIDES_OK) fail_msg("%s", error.text);
+        if (tides_event_writer_open(path, format, &facts, &writer, &error) != TIDES_OK) fail_msg("%s", error.text);
+        if (tides_event_writer_append(writer, events, NULL, COUNT, &error) != TIDES_OK) fail_msg("%s", error.text);
         if (tides_event_writer_finish(writer, stop, &error) != TIDES_OK) fail_msg("%s", error.text);
         if (tides_event_reader_open(path, format, &reader, &error) != TIDES_OK) fail_msg("%s", error.text);
         if (tides_event_reader_read(reader, read, COUNT + 1, &got, &error) != TIDES_OK) fail_msg("%s", error.text);

@@ -35,10 +35,10 @@ static void write_events(const char *path, const tides_event_file *facts, const 
     tides_event_writer *writer = NULL;
     tides_error error = {TIDES_OK, ""};
     tides_status status = from ? tides_event_writer_resume(path, facts, from, &writer, &error)
-                               : tides_event_writer_open(path, facts, &writer, &error);
+                               : tides_event_writer_open(path, NULL, facts, &writer, &error);
     for (size_t done = from, some; done < to && status == TIDES_OK; done += some) {
         some = to - done < 30001 ? to - done : 30001;
-        status = tides_event_writer_append_fired(writer, events + done, fired ? fired + done : NULL, some, &error);
+        status = tides_event_writer_append(writer, events + done, fired ? fired + done : NULL, some, &error);
     }
     if (status == TIDES_OK && finish) status = tides_event_writer_finish(writer, events[COUNT - 1].t, &error);
     if (status == TIDES_OK && !finish) status = tides_event_writer_flush(writer, &error);
@@ -124,7 +124,7 @@ static void test_refused(void **state) {
     tides_event_writer *writer = NULL;
     tides_error error = {TIDES_OK, ""};
     const char *path = in_folder(*state, "d.raw");
-    assert_int_equal(tides_event_writer_open(path, &labelled, &writer, &error), TIDES_UNSUPPORTED);
+    assert_int_equal(tides_event_writer_open(path, NULL, &labelled, &writer, &error), TIDES_UNSUPPORTED);
     assert_non_null(strstr(error.text, "no place for labels"));
     assert_false(file_exists(path));
     path = in_folder(*state, "d.h5");

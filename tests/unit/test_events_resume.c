@@ -47,12 +47,12 @@ static int run_errand(const errand *e) {
     uint64_t random = e->seed;
     size_t done = e->from;
     tides_status status = e->from ? tides_event_writer_resume(e->path, &facts, e->from, &writer, NULL)
-                                  : tides_event_writer_open(e->path, &facts, &writer, NULL);
+                                  : tides_event_writer_open(e->path, NULL, &facts, &writer, NULL);
     if (status != TIDES_OK) return 2;
     while (done < e->to) {
         size_t portion = 1 + scene_next(&random) % 30000;
         if (portion > e->to - done) portion = e->to - done;
-        if (tides_event_writer_append(writer, e->events + done, portion, NULL) != TIDES_OK) return 3;
+        if (tides_event_writer_append(writer, e->events + done, NULL, portion, NULL) != TIDES_OK) return 3;
         done += portion;
         if (scene_next(&random) % 3) continue;
         if (tides_event_writer_flush(writer, NULL) != TIDES_OK) return 4;
@@ -97,7 +97,7 @@ static void finish_rest(const char *path, const tides_event *events, size_t from
     tides_error error;
     expect_ok(tides_event_writer_resume(path, &facts, from, &writer, &error), &error);
     assert_true(tides_event_writer_count(writer) == from);
-    expect_ok(tides_event_writer_append(writer, events + from, STREAM - from, &error), &error);
+    expect_ok(tides_event_writer_append(writer, events + from, NULL, STREAM - from, &error), &error);
     expect_ok(tides_event_writer_finish(writer, 0, &error), &error);
 }
 
@@ -175,10 +175,10 @@ static void test_cuts_around_chunks(void **state) {
         for (size_t b = 0; b < sizeof beyond / sizeof *beyond; b++) {
             tides_event_writer *writer = NULL;
             tides_error error;
-            expect_ok(tides_event_writer_open(path, &facts, &writer, &error), &error);
-            expect_ok(tides_event_writer_append(writer, events, cuts[c], &error), &error);
+            expect_ok(tides_event_writer_open(path, NULL, &facts, &writer, &error), &error);
+            expect_ok(tides_event_writer_append(writer, events, NULL, cuts[c], &error), &error);
             expect_ok(tides_event_writer_flush(writer, &error), &error);
-            expect_ok(tides_event_writer_append(writer, events + cuts[c], beyond[b], &error), &error);
+            expect_ok(tides_event_writer_append(writer, events + cuts[c], NULL, beyond[b], &error), &error);
             if (b % 2) expect_ok(tides_event_writer_flush(writer, &error), &error);
             tides_event_writer_abandon(writer);
             finish_rest(path, events, cuts[c]);
@@ -197,18 +197,18 @@ static void test_from_nothing(void **state) {
     write_all(whole, &facts, events, STREAM, 0);
     tides_event_writer *writer = NULL;
     tides_error error;
-    expect_ok(tides_event_writer_open(path, &facts, &writer, &error), &error);
+    expect_ok(tides_event_writer_open(path, NULL, &facts, &writer, &error), &error);
     expect_ok(tides_event_writer_flush(writer, &error), &error);
-    expect_ok(tides_event_writer_append(writer, events, 200000, &error), &error);
+    expect_ok(tides_event_writer_append(writer, events, NULL, 200000, &error), &error);
     tides_event_writer_abandon(writer);
     finish_rest(path, events, 0);
     expect_same_datasets(whole, path);
     for (size_t cut = 70000; cut <= 2 * CHUNK; cut += 2 * CHUNK - 70000) {
-        expect_ok(tides_event_writer_open(path, &facts, &writer, &error), &error);
-        expect_ok(tides_event_writer_append(writer, events, 200000, &error), &error);
+        expect_ok(tides_event_writer_open(path, NULL, &facts, &writer, &error), &error);
+        expect_ok(tides_event_writer_append(writer, events, NULL, 200000, &error), &error);
         tides_event_writer_abandon(writer);
         expect_ok(tides_event_writer_resume(path, &facts, cut, &writer, &error), &error);
-        assert_int_equal(tides_event_writer_append(writer, events + cut - 2, 1, &error), TIDES_BAD_ARGUMENT);
+        assert_int_equal(tides_event_writer_append(writer, events + cut - 2, NULL, 1, &error), TIDES_BAD_ARGUMENT);
         assert_non_null(strstr(error.text, "comes before"));
         tides_event_writer_abandon(writer);
     }
@@ -223,7 +223,7 @@ static void test_run_text(void **state) {
     const tides_event_file other = {facts.width, facts.height, "{\"stop\": 2, \"more\": \"text than before\"}", "1", 0, 0, 0};
     tides_event_writer *writer = NULL;
     tides_error error;
-    expect_ok(tides_event_writer_open(path, &facts, &writer, &error), &error);
+    expect_ok(tides_event_writer_open(path, NULL, &facts, &writer, &error), &error);
     tides_event_writer_abandon(writer);
     expect_ok(tides_event_writer_resume(path, &other, 0, &writer, &error), &error);
     expect_ok(tides_event_writer_finish(writer, 1000, &error), &error);
@@ -257,8 +257,8 @@ static void test_refusals(void **state) {
     size_t bytes, after;
     refuse(path, &facts, 0, TIDES_FILE_NOT_FOUND, "e.h5.part: can't be opened");
     refuse(NULL, &facts, 0, TIDES_BAD_ARGUMENT, "NULL");
-    expect_ok(tides_event_writer_open(path, &facts, &writer, &error), &error);
-    expect_ok(tides_event_writer_append(writer, events, 100000, &error), &error);
+    expect_ok(tides_event_writer_open(path, NULL, &facts, &writer, &error), &error);
+    expect_ok(tides_event_writer_append(writer, events, NULL, 100000, &error), &error);
     expect_ok(tides_event_writer_flush(writer, &error), &error);
     refuse(path, &facts, 100000, TIDES_WRITE_FAILED, "written by another run"); /* it's still at work */
     tides_event_writer_abandon(writer);
@@ -290,14 +290,14 @@ static void test_flush_fails(void **state) {
     tides_event *events = random_events(80, STREAM, facts.width, facts.height, 900000);
     tides_event_writer *writer = NULL;
     tides_error error;
-    expect_ok(tides_event_writer_open(path, &facts, &writer, &error), &error);
-    expect_ok(tides_event_writer_append(writer, events, 1000, &error), &error);
+    expect_ok(tides_event_writer_open(path, NULL, &facts, &writer, &error), &error);
+    expect_ok(tides_event_writer_append(writer, events, NULL, 1000, &error), &error);
     assert_int_equal(mkdir(blocked, 0777), 0);
     assert_int_equal(tides_event_writer_flush(writer, &error), TIDES_WRITE_FAILED);
     assert_non_null(strstr(error.text, "e.h5.part.tail.part"));
     assert_int_equal(rmdir(blocked), 0);
     expect_ok(tides_event_writer_flush(writer, &error), &error);
-    expect_ok(tides_event_writer_append(writer, events + 1000, STREAM - 1000, &error), &error);
+    expect_ok(tides_event_writer_append(writer, events + 1000, NULL, STREAM - 1000, &error), &error);
     expect_ok(tides_event_writer_finish(writer, 0, &error), &error);
     assert_file_holds(path, events, STREAM);
     assert_int_equal(tides_event_writer_flush(NULL, &error), TIDES_BAD_ARGUMENT);

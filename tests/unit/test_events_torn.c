@@ -59,11 +59,11 @@ static int run_errand(const errand *e) {
     enum { PORTION = CHUNK / 2 + 11 };
     tides_event_writer *writer = NULL;
     tides_status status = e->from ? tides_event_writer_resume(e->path, &facts, e->from, &writer, NULL)
-                                  : tides_event_writer_open(e->path, &facts, &writer, NULL);
+                                  : tides_event_writer_open(e->path, NULL, &facts, &writer, NULL);
     if (status != TIDES_OK) return 2;
     for (size_t done = e->from, portion; done < e->to; done += portion) {
         portion = e->to - done < PORTION ? e->to - done : PORTION;
-        if (tides_event_writer_append(writer, e->events + done, portion, NULL) != TIDES_OK) return 3;
+        if (tides_event_writer_append(writer, e->events + done, NULL, portion, NULL) != TIDES_OK) return 3;
         if (tides_event_writer_flush(writer, NULL) != TIDES_OK) return 4;
         const size_t flushed = done + portion;
         if (write(e->tell, &flushed, sizeof flushed) != sizeof flushed) return 5;
@@ -110,7 +110,7 @@ static void finish_rest(const char *path, const tides_event *events, size_t from
     tides_event_writer *writer = NULL;
     tides_error error;
     if (tides_event_writer_resume(path, &facts, from, &writer, &error) != TIDES_OK ||
-        tides_event_writer_append(writer, events + from, STREAM - from, &error) != TIDES_OK ||
+        tides_event_writer_append(writer, events + from, NULL, STREAM - from, &error) != TIDES_OK ||
         tides_event_writer_finish(writer, 0, &error) != TIDES_OK)
         fail_msg("%s", error.text);
     assert_file_holds(path, events, STREAM);

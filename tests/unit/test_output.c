@@ -83,8 +83,8 @@ static tides_status put_events(const char *path, tides_error *error) {
     const tides_event_file facts = {.width = 8, .height = 8};
     const tides_event events[] = {{.t = 1000, .x = 1, .y = 2, .polarity = 1}, {.t = 2000, .x = 3, .y = 4, .polarity = -1}};
     tides_event_writer *writer = NULL;
-    tides_status status = tides_event_writer_open(path, &facts, &writer, error);
-    if (status == TIDES_OK) status = tides_event_writer_append(writer, events, 2, error);
+    tides_status status = tides_event_writer_open(path, NULL, &facts, &writer, error);
+    if (status == TIDES_OK) status = tides_event_writer_append(writer, events, NULL, 2, error);
     if (status == TIDES_OK) return tides_event_writer_finish(writer, 2000, error);
     tides_event_writer_abandon(writer);
     return status;
@@ -310,8 +310,8 @@ static void test_changed_meanwhile(void **state) {
     tides_error error = {TIDES_OK, ""};
     char path[700];
     snprintf(path, sizeof path, "%s", within(state, "late.h5"));
-    assert_int_equal(tides_event_writer_open(path, &facts, &open_one, &error), TIDES_OK);
-    assert_int_equal(tides_event_writer_append(open_one, &event, 1, &error), TIDES_OK);
+    assert_int_equal(tides_event_writer_open(path, NULL, &facts, &open_one, &error), TIDES_OK);
+    assert_int_equal(tides_event_writer_append(open_one, &event, NULL, 1, &error), TIDES_OK);
     assert_int_equal(mkfifo(path, 0600), 0);
     assert_int_equal(tides_event_writer_finish(open_one, 2000, &error), TIDES_WRITE_FAILED);
     assert_non_null(strstr(error.text, "the data is in"));
@@ -400,9 +400,9 @@ static void try_two(void **state, const char *name) {
     size_t got = 0;
     char path[700];
     snprintf(path, sizeof path, "%s", within(state, name));
-    assert_int_equal(tides_event_writer_open(path, &facts, &first, &error), TIDES_OK);
-    assert_int_equal(tides_event_writer_append(first, &event, 1, &error), TIDES_OK);
-    assert_int_equal(tides_event_writer_open(path, &facts, &second, &error), TIDES_WRITE_FAILED);
+    assert_int_equal(tides_event_writer_open(path, NULL, &facts, &first, &error), TIDES_OK);
+    assert_int_equal(tides_event_writer_append(first, &event, NULL, 1, &error), TIDES_OK);
+    assert_int_equal(tides_event_writer_open(path, NULL, &facts, &second, &error), TIDES_WRITE_FAILED);
     assert_null(second);
     const int says = strstr(error.text, "is being written by another run") || strstr(error.text, "busy");
     if (!says) fail_msg("%s: %s", name, error.text);

@@ -16,10 +16,22 @@
 
 /* -- plain values -- */
 
+/* A file of that pickle, without storages; lent until the next one, which trees read no more then. */
+static const scene_bytes *file_of(const void *bytes, size_t size) {
+    static scene_bytes file;
+    scene_bytes pickle = {0};
+    free(file.data);
+    scene_bytes_add(&pickle, bytes, size);
+    file = pickle_archive(&pickle, NULL, 0);
+    free(pickle.data);
+    return &file;
+}
+
 static td_tree *parse(const void *bytes, size_t size) {
+    const scene_bytes *file = file_of(bytes, size);
     td_tree *tree = NULL;
     tides_error error;
-    scene_expect_ok(td_pickle_parse("test", bytes, size, &tree, &error), &error);
+    scene_expect_ok(td_torch_parse("test", file->data, file->size, &tree, &error), &error);
     return tree;
 }
 
@@ -165,14 +177,11 @@ static void test_dtypes(void **state) {
         scene_bytes file = torch_file(cases[i].type, 1, 0, 0, NULL, NULL, cases[i].bytes, (size_t)cases[i].width);
         td_tree *tree = NULL;
         tides_error error;
-        double *values = NULL;
         const td_tensor *tensor = NULL;
         scene_expect_ok(td_torch_parse("test.pth", file.data, file.size, &tree, &error), &error);
         scene_expect_ok(td_value_tensor(td_tree_root(tree), "w", &tensor, &error), &error);
-        scene_expect_ok(td_tensor_doubles(tensor, &values, &error), &error);
         assert_int_equal(tensor->count, 1);
-        if (!(values[0] == cases[i].expected)) fail_msg("%s: %g", cases[i].type, values[0]);
-        free(values);
+        if (!(td_tensor_at(tensor, 0) == cases[i].expected)) fail_msg("%s: %g", cases[i].type, td_tensor_at(tensor, 0));
         td_tree_free(tree);
         free(file.data);
     }
@@ -208,7 +217,8 @@ static void test_checks(void **state) {
 static void refuse(const void *bytes, size_t size, tides_status status, const char *expected) {
     td_tree *tree = NULL;
     tides_error error;
-    scene_expect_error(td_pickle_parse("test", bytes, size, &tree, &error), status, &error, expected);
+    const scene_bytes *file = file_of(bytes, size);
+    scene_expect_error(td_torch_parse("test", file->data, file->size, &tree, &error), status, &error, expected);
     assert_null(tree);
 }
 #define REFUSE(literal, status, expected) refuse(literal, sizeof(literal) - 1, status, expected)

@@ -201,17 +201,17 @@ static void test_singles_are_the_tile(void **state) {
             td_pieces pieces;
             td_pieces_make(&pieces, &ends, NULL, 0);
             const td_sensor_single one = single_of(&single->tile[0], i, &step, &ends, &pieces, &changes);
-            const size_t before = single->buffer.count;
+            const size_t before = single->work.events.count;
             if (!active[i]) continue;
-            assert_int_equal(td_sensor_advance(&single->sensor, &one, &single->buffer, &error), TIDES_OK);
+            assert_int_equal(td_sensor_advance(&single->sensor, &one, &single->work, &error), TIDES_OK);
             size_t fired = 0;
             for (int k = 0; k < changes.count; k++) fired += (size_t)changes.change[k].fired;
-            if (!with) assert_true(fired == single->buffer.count - before);
+            if (!with) assert_true(fired == single->work.events.count - before);
         }
-        assert_int_equal(tile->buffer.count, single->buffer.count);
-        assert_true(tile->buffer.count > 500);
-        for (size_t k = 0; k < tile->buffer.count; k++)
-            assert_memory_equal(&tile->buffer.events[k], &single->buffer.events[k], sizeof(tides_event));
+        assert_int_equal(tile->work.events.count, single->work.events.count);
+        assert_true(tile->work.events.count > 500);
+        for (size_t k = 0; k < tile->work.events.count; k++)
+            assert_memory_equal(&tile->work.events.events[k], &single->work.events.events[k], sizeof(tides_event));
         rig_free(tile);
         rig_free(single);
     }
@@ -246,7 +246,7 @@ static void test_out_of_reach(void **state) {
             td_pieces pieces;
             td_pieces_make(&pieces, &ends, NULL, 0);
             const td_sensor_single one = single_of(&r->tile[0], i, &step, &ends, &pieces, &changes);
-            assert_int_equal(td_sensor_advance(&r->sensor, &one, &r->buffer, &error), TIDES_OK);
+            assert_int_equal(td_sensor_advance(&r->sensor, &one, &r->work, &error), TIDES_OK);
             assert_true(reaches[i] || changes.count == 0);
             out += !reaches[i];
             fired += changes.count > 0;

@@ -150,8 +150,7 @@ static void choices_reach_their_constants(void **state) {
                  {"stepping.model=hermite", 0, FIXED, TIDES_MODEL_HERMITE},
                  {"stepping.model=\"secant\"", 0, FIXED, TIDES_MODEL_SECANT},
                  {"stepping.mode=error", 0, ERROR, TIDES_MODEL_HERMITE},
-                 {"stepping.mode=risk", 0, TIDES_STEPPING_RISK, TIDES_MODEL_HERMITE},
-                 {"stepping.mode=error_risk", 0, TIDES_STEPPING_ERROR_RISK, TIDES_MODEL_HERMITE}};
+                 {"stepping.mode=risk", 0, TIDES_STEPPING_RISK, TIDES_MODEL_HERMITE}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         const char *set[] = {"stepping.mode=fixed", cases[i].set};
         tides_run *run = accepted("{" BASE "}", set, 2);

@@ -40,9 +40,9 @@ static void test_ramp_through_a_low_pass(void **state) {
             sensor.leak_rate_hz = leaks ? 20 : 0;
             rig *r = rig_make(&sensor, 1, 0, ramps, NULL);
             rig_run(r, 0.05, lengths[k]);
-            assert_true(r->buffer.count > 500);
-            for (size_t e = 0; e < r->buffer.count; e++) {
-                const tides_event *event = &r->buffer.events[e];
+            assert_true(r->work.events.count > 500);
+            for (size_t e = 0; e < r->work.events.count; e++) {
+                const tides_event *event = &r->work.events.events[e];
                 double slope = slope_of(event->x + RIG_WIDTH * event->y), t = 1e-9 * (double)event->t;
                 double late = 0.5e-9 * fabs(slope); /* times are floored */
                 expect_added(event, -slope * TAU * (1 - exp(-t / TAU)));
@@ -63,8 +63,8 @@ static void test_nothing_added(void **state) {
         sensor.refractory_s = 1e-4;
         rig *r = rig_make(&sensor, 1, 0, ramps, NULL);
         rig_run(r, 0.05, 50);
-        assert_true(r->buffer.count > 500);
-        for (size_t e = 0; e < r->buffer.count; e++) assert_int_equal(r->buffer.events[e].frontend, 0);
+        assert_true(r->work.events.count > 500);
+        for (size_t e = 0; e < r->work.events.count; e++) assert_int_equal(r->work.events.events[e].frontend, 0);
         rig_free(r);
     }
 }
@@ -86,8 +86,8 @@ static void test_noise(void **state) {
     rig *r = rig_make(&sensor, 1, 0, rest, NULL);
     for (size_t i = 0; i < r->pixels; i++) first[i] = td_sensor_noise_at(&r->sensor, i, 0);
     rig_run(r, 0.005, 20);
-    for (size_t e = 0; e < r->buffer.count; e++) {
-        const tides_event *event = &r->buffer.events[e];
+    for (size_t e = 0; e < r->work.events.count; e++) {
+        const tides_event *event = &r->work.events.events[e];
         int i = event->x + RIG_WIDTH * event->y;
         if (!seen[i]) expect_added(event, first[i] + 0.02 * event->polarity);
         count += !seen[i];
@@ -132,7 +132,7 @@ static void test_tile_is_its_pixels(void **state) {
             }
             assert_memory_equal(S, r->sensor.filter[0], sizeof S);
         }
-        assert_true(r->sensor.counts.solved > 100 && r->sensor.counts.solved < 60 * r->pixels / 2); /* both ways were taken */
+        assert_true(r->work.counts.solved > 100 && r->work.counts.solved < 60 * r->pixels / 2); /* both ways were taken */
         rig_free(r);
     }
 }

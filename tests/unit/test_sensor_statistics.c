@@ -39,13 +39,13 @@ static void test_shot_rate_and_law(void **state) {
     rig *r = rig_make(&sensor, TILES, 3, levels, NULL);
     rig_run(r, 3 + duration, 5);
     double found[LEVELS][2] = {{0}};
-    for (size_t k = 0; k < r->buffer.count; k++) {
-        const tides_event *e = &r->buffer.events[k];
+    for (size_t k = 0; k < r->work.events.count; k++) {
+        const tides_event *e = &r->work.events.events[k];
         assert_int_equal(e->cause, TIDES_CAUSE_SHOT);
         found[e->x % LEVELS][e->polarity > 0]++;
     }
-    printf("seed %llu, %zu events\n", (unsigned long long)SEED, r->buffer.count);
-    assert_true(r->buffer.count > 100000);
+    printf("seed %llu, %zu events\n", (unsigned long long)SEED, r->work.events.count);
+    assert_true(r->work.events.count > 100000);
     for (int l = 0; l < LEVELS; l++)
         for (int p = 0; p < 2; p++) {
             double dn = fmin(255 * luminance[l], 255), rate = asked / 2 * (1 - 0.75 * (dn + 20) / 275) / (1 - 0.75 * 20 / 275);
@@ -73,8 +73,8 @@ static size_t intervals(const rig *r, int polarity, double duration, double *gap
     size_t count = 0;
     double last = 0;
     for (int pixel = 0; pixel < RIG_PIXELS; pixel++)
-        for (size_t k = 0; k < r->buffer.count; k++) {
-            const tides_event *e = &r->buffer.events[k];
+        for (size_t k = 0; k < r->work.events.count; k++) {
+            const tides_event *e = &r->work.events.events[k];
             if (e->y * RIG_WIDTH + e->x != pixel || e->polarity != polarity) continue;
             double at = pixel * duration + (double)e->t * 1e-9;
             gaps[count++] = at - last;
@@ -98,7 +98,7 @@ static void test_shot_intervals(void **state) {
     sensor.shot_noise_hz = asked;
     rig *r = rig_make(&sensor, 1, 0, dark, NULL);
     rig_run(r, duration, 3);
-    double *gaps = rig_alloc(r->buffer.count, sizeof *gaps);
+    double *gaps = rig_alloc(r->work.events.count, sizeof *gaps);
     for (int polarity = -1; polarity <= 1; polarity += 2) {
         size_t count = intervals(r, polarity, duration, gaps);
         double distance = exponential_distance(gaps, count, 1 / rate);
@@ -133,7 +133,7 @@ static void test_leak_rate(void **state) {
         double pixels = TILES * RIG_PIXELS, mean = asked * (spreads ? exp(0.5 * spread * spread) : 1);
         double error = spreads ? mean * sqrt(expm1(spread * spread) / pixels) : 0;
         /* A pixel's last interval is cut off: half an event on average, none to one; without a spread, 200.5 is cut to 200. */
-        double found = ((double)r->buffer.count + 0.5 * pixels) / (pixels * duration);
+        double found = ((double)r->work.events.count + 0.5 * pixels) / (pixels * duration);
         expect_near("leak events [Hz]", found, mean, error + 1 / (duration * sqrt(12 * pixels)));
         rig_free(r);
     }
@@ -178,17 +178,17 @@ static void test_noise_at_any_step(void **state) {
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         rig *r = rig_make(&sensor, 2, 17.123456789, levels, NULL);
         rig_run(r, 17.5, counts[k]);
-        tides_event *scratch = rig_alloc(r->buffer.count, sizeof *scratch);
-        td_event_sort(r->buffer.events, scratch, r->buffer.count);
+        tides_event *scratch = rig_alloc(r->work.events.count, sizeof *scratch);
+        td_event_sort(r->work.events.events, scratch, r->work.events.count);
         free(scratch);
         if (first) {
-            assert_int_equal(r->buffer.count, first->buffer.count);
-            assert_memory_equal(r->buffer.events, first->buffer.events, r->buffer.count * sizeof(tides_event));
+            assert_int_equal(r->work.events.count, first->work.events.count);
+            assert_memory_equal(r->work.events.events, first->work.events.events, r->work.events.count * sizeof(tides_event));
             rig_free(r);
         } else {
             first = r;
-            assert_true(r->buffer.count > 10000);
-            assert_true(r->sensor.counts.cause[TIDES_CAUSE_HOT] > 1000);
+            assert_true(r->work.events.count > 10000);
+            assert_true(r->work.counts.cause[TIDES_CAUSE_HOT] > 1000);
         }
     }
     rig_free(first);
@@ -259,10 +259,10 @@ static void test_hot_and_dead(void **state) {
     for (size_t i = 0; i < r->pixels; i++) hot += isfinite(r->sensor.noise.due[TD_NOISE_HOT][i]) ? 1 : 0;
     expect_near("hot pixels", hot, 0.02 * DRAWS, sqrt(0.02 * 0.98 * DRAWS));
     rig_run(r, 1, 2);
-    events = (double)r->buffer.count;
+    events = (double)r->work.events.count;
     expect_near("their events", events, 50 * hot, sqrt(50 * hot));
-    for (size_t k = 0; k < r->buffer.count; k++)
-        assert_true(r->buffer.events[k].polarity == 1 && r->buffer.events[k].cause == TIDES_CAUSE_HOT);
+    for (size_t k = 0; k < r->work.events.count; k++)
+        assert_true(r->work.events.events[k].polarity == 1 && r->work.events.events[k].cause == TIDES_CAUSE_HOT);
     rig_free(r);
     sensor = quiet();
     sensor.dead_pixel_fraction = 0.1;
@@ -272,8 +272,8 @@ static void test_hot_and_dead(void **state) {
     rig_run(r, 0.05, 1);
     double silent = DRAWS;
     unsigned char *fired = rig_alloc(r->pixels, 1);
-    for (size_t k = 0; k < r->buffer.count; k++) {
-        const tides_event *e = &r->buffer.events[k];
+    for (size_t k = 0; k < r->work.events.count; k++) {
+        const tides_event *e = &r->work.events.events[k];
         size_t i = (size_t)e->x / RIG_WIDTH * RIG_PIXELS + (size_t)e->y * RIG_WIDTH + (size_t)e->x % RIG_WIDTH;
         silent -= !fired[i];
         fired[i] = 1;

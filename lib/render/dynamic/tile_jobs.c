@@ -19,17 +19,14 @@ static const td_dynamic_object *object_of(const td_dynamic *dynamic, int leader)
     return mover < 0 ? NULL : &dynamic->object[mover];
 }
 
-/* Whether a Gaussian follows a record path: it needs no row. */
-static int follows(const td_batch *batch, int gaussian) { return batch->paths && batch->paths->path_of[gaussian] >= 0; }
-
 /* Moving candidates of a job that the slot hasn't asked for yet; with `take` they are then. */
-static int count_new(td_dynamic *dynamic, const td_batch *batch, const int *candidates, int count, int take) {
+static int count_new(td_dynamic *dynamic, const int *candidates, int count, int take) {
     int fresh = 0;
     for (int group = 0; group < count; group += TD_PAD) {
         const td_dynamic_object *object = object_of(dynamic, candidates[group]);
         for (int i = group; object && i < group + TD_PAD && candidates[i] != TD_NO_GAUSSIAN; i++) {
             int at = candidates[i] - object->first + object->base;
-            if (dynamic->stamp[at] == dynamic->serial || follows(batch, candidates[i])) continue;
+            if (dynamic->stamp[at] == dynamic->serial) continue;
             fresh++;
             if (!take) continue;
             dynamic->stamp[at] = dynamic->serial;
@@ -93,13 +90,12 @@ static tides_status assign_rows(td_dynamic *dynamic, double time, int side, int 
 }
 
 /* A job's own list: rows instead of Gaussians. */
-static void point_at_rows(const td_dynamic *dynamic, const td_batch *batch, const int *candidates, int count, int *list) {
+static void point_at_rows(const td_dynamic *dynamic, const int *candidates, int count, int *list) {
     for (int group = 0; group < count; group += TD_PAD) {
         const td_dynamic_object *object = object_of(dynamic, candidates[group]);
         for (int i = group; i < group + TD_PAD; i++) {
             list[i] = candidates[i];
-            if (object && list[i] != TD_NO_GAUSSIAN && !follows(batch, list[i]))
-                list[i] = dynamic->row_of[list[i] - object->first + object->base];
+            if (object && list[i] != TD_NO_GAUSSIAN) list[i] = dynamic->row_of[list[i] - object->first + object->base];
         }
     }
 }
@@ -111,8 +107,8 @@ typedef struct launch_plan {
 } launch_plan;
 
 /* As many of the following slot's jobs as there is room for; 0 in `*more` where the launch is full. */
-static tides_status take_slot(tides_renderer *r, const td_batch *batch, const td_tile_batch *wanted, td_job *jobs, int count,
-                              launch_plan *launch, int *more, tides_error *error) {
+static tides_status take_slot(tides_renderer *r, const td_tile_batch *wanted, td_job *jobs, int count, launch_plan *launch,
+                              int *more, tides_error *error) {
     td_dynamic *dynamic = &r->dynamic;
     const int *candidates = r->candidates.list;
     /* Rows are worked out for each launch: a run's statistics don't depend on who watches it. */
@@ -121,10 +117,10 @@ static tides_status take_slot(tides_renderer *r, const td_batch *batch, const td
     begin_slot(dynamic);
     for (; launch->to < count && jobs[launch->to].slot == slot; launch->to++) {
         const td_job *job = &jobs[launch->to];
-        int fresh = count_new(dynamic, batch, candidates + job->candidates, job->count, 0);
+        int fresh = count_new(dynamic, candidates + job->candidates, job->count, 0);
         int full = launch->records > limit - job->count || dynamic->rows.count + asked + padding > r->row_limit - fresh;
         if (full && launch->to > launch->from) break;
-        asked += count_new(dynamic, batch, candidates + job->candidates, job->count, 1);
+        asked += count_new(dynamic, candidates + job->candidates, job->count, 1);
         launch->records += job->count;
     }
     *more = launch->to > first && launch->to < count && jobs[launch->to].slot != slot;
@@ -133,7 +129,7 @@ static tides_status take_slot(tides_renderer *r, const td_batch *batch, const td
         status =
             td_reserve((void **)&dynamic->list, &dynamic->list_capacity, (size_t)launch->records, sizeof *dynamic->list, error);
     for (int i = first; i < launch->to && status == TIDES_OK; i++) {
-        point_at_rows(dynamic, batch, candidates + jobs[i].candidates, jobs[i].count, dynamic->list + launch->rows);
+        point_at_rows(dynamic, candidates + jobs[i].candidates, jobs[i].count, dynamic->list + launch->rows);
         jobs[i].candidates = launch->rows;
         launch->rows += jobs[i].count;
     }
@@ -152,7 +148,7 @@ static tides_status run_launch(tides_renderer *r, td_batch *batch, td_job *jobs,
     if (status != TIDES_OK) return status;
     batch->candidates = r->dynamic.list;
     batch->candidate_count = launch->rows;
-    batch->candidates_serial = td_serial_of_rows(++r->dynamic.serial_of_list);
+    batch->candidates_serial = ++r->dynamic.serial_of_list;
     batch->jobs = jobs;
     batch->job_count = count;
     batch->records = records;
@@ -168,7 +164,7 @@ tides_status td_dynamic_run_jobs(tides_renderer *r, td_batch *batch, const td_ti
         status = td_renderer_heed(r, (double)launch.from / count, error);
         launch.records = launch.rows = 0;
         td_rows_begin(&r->dynamic, r->store.count + r->dynamic.cached_rows);
-        while (more && status == TIDES_OK) status = take_slot(r, batch, asked, jobs, count, &launch, &more, error);
+        while (more && status == TIDES_OK) status = take_slot(r, asked, jobs, count, &launch, &more, error);
         if (status == TIDES_OK) status = run_launch(r, batch, jobs + launch.from, &launch, planes, error);
     }
     return status;

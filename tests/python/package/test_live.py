@@ -26,7 +26,7 @@ def room(tmp_path):
         "scene": {"file": "room.h5"},
         "camera": {"file": "path.json"},
         "time": {"stop": 0.1},
-        "stepping": {"step_s": STEP, "solve": "double", "tolerance": 0.1, "unit": "block", "paths": True},
+        "stepping": {"step_s": STEP, "solve": "double", "tolerance": 0.1, "unit": "block"},
     }
     (tmp_path / "room.json").write_text(json.dumps(run))
     return tmp_path / "room.json"

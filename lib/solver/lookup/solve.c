@@ -1,0 +1,230 @@
+/* Events on the image itself: which pixels may do something, then what isn't settled is looked up in batches, until all is. For
+ * settle.c. What a pixel needs is solve_run.c's to say, what was found solve_nodes.c's to keep, and batches are
+ * solve_batches.c's. */
+#include "td_extremes.h"
+#include "solver/td_probe.h"
+#include "signal/td_model_error.h"
+#include "solver/td_simulator.h"
+#include "td_wide.h"
+
+#include <stdlib.h>
+
+/* Points that are worth a launch: some 30 ms of a processor. With fewer, who is at work where changes so often that caches cost
+ * what is gained (two cores, the demo: 2048 took 1.06 of the time of one batch, 8192 0.94, 16384 0.92, 32768 0.93). */
+enum { ENOUGH = 1 << 14 };
+
+/* Times that are settled where no tolerance is set [s]: ten units of event times, above which nothing that follows is felt. */
+static const double default_target_s = 1e-8;
+
+/* -- having it ------------------------------------------------------------------------------------------------------------ */
+
+/* What stands in the way of `asked` (TIDES_UNSOLVED_*), for which nothing but the run counts. */
+static tides_status find_obstacle(const tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping,
+                                  int32_t asked, int32_t *why, tides_error *error) {
+    int shows = 0;
+    tides_status status = td_sensor_shows_signal(sensor, &shows, error);
+    if (asked == TIDES_SOLVE_OFF)
+        *why = TIDES_UNSOLVED_ASKED;
+    else if (stepping->mode == TIDES_STEPPING_FIXED)
+        *why = TIDES_UNSOLVED_FIXED;
+    else if (stepping->model != TIDES_MODEL_HERMITE)
+        *why = TIDES_UNSOLVED_MODEL;
+    else if (!shows)
+        *why = TIDES_UNSOLVED_SENSOR;
+    else if (td_renderer_lacks_exact_points(s->renderer))
+        *why = TIDES_UNSOLVED_IMAGE;
+    else
+        *why = TIDES_UNSOLVED_NOT;
+    return status;
+}
+
+static tides_status refuse(const tides_simulator *s, int32_t why, tides_error *error) {
+    static const char *const words[] =
+        {[TIDES_UNSOLVED_FIXED] = "with fixed steps, whose errors nobody knows",
+         [TIDES_UNSOLVED_MODEL] = "with another stepping.model than hermite",
+         [TIDES_UNSOLVED_SENSOR] = "where a PSF, a filter, a surround or additive noise comes between it and the comparator"};
+    if (why == TIDES_UNSOLVED_IMAGE)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "stepping.solve \"double\": single pixels can't be worked out in double precision: %s",
+                       td_renderer_lacks_exact_points(s->renderer));
+    return td_fail(error, TIDES_UNSUPPORTED, "stepping.solve: events can't be solved on the image %s; set \"off\"", words[why]);
+}
+
+tides_status td_solve_choose(tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping,
+                             tides_error *error) {
+    const int32_t asked = stepping->solve;
+    if (asked < TIDES_SOLVE_OFF || asked > TIDES_SOLVE_AUTO)
+        return td_fail(error, TIDES_UNSUPPORTED, "stepping.solve: %d is none of TIDES_SOLVE_*", (int)asked);
+    tides_status status = find_obstacle(s, sensor, stepping, asked, &s->solve.unsolved, error);
+    if (status != TIDES_OK) return status;
+    const int solves = s->solve.unsolved == TIDES_UNSOLVED_NOT;
+    if (!solves && asked == TIDES_SOLVE_DOUBLE) return refuse(s, s->solve.unsolved, error);
+    s->solve.on = solves;
+    return TIDES_OK;
+}
+
+tides_status td_solve_create(tides_simulator *s, tides_error *error) {
+    td_solve *solve = &s->solve;
+    if (!solve->on) return TIDES_OK;
+    tides_status status = td_renderer_exact_points(s->renderer, error);
+    if (status != TIDES_OK) return status;
+    solve->known = td_alloc(s->layout.first_pixel[s->layout.tiles], sizeof *solve->known, error);
+    if (!solve->known) return TIDES_NO_MEMORY;
+    solve->is_exact = !td_renderer_points_rounded(s->renderer);
+    solve->samples = s->timing.rounding + TD_SOLVE_SAMPLES;
+    solve->enough = ENOUGH;
+    s->timing.is_sample = 1;
+    solve->target_s = s->given.time_tolerance_s > 0 ? s->given.time_tolerance_s : default_target_s;
+    return TIDES_OK;
+}
+
+void td_solve_release(td_solve *solve) {
+    free(solve->known);
+    free(solve->refer.wanted);
+    free(solve->refer.start);
+    free(solve->refer.rest);
+    free(solve->looked);
+    free(solve->found);
+    free(solve->step);
+    free(solve->reaches);
+    free(solve->trust);
+    free(solve->sampled);
+    td_work_release(&solve->ahead);
+    for (int k = 0; k < TD_SOLVE_BATCHES; k++) {
+        free(solve->batch[k].pixel);
+        free(solve->batch[k].point);
+        free(solve->batch[k].asked);
+        free(solve->batch[k].value);
+    }
+    *solve = (td_solve){.on = solve->on, .unsolved = solve->unsolved};
+}
+
+/* -- before anything is looked up ----------------------------------------------------------------------------------------- */
+
+/* What all pixels of a step share. */
+static tides_status lay_step(tides_simulator *s, const td_refine_step *refined, double start, double stop, td_solve_step *at,
+                             tides_error *error) {
+    const double *begin[TD_PLANES_ALL], *end[TD_PLANES_ALL];
+    td_refine_planes(s, refined, begin, end);
+    at->from = td_refine_time(&s->refine, start, stop, refined->from);
+    at->to = td_refine_time(&s->refine, start, stop, refined->to);
+    at->signals = (td_signals){begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
+    at->coverage = at->alpha_dot = (td_coverage){NULL, NULL};
+    if (s->sensor.masks) at->coverage = (td_coverage){begin[TD_PLANE_ALPHA], end[TD_PLANE_ALPHA]};
+    if (s->sensor.masks) at->alpha_dot = (td_coverage){begin[TD_PLANE_ALPHA_DOT], end[TD_PLANE_ALPHA_DOT]};
+    return td_grid_step(&s->grid, at->from, at->to, &at->span, error);
+}
+
+/* Lists a pixel of a unit with its steps from `first` on, the `row`th, which is the first in which it may do something. */
+static tides_status list_pixel(tides_simulator *s, int32_t first, size_t row, int32_t i, tides_error *error) {
+    td_solve *solve = &s->solve;
+    const td_refine *r = &s->refine;
+    td_solve_batch *batch = td_solve_asking(solve);
+    const size_t begun = solve->looked_count;
+    tides_status status =
+        td_reserve((void **)&batch->pixel, &batch->pixel_capacity, batch->pixels + 1, sizeof *batch->pixel, error);
+    for (int32_t k = first; k >= 0 && !r->step[k].open && status == TIDES_OK; k = r->step[k].next, row++) {
+        const size_t place = row * (size_t)r->samples.pixels + (size_t)i;
+        if (!solve->reaches[place]) continue;
+        status =
+            td_reserve((void **)&solve->looked, &solve->looked_capacity, solve->looked_count + 1, sizeof *solve->looked, error);
+        if (status != TIDES_OK) break;
+        const td_signals *at = &solve->step[k].signals;
+        const double h = solve->step[k].span.length_s;
+        solve->looked[solve->looked_count++] = (td_looked){.ends = {h, at->S0[i], at->S0_dot[i], at->S1[i], at->S1_dot[i]},
+                                                           .trust = solve->trust[place],
+                                                           .step = k,
+                                                           .first = -1};
+    }
+    if (status == TIDES_OK)
+        batch->pixel[batch->pixels++] = (td_solving){r->step[first].tile, i, (int32_t)begun, (int32_t)solve->looked_count, 0};
+    return status;
+}
+
+/* Which of a unit's pixels may do something in a step, its `row`th, and which have a level within reach; `doubt` is of their
+ * references. */
+static tides_status find_active(tides_simulator *s, int32_t step, size_t row, const double *doubt, uint8_t *active,
+                                tides_error *error) {
+    td_solve *solve = &s->solve;
+    const td_refine_step *refined = &s->refine.step[step];
+    const td_tile *tile = &s->layout.tile[refined->tile];
+    const td_solve_step *at = &solve->step[step];
+    const size_t pixels = (size_t)s->refine.samples.pixels, first = s->layout.first_pixel[refined->tile];
+    double widen[TD_TILE_PIXELS];
+    tides_status status = td_reserve((void **)&solve->reaches, &solve->reach_capacity, (row + 1) * pixels, 1, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&solve->trust, &solve->trust_capacity, (row + 1) * pixels, sizeof *solve->trust, error);
+    if (status != TIDES_OK) return status;
+    td_trust *trust = solve->trust + row * pixels;
+    td_solve_first_trust(s, refined, at->span.length_s, 0, tile->count, trust);
+    for (int32_t i = 0; i < tile->count; i++) widen[i] = trust[i].error + solve->samples + doubt[i];
+    td_sensor_find(&s->sensor, &at->span, tile, first, &at->signals, widen, active);
+    td_sensor_reaches(&s->sensor, &at->span, tile, first, &at->signals, widen, solve->reaches + row * pixels);
+    return TIDES_OK;
+}
+
+/* Runs the pixel that was listed last, and drops it where it is settled; one whose reference isn't known waits for that. */
+static tides_status run_last(tides_simulator *s, tides_error *error) {
+    const td_solve *solve = &s->solve;
+    td_solve_batch *batch = td_solve_asking(&s->solve);
+    td_solving *pixel = &batch->pixel[batch->pixels - 1];
+    if (solve->known[s->layout.first_pixel[pixel->tile] + (size_t)pixel->local] == 0) {
+        pixel->waits = 1;
+        return td_solve_ask_reference(s, pixel->tile, pixel->local, error);
+    }
+    tides_status status = td_solve_run(s, pixel, error);
+    if (pixel->next == pixel->end) batch->pixels--;
+    return status;
+}
+
+/* The pixels of a unit that may do something: each is listed, and run while what was read for it is at hand. */
+static tides_status begin_unit(tides_simulator *s, int t, double start, double stop, tides_error *error) {
+    const td_refine *r = &s->refine;
+    uint8_t active[TD_TILE_PIXELS] = {0}, before[TD_TILE_PIXELS];
+    int32_t first[TD_TILE_PIXELS];
+    size_t row[TD_TILE_PIXELS], rows = 0;
+    double doubt[TD_TILE_PIXELS];
+    tides_status status = TIDES_OK;
+    td_solve_doubt(s, t, doubt);
+    for (int32_t k = r->head[t]; k >= 0 && !r->step[k].open && status == TIDES_OK; k = r->step[k].next, rows++) {
+        memcpy(before, active, sizeof before);
+        status = lay_step(s, &r->step[k], start, stop, &s->solve.step[k], error);
+        if (status == TIDES_OK) status = find_active(s, k, rows, doubt, active, error);
+        for (int32_t i = 0; i < s->layout.tile[t].count; i++)
+            if (active[i] != before[i]) first[i] = k, row[i] = rows;
+    }
+    for (int32_t i = 0; i < s->layout.tile[t].count && status == TIDES_OK; i++) {
+        if (!active[i]) continue;
+        /* NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): where it became active its step was kept */
+        status = list_pixel(s, first[i], row[i], i, error);
+        if (status == TIDES_OK) status = run_last(s, error);
+    }
+    return status;
+}
+
+/* -- batch after batch ---------------------------------------------------------------------------------------------------- */
+
+/* All units that are refined together; a batch goes when it is worth it, with all points of its tiles, which go down a list
+ * together. */
+static tides_status begin_units(tides_simulator *s, double start, double stop, tides_error *error) {
+    td_solve *solve = &s->solve;
+    const td_refine *r = &s->refine;
+    tides_status status = td_reserve((void **)&solve->step, &solve->step_capacity, r->steps, sizeof *solve->step, error);
+    for (int k = 0; k < r->units && status == TIDES_OK; k++) {
+        const int t = r->unit[k];
+        const int begins_tile = k > 0 && td_units_tile(s, t) != td_units_tile(s, r->unit[k - 1]);
+        if (begins_tile && td_solve_has_enough(s)) status = td_solve_turn(s, error);
+        if (status == TIDES_OK) status = begin_unit(s, t, start, stop, error);
+    }
+    return status;
+}
+
+tides_status td_solve_steps(tides_simulator *s, double start, double stop, tides_error *error) {
+    td_solve *solve = &s->solve;
+    solve->looked_count = solve->found_count = 0;
+    td_solve_clear_batches(s);
+    tides_status status = begin_units(s, start, stop, error);
+    while (status == TIDES_OK && td_solve_is_busy(solve)) status = td_solve_turn(s, error);
+    if (status != TIDES_OK) td_solve_clear_batches(s);
+    return status;
+}

@@ -1,0 +1,67 @@
+/* Points that are to be looked up: asked for one by one, sent to the renderer batch by batch, and received. For the files that
+ * find out what is needed (solve_rest.c, solve_run.c), and for solve_batches.c, which takes turns. */
+#include "solver/td_simulator.h"
+
+/* Points of the first batch: the device has nothing to do till then. Each next one is twice as large: asking for a point takes
+ * as long as a core of two takes to look it up, or half of that. */
+enum { FIRST = 1024 };
+
+tides_status td_solve_ask(tides_simulator *s, const td_tile *tile, int32_t local, double time, const td_asked *asked,
+                          tides_error *error) {
+    td_solve_batch *batch = td_solve_asking(&s->solve);
+    const size_t k = batch->points;
+    tides_status status = td_reserve((void **)&batch->point, &batch->point_capacity, k + 1, sizeof *batch->point, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&batch->asked, &batch->asked_capacity, k + 1, sizeof *batch->asked, error);
+    if (status != TIDES_OK) return status;
+    batch->point[k] = (td_point){time, tile->x0 + local % tile->width, tile->y0 + local / tile->width};
+    batch->asked[k] = *asked;
+    batch->points++;
+    return TIDES_OK;
+}
+
+void td_solve_note_time(tides_simulator *s, double begun) {
+    const double took = td_now() - begun;
+    s->stats.time_look_up_s += took;
+    s->stats.time_compare_s -= took; /* which it is no part of */
+}
+
+tides_status td_solve_send(tides_simulator *s, td_solve_batch *batch, tides_error *error) {
+    tides_status status = td_renew((void **)&batch->value, &batch->value_capacity, batch->points, sizeof *batch->value, error);
+    if (status != TIDES_OK || batch->points == 0) return status;
+    const double begun = td_now();
+    s->solve.lookups += batch->points;
+    status = td_renderer_points_begin(s->renderer, s->camera, batch->point, batch->points, batch->value, error);
+    td_solve_note_time(s, begun);
+    return status;
+}
+
+tides_status td_solve_receive(tides_simulator *s, tides_error *error) {
+    const double begun = td_now();
+    const tides_status status = td_renderer_points_end(s->renderer, error);
+    td_solve_note_time(s, begun);
+    return status;
+}
+
+tides_status td_solve_look_up(tides_simulator *s, tides_error *error) {
+    tides_status status = td_solve_send(s, td_solve_asking(&s->solve), error);
+    return status == TIDES_OK ? td_solve_receive(s, error) : status;
+}
+
+int td_solve_is_busy(const td_solve *solve) {
+    size_t left = solve->refer.count;
+    for (int k = 0; k < TD_SOLVE_BATCHES; k++) left += solve->batch[k].points;
+    return left > 0;
+}
+
+int td_solve_has_enough(const tides_simulator *s) {
+    const td_solve *solve = &s->solve;
+    return solve->batch[solve->asking].points >= solve->enough_now && td_renderer_points_go_on(s->renderer);
+}
+
+void td_solve_clear_batches(tides_simulator *s) {
+    td_renderer_points_drop(s->renderer);
+    for (int k = 0; k < TD_SOLVE_BATCHES; k++) s->solve.batch[k].points = s->solve.batch[k].pixels = 0;
+    s->solve.refer.count = 0;
+    s->solve.enough_now = s->solve.enough < FIRST ? s->solve.enough : FIRST;
+}

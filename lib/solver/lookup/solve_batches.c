@@ -1,0 +1,87 @@
+/* Batches in turns: one is filled, the one before is with the device meanwhile, and of the one before that, which is back,
+ * pixels are run, which may ask for more. For solve.c; what is asked for is solve_ask.c's.
+ *
+ * Which points make a batch decides about nothing but time: pixels don't depend on one another, and all that a pixel asks
+ * for at once is in one batch. */
+#include "solver/td_simulator.h"
+#include "td_wide.h"
+
+/* Steps of a macro step are too many for caches, and are asked for so many pixels ahead. */
+enum { AHEAD = 6 };
+
+/* -- what comes back ------------------------------------------------------------------------------------------------------- */
+
+static void soon(const td_looked *looked) {
+    TD_SOON(looked);
+    TD_SOON((const char *)(looked + 1) - 1);
+}
+
+/* What was found at an end of its step stands for the sample there; at the macro step's end it is what the next one begins
+ * with. */
+static void take_end(tides_simulator *s, const td_asked *asked, const td_point_value *value) {
+    td_looked *looked = &s->solve.looked[asked->looked];
+    const td_refine_step *step = &s->refine.step[looked->step];
+    if (asked->s > 0) {
+        looked->ends.S1 = value->L, looked->ends.S1_dot = value->L_dot;
+        looked->known_ends |= TD_KNOWS_END;
+    } else {
+        looked->ends.S0 = value->L, looked->ends.S0_dot = value->L_dot;
+        looked->known_ends |= TD_KNOWS_START;
+    }
+    if (!(asked->s > 0) || step->next >= 0) return;
+    double *sample = td_sample_at(&s->refine.samples, step->end) + asked->local;
+    sample[TD_PLANE_S * s->refine.samples.pixels] = value->L;
+    sample[TD_PLANE_S_DOT * s->refine.samples.pixels] = value->L_dot;
+}
+
+/* What was found becomes nodes. */
+static tides_status take(tides_simulator *s, const td_solve_batch *back, tides_error *error) {
+    td_solve *solve = &s->solve;
+    tides_status status = TIDES_OK;
+    for (size_t k = 0; k < back->points && status == TIDES_OK; k++) {
+        if (k + AHEAD < back->points) soon(&solve->looked[back->asked[k + AHEAD].looked]);
+        const td_asked *asked = &back->asked[k];
+        if (asked->s > 0 && asked->s < 1)
+            status = td_solve_insert(solve, &solve->looked[asked->looked], asked->s, &back->value[k], error);
+        else
+            take_end(s, asked, &back->value[k]);
+    }
+    return status;
+}
+
+/* Runs those pixels of a batch that waited for their references, or that didn't, and goes on with all that aren't settled: with
+ * what they ask for they are of the batch that is filled, which may be the same. */
+static tides_status run_pixels(tides_simulator *s, td_solve_batch *from, int waited, tides_error *error) {
+    td_solve_batch *asking = td_solve_asking(&s->solve);
+    const size_t count = from->pixels;
+    from->pixels = 0;
+    tides_status status =
+        td_reserve((void **)&asking->pixel, &asking->pixel_capacity, asking->pixels + count, sizeof *asking->pixel, error);
+    for (size_t k = 0; k < count && status == TIDES_OK; k++) {
+        td_solving *pixel = &from->pixel[k];
+        if (k + AHEAD < count) soon(&s->solve.looked[from->pixel[k + AHEAD].next]);
+        if (pixel->waits == waited) status = td_solve_run(s, pixel, error);
+        pixel->waits = 0;
+        if (pixel->next < pixel->end) asking->pixel[asking->pixels++] = *pixel;
+    }
+    return status;
+}
+
+/* -- taking turns ---------------------------------------------------------------------------------------------------------- */
+
+tides_status td_solve_turn(tides_simulator *s, tides_error *error) {
+    td_solve *solve = &s->solve;
+    td_solve_batch *full = td_solve_asking(solve),
+                   *back = &solve->batch[(solve->asking + TD_SOLVE_BATCHES - 1) % TD_SOLVE_BATCHES];
+    tides_status status = td_solve_receive(s, error);
+    if (status == TIDES_OK && solve->refer.count > 0) { /* nothing is away now */
+        status = td_solve_refer(s, error);
+        if (status == TIDES_OK) status = run_pixels(s, full, 1, error);
+    }
+    if (status == TIDES_OK) status = td_solve_send(s, full, error);
+    solve->asking = (solve->asking + 1) % TD_SOLVE_BATCHES;
+    solve->enough_now = 2 * solve->enough_now < solve->enough ? 2 * solve->enough_now : solve->enough;
+    if (status == TIDES_OK) status = take(s, back, error);
+    back->points = 0;
+    return status == TIDES_OK ? run_pixels(s, back, 0, error) : status;
+}

@@ -1,0 +1,181 @@
+/* Where a pixel's model isn't good enough to say whether a level is reached: near turns, between them, at kinks, within swaps of
+ * depth. For solve_run.c, which has it looked at. */
+#include "td_extremes.h"
+#include "solver/td_visit.h"
+
+#include <math.h>
+
+/* Is a refractory period on at s, behind n changes? */
+int td_is_held_at(const td_visit *v, int n, double s) {
+    const td_sensor *sensor = &v->s->sensor;
+    const td_step *span = &v->now->span;
+    if (n == 0) return v->held_until > td_sensor_time(sensor, span->start_ns, span->start_fraction) + s * span->length_ns;
+    const td_change *last = &v->changes.change[n - 1];
+    return last->fired && sensor->on && (s - last->s) * span->length_ns < sensor->refractory_ns;
+}
+
+/* By how much doubt is more than what is left. */
+static double excess_of(const td_visit *v, const td_approach *at) { return at->doubt + v->model.floor - at->left; }
+
+/* The polarity of the change behind n of them, if it is in piece k still, or 0. */
+static int next_polarity(const td_visit *v, int k, int n) {
+    const td_change *next = &v->changes.change[n];
+    return n < v->changes.count && next->s <= v->model.pieces.from[k + 1] ? next->polarity : 0;
+}
+
+/* At u of piece k. A level that the model reaches next in the piece counts for nothing: when it does, is looked up. */
+static td_approach approach_at(const td_visit *v, int k, double u) {
+    const td_sensor *sensor = &v->s->sensor;
+    const td_pieces *pieces = &v->model.pieces;
+    td_approach at = {.s = pieces->from[k] + u * (pieces->from[k + 1] - pieces->from[k]),
+                      .error = td_trusted_error(&v->model, k, u),
+                      .doubt = td_trusted_doubt(&v->model, k, u),
+                      .left = INFINITY};
+    const int n = td_changes_until(v, at.s), next = next_polarity(v, k, n);
+    const double residual = td_model_value(&pieces->model[k], u) - td_reference_after(v, n);
+    const double on = td_sensor_threshold_on(sensor, v->at) - residual, off = residual + td_sensor_threshold_off(sensor, v->at);
+    if (on <= 0 || off <= 0 || td_is_held_at(v, n, at.s)) return at;
+    if (next <= 0) at.left = on;
+    if (next >= 0) at.left = td_lesser(at.left, off);
+    return at;
+}
+
+/* May a level be within reach anywhere in piece k, for all that its control values and its doubt say? Most have none, and
+ * places in them needn't be gone through. */
+static int may_reach(const td_visit *v, int k) {
+    const td_sensor *sensor = &v->s->sensor;
+    const double *b = v->model.pieces.model[k].control, doubt = td_trusted_doubt(&v->model, k, 0.5);
+    const double most = td_greater(td_greater(b[0], b[1]), td_greater(b[2], b[3])) + doubt + v->model.floor;
+    const double least = td_lesser(td_lesser(b[0], b[1]), td_lesser(b[2], b[3])) - doubt - v->model.floor;
+    if (doubt <= v->model.floor) return 0;
+    for (int n = td_changes_until(v, v->model.pieces.from[k]);; n++) {
+        const double reference = td_reference_after(v, n);
+        const int next = next_polarity(v, k, n);
+        if (next <= 0 && most - reference >= td_sensor_threshold_on(sensor, v->at)) return 1;
+        if (next >= 0 && reference - least >= td_sensor_threshold_off(sensor, v->at)) return 1;
+        if (n >= v->changes.count || v->changes.change[n].s > v->model.pieces.from[k + 1]) return 0;
+    }
+}
+
+static void take_worse(const td_visit *v, const td_approach *at, td_approach *worst) {
+    if (excess_of(v, at) > excess_of(v, worst)) *worst = *at;
+}
+
+/* The worst of places between turns, for the signal may turn where the model doesn't. What the step's ends are off by counts
+ * for nothing there: they are looked up as such, and a signal that rests on a level would else be found there and beside it. */
+static void look_between(const td_visit *v, int k, td_approach *worst) {
+    enum { EIGHTHS = 8 };
+    const td_pieces *pieces = &v->model.pieces;
+    const double length = pieces->from[k + 1] - pieces->from[k];
+    const double on = td_sensor_threshold_on(&v->s->sensor, v->at), off = td_sensor_threshold_off(&v->s->sensor, v->at);
+    for (int i = 1; i < EIGHTHS; i++) {
+        const double u = (double)i / EIGHTHS, doubt = td_trusted_doubt(&v->model, k, u), slack = doubt + v->model.floor;
+        const double reference = td_reference_after(v, td_changes_until(v, pieces->from[k] + u * length));
+        const double residual = td_model_value(&pieces->model[k], u) - reference;
+        if (doubt <= v->model.floor || (on - residual > slack && residual + off > slack)) continue; /* most are */
+        const td_approach at = approach_at(v, k, u);
+        take_worse(v, &at, worst);
+    }
+}
+
+/* Behind what happens at change n or later: how far S is from the levels there, or from that of change n, which is in the piece. */
+static double left_beside(const td_visit *v, int k, double u) {
+    const td_sensor *sensor = &v->s->sensor;
+    const double s = v->model.pieces.from[k] + u * (v->model.pieces.from[k + 1] - v->model.pieces.from[k]);
+    const int n = td_changes_until(v, s);
+    const double residual = td_model_value(&v->model.pieces.model[k], u) - td_reference_after(v, n);
+    const double left =
+        td_lesser(td_sensor_threshold_on(sensor, v->at) - residual, residual + td_sensor_threshold_off(sensor, v->at));
+    if (td_is_held_at(v, n, s)) return INFINITY;
+    return n > 0 && v->changes.change[n - 1].s > v->model.pieces.from[k] ? td_lesser(left, fabs(residual)) : left;
+}
+
+/* How far beyond the level that the piece went through last its turn at s is: where the model is off by more, the signal may have
+ * turned before the level. Of a kink a cubic makes such turns, whose crossings are sharp, and not there. */
+static double beyond_at(const td_visit *v, int k, double s) {
+    const td_pieces *pieces = &v->model.pieces;
+    const int n = td_changes_until(v, s);
+    if (n == 0 || v->changes.change[n - 1].polarity == 0 || v->changes.change[n - 1].s < pieces->from[k]) return INFINITY;
+    const double residual = td_model_value(&pieces->model[k], td_pieces_place(pieces, k, s)) - td_reference_after(v, n);
+    const double beyond = residual * v->changes.change[n - 1].polarity, known = td_greater(v->model.start, v->model.end);
+    return beyond > known + v->model.floor ? beyond : INFINITY; /* what rests on a level to the last bit is on either side */
+}
+
+/* Of a signal that has a kink and is straight beside it, that is where the tangents at the piece's ends meet. */
+static void look_at_kink(const td_visit *v, int k, td_approach *worst) {
+    const td_pieces *pieces = &v->model.pieces;
+    const double *b = pieces->model[k].control, first = 3 * (b[1] - b[0]), last = 3 * (b[3] - b[2]);
+    if (!(first * last < 0)) return;
+    const double u = (b[3] - last - b[0]) / (first - last);
+    if (!(u > 0 && u < 1)) return;
+    const double length = pieces->from[k + 1] - pieces->from[k];
+    const td_approach at = {.s = pieces->from[k] + u * length,
+                            .error = td_trusted_error(&v->model, k, u),
+                            .doubt = fabs(b[0] + u * first - td_model_value(&pieces->model[k], u)),
+                            .left = left_beside(v, k, u)};
+    take_worse(v, &at, worst);
+}
+
+/* Of a swap that lasts `wide` to either side what the signal does is a step of a quarter of that: a piece of less than this share of
+ * it shows it. */
+static const double shows_swap = 0.5;
+
+/* Has the pixel been looked at in both halves of a swap? */
+static int is_swap_seen(const td_visit *v, const td_swap_place *swap) {
+    int before = swap->s <= 0.5 * swap->wide, after = swap->s >= 1 - 0.5 * swap->wide; /* the step's ends show it */
+    for (int i = 0; i < v->nodes; i++) {
+        const double off = v->node[i].s - swap->s;
+        if (fabs(off) > swap->wide) continue;
+        before |= off <= 0.125 * swap->wide;
+        after |= off >= -0.125 * swap->wide;
+    }
+    return before && after;
+}
+
+/* May a swap of depth decide whether a level is reached? */
+static int may_swap_decide(const td_visit *v, const td_swap_place *swap) {
+    const td_pieces *pieces = &v->model.pieces;
+    for (int side = -2; side <= 2; side++) {
+        const double s = td_lesser(td_greater(swap->s + 0.25 * side * swap->wide, 0), 1);
+        const int k = td_pieces_find_from(pieces, pieces->count - 1, s);
+        const double u = td_pieces_place(pieces, k, s), length = pieces->from[k + 1] - pieces->from[k];
+        if (length < shows_swap * swap->wide) continue;
+        if (left_beside(v, k, u) <= swap->light / exp(td_model_value(&pieces->model[k], u)) + v->model.floor) return 1;
+    }
+    return 0;
+}
+
+int td_find_approaches(const td_visit *v, td_approach *found, int most) {
+    const td_pieces *pieces = &v->model.pieces;
+    int count = 0;
+    for (int k = 0; k < pieces->count && count < most; k++) {
+        double places[2];
+        const int turns = td_model_extrema(&pieces->model[k], places);
+        td_approach worst = {.left = INFINITY};
+        for (int i = 0; i < turns; i++) {
+            td_approach at = approach_at(v, k, places[i]);
+            at.doubt = td_greater(at.doubt, at.error);
+            at.left = td_lesser(at.left, beyond_at(v, k, at.s));
+            take_worse(v, &at, &worst);
+        }
+        if (may_reach(v, k)) look_between(v, k, &worst);
+        look_at_kink(v, k, &worst);
+        if (excess_of(v, &worst) >= 0) found[count++] = worst;
+    }
+    return count;
+}
+
+/* Swaps are looked at in both halves; from then on they are known as all else is. */
+int td_find_swaps(const td_visit *v, double *places, int most) {
+    const td_refine_step *step = &v->s->refine.step[v->looked->step];
+    td_swap_place swap;
+    int count = 0;
+    for (int32_t i = td_solve_first_swap(v->s, step, v->pixel->local);
+         count + 2 <= most && td_solve_swap(v->s, step, v->pixel->local, i, &swap); i++) {
+        const double begin = swap.s - 0.5 * swap.wide, end = swap.s + 0.5 * swap.wide;
+        if (end <= 0 || begin >= 1 || is_swap_seen(v, &swap) || !may_swap_decide(v, &swap)) continue;
+        if (begin > 0) places[count++] = begin;
+        if (end < 1) places[count++] = end;
+    }
+    return count;
+}

@@ -1,0 +1,108 @@
+/* What pixels were before anything moved, for solve.c: their references, and ramps that meet them at rest. */
+#include "solver/td_simulator.h"
+
+/* -- references ------------------------------------------------------------------------------------------------------------ */
+
+/* The first macro step begins there: its own interval will do. */
+static int begins(const tides_simulator *s) { return s->step == 0; }
+
+tides_status td_solve_keep_start(tides_simulator *s, tides_error *error) {
+    td_solve *solve = &s->solve;
+    if (!solve->on || solve->kept || begins(s)) return TIDES_OK;
+    tides_status status = td_renderer_sweep(s->renderer, s->camera, 0, 0, error);
+    if (status == TIDES_OK) status = td_renderer_keep_instant(s->renderer, s->camera, error);
+    solve->kept = status == TIDES_OK;
+    return status;
+}
+
+/* A reference that was sampled is off by as much as any sample, and by rounding where the image is steep: four times what 99 %
+ * of samples stay below (timing.c), for a pixel that is taken to rest here loses its event, and one that isn't costs a look. */
+void td_solve_doubt(const tides_simulator *s, int t, double *doubt) {
+    enum { ROUNDINGS = 4 };
+    const td_tile *tile = &s->layout.tile[t];
+    const size_t first = s->layout.first_pixel[t];
+    const double *known = s->solve.known, *rest = s->sensor.pixels.initial + first;
+    for (int32_t i = 0; i < tile->count; i++) {
+        doubt[i] = 0;
+        if (known[first + (size_t)i] == 0)
+            doubt[i] = s->solve.samples + ROUNDINGS * td_timing_rounding(&s->timing, tile, rest, i);
+    }
+}
+
+tides_status td_solve_ask_reference(tides_simulator *s, int t, int32_t local, tides_error *error) {
+    td_solve *solve = &s->solve;
+    const td_tile *tile = &s->layout.tile[t];
+    const size_t k = solve->refer.count;
+    tides_status status =
+        td_reserve((void **)&solve->refer.wanted, &solve->refer.wanted_capacity, k + 1, sizeof *solve->refer.wanted, error);
+    if (status == TIDES_OK)
+        status =
+            td_reserve((void **)&solve->refer.start, &solve->refer.start_capacity, k + 1, sizeof *solve->refer.start, error);
+    if (status != TIDES_OK) return status;
+    solve->refer.wanted[k] = s->layout.first_pixel[t] + (size_t)local;
+    solve->refer.start[k] = (td_point){0, tile->x0 + local % tile->width, tile->y0 + local / tile->width};
+    solve->refer.count++;
+    return TIDES_OK;
+}
+
+tides_status td_solve_refer(tides_simulator *s, tides_error *error) {
+    td_solve *solve = &s->solve;
+    const size_t count = solve->refer.count;
+    solve->refer.count = 0;
+    tides_status status =
+        td_renew((void **)&solve->refer.rest, &solve->refer.rest_capacity, count, sizeof *solve->refer.rest, error);
+    if (status != TIDES_OK || count == 0) return status;
+    const double begun = td_now();
+    status = begins(s) ? td_renderer_points(s->renderer, s->camera, solve->refer.start, count, solve->refer.rest, error)
+                       : td_renderer_kept_points(s->renderer, s->camera, solve->refer.start, count, solve->refer.rest, error);
+    td_solve_note_time(s, begun);
+    solve->lookups += count;
+    for (size_t k = 0; k < count && status == TIDES_OK; k++) {
+        td_sensor_refer(&s->sensor, solve->refer.wanted[k], solve->refer.rest[k].L);
+        solve->known[solve->refer.wanted[k]] = 1;
+    }
+    return status;
+}
+
+/* -- ramps ---------------------------------------------------------------------------------------------------------------- */
+
+/* Asks for the pixels of a tile in which nothing moves that may do something in the step: their places in the sample, too, and
+ * their references where they aren't known. */
+static tides_status ask_still(tides_simulator *s, int t, const td_step *span, double start, tides_error *error) {
+    static const double no_rate[TD_TILE_PIXELS] = {0};
+    const td_tile *tile = &s->layout.tile[t];
+    const double *S = s->now.plane[TD_PLANE_S] + s->layout.first_pixel[t];
+    const td_signals signals = {S, no_rate, S, no_rate};
+    double widen[TD_TILE_PIXELS];
+    uint8_t active[TD_TILE_PIXELS] = {0};
+    tides_status status = TIDES_OK;
+    td_solve_doubt(s, t, widen);
+    for (int32_t i = 0; i < tile->count; i++) widen[i] += s->solve.samples;
+    td_sensor_find(&s->sensor, span, tile, s->layout.first_pixel[t], &signals, widen, active);
+    for (int32_t i = 0; i < tile->count && status == TIDES_OK; i++) {
+        const td_asked asked = {(int32_t)(s->layout.first_pixel[t] + (size_t)i), i, 0};
+        if (!active[i]) continue;
+        status = td_solve_ask(s, tile, i, start, &asked, error);
+        if (status == TIDES_OK && s->solve.known[s->layout.first_pixel[t] + (size_t)i] == 0)
+            status = td_solve_ask_reference(s, t, i, error);
+    }
+    return status;
+}
+
+tides_status td_solve_still(tides_simulator *s, const td_step *span, double start, tides_error *error) {
+    const td_solve *solve = &s->solve;
+    const td_solve_batch *batch = td_solve_asking(&s->solve);
+    tides_status status = TIDES_OK;
+    if (!solve->on || !s->sensor.active_at_rest) return TIDES_OK;
+    td_solve_clear_batches(s);
+    for (int t = 0, moved = 0; t < s->layout.tiles && status == TIDES_OK; t++) { /* both lists ascend */
+        const int moves = moved < s->moving.count && s->moving.list[moved] == t;
+        moved += moves;
+        if (!moves) status = ask_still(s, t, span, start, error);
+    }
+    if (status == TIDES_OK) status = td_solve_refer(s, error);
+    if (status == TIDES_OK) status = td_solve_look_up(s, error);
+    for (size_t k = 0; k < batch->points && status == TIDES_OK; k++)
+        s->now.plane[TD_PLANE_S][batch->asked[k].looked] = batch->value[k].L;
+    return status;
+}

@@ -1,0 +1,301 @@
+/* One pixel through the steps of a macro step, as far as it is settled: what its comparator does, which of the places are good
+ * enough, and which are to be looked up. For solve.c, which looks them up. */
+#include "signal/td_model_error.h"
+#include "td_extremes.h"
+#include "td_hash.h"
+#include "solver/td_probe.h"
+#include "solver/td_visit.h"
+
+#include <math.h>
+
+/* Rounds of looking up that a pixel may take in a step: each squares what is left of a smooth signal's error, and halves what a
+ * kink may be in. What isn't settled then is reported as it stands. */
+enum { MOST_LOOKS = 10, FIND_BY_PLACE = 2 };
+
+/* References that are taken from the signal: so good that no event which follows feels it [thresholds]. */
+static const double enough_of_threshold = 1e-7;
+
+/* -- the step -------------------------------------------------------------------------------------------------------------- */
+
+/* Of ideal pixels counts are all: the rest follows from them. */
+static uint64_t state_of(const td_visit *v) {
+    return v->state.words <= 2 ? v->state.word[0] : td_hash_words(0, v->state.word, (size_t)v->state.words * sizeof(uint64_t));
+}
+
+/* What was found for another state is forgotten. */
+static void enter(td_visit *v, int32_t number) {
+    const td_sensor *sensor = &v->s->sensor;
+    v->number = number;
+    v->looked = &v->s->solve.looked[number];
+    v->now = &v->s->solve.step[v->looked->step];
+    v->reference = sensor->pixels.reference[v->at];
+    v->held_until = sensor->on ? sensor->held_until[v->at] : -INFINITY;
+    td_sensor_keep(sensor, v->at, &v->state);
+    if (v->looked->looks == 0 || v->looked->state == state_of(v)) return;
+    td_solve_first_trust(v->s, &v->s->refine.step[v->looked->step], v->looked->ends.h, v->pixel->local, 1, &v->looked->trust);
+    v->looked->first = -1;
+    v->looked->nodes = v->looked->looks = 0;
+}
+
+/* With nothing found and nothing near, the pixel is at the step's end. */
+static int may_act(const td_visit *v) {
+    static const td_tile one = {0, 0, 1, 1};
+    const td_ends *at = &v->looked->ends;
+    const td_signals own = {&at->S0, &at->S0_dot, &at->S1, &at->S1_dot};
+    const double widen = v->looked->trust.error + v->s->solve.samples;
+    uint8_t active = 0;
+    if (v->looked->looks > 0) return 1;
+    td_sensor_find(&v->s->sensor, &v->now->span, &one, v->at, &own, &widen, &active);
+    return active;
+}
+
+static void take_nodes(td_visit *v) {
+    v->nodes = td_solve_nodes(&v->s->solve, v->looked, v->node, v->model.trust);
+    td_pieces_make(&v->model.pieces, &v->looked->ends, v->node, v->nodes);
+}
+
+/* What else the model is off by. */
+static void take_rounding(td_visit *v) {
+    const tides_simulator *s = v->s;
+    const double samples = s->solve.samples;
+    v->model.start = v->looked->known_ends & TD_KNOWS_START ? 0 : samples;
+    v->model.end = v->looked->known_ends & TD_KNOWS_END ? 0 : samples;
+    v->model.floor = s->solve.is_exact
+                         ? TD_DOUBLE_ROUNDING * (1 + fabs(v->looked->ends.S1))
+                         : td_timing_rounding(&s->timing, &s->layout.tile[v->pixel->tile], v->now->signals.S1, v->pixel->local);
+}
+
+/* -- what is to be looked up ---------------------------------------------------------------------------------------------- */
+
+static tides_status ask(const td_visit *v, double s, tides_error *error) {
+    const double time = v->now->from + s * (v->now->to - v->now->from);
+    const td_asked asked = {v->number, v->pixel->local, s};
+    return td_solve_ask(v->s, &v->s->layout.tile[v->pixel->tile], v->pixel->local, td_lesser(time, v->now->to), &asked, error);
+}
+
+static void weigh(td_visit *v) {
+    const td_pieces *pieces = &v->model.pieces;
+    for (int n = 0, k = 0; n < v->changes.count; n++) {
+        const td_change *change = &v->changes.change[n];
+        k = td_pieces_find_from(pieces, k, change->s);
+        const double sign = change->polarity ? change->polarity : 1, per = 1 / (pieces->from[k + 1] - pieces->from[k]);
+        const double u = td_pieces_place(pieces, k, change->s);
+        v->worth[n].slope = sign * per * td_model_slope(&pieces->model[k], u);
+        v->worth[n].bend = sign * per * per * td_model_curvature(&pieces->model[k], u);
+        v->worth[n].error = td_trusted_error(&v->model, k, u);
+    }
+}
+
+/* Is what happens at change n as good as asked for? */
+static int is_good(const td_visit *v, int n) {
+    int touches;
+    const td_change *change = &v->changes.change[n];
+    const td_worth *at = &v->worth[n];
+    if (!(change->s > 0 && change->s < 1) || at->error <= v->model.floor) return 1;
+    if (change->polarity == 0) return at->error <= enough_of_threshold * td_sensor_least_threshold(&v->s->sensor.sensor);
+    return td_timing_reach(at->slope, at->bend, at->error, &touches) * v->now->span.length_s <= v->s->solve.target_s;
+}
+
+/* How far the signal is from its levels at s, an end of the step, and from its reference; a held one has none. What it does at
+ * the very start comes of that. */
+static double left_at(const td_visit *v, double s, double *residual) {
+    const td_sensor *sensor = &v->s->sensor;
+    const td_pieces *pieces = &v->model.pieces;
+    const double at = s > 0 ? s : -1; /* before what it does there */
+    const int n = td_changes_until(v, at);
+    const double S = s > 0 ? pieces->model[pieces->count - 1].control[3] : pieces->model[0].control[0];
+    *residual = S - td_reference_after(v, n);
+    const double on = td_sensor_threshold_on(sensor, v->at), off = td_sensor_threshold_off(sensor, v->at);
+    return td_is_held_at(v, n, at) ? INFINITY : td_lesser(on - *residual, *residual + off);
+}
+
+/* Does an error of so much decide whether the signal is beyond a level there? At the step's end it may have got there just
+ * before. */
+static int is_in_doubt(const td_visit *v, double s, double error) {
+    double residual;
+    return left_at(v, s, &residual) <= error || (s > 0 && v->changes.count > 0 && fabs(residual) <= error);
+}
+
+/* Asks for the ends of the step where samples are too near a level. What is run ahead may ask in vain, and samples would depend
+ * on how far that goes. A macro step begins with what the one before it ended with, be it a sample or not: its own record paths
+ * begin elsewhere by what paths may be off by, and the pixel might be found beyond a level. */
+static tides_status ask_ends(const td_visit *v, tides_error *error) {
+    const int begins = v->s->refine.step[v->looked->step].from == 0;
+    tides_status status = TIDES_OK;
+    if (!v->settles) return status;
+    if (v->model.start > 0 && !begins && is_in_doubt(v, 0, v->model.start + v->model.floor)) status = ask(v, 0, error);
+    if (status == TIDES_OK && v->model.end > 0 && is_in_doubt(v, 1, v->model.end + v->model.floor)) status = ask(v, 1, error);
+    return status;
+}
+
+/* Asks for the place of change n, and, where looks at such places have not found it so far, for the middle of its piece: of a
+ * cubic that an end bends down it finds a crossing a little further on each time, and that end is where it isn't right. */
+static tides_status ask_change(const td_visit *v, int n, tides_error *error) {
+    const td_pieces *pieces = &v->model.pieces;
+    const double at = v->changes.change[n].s;
+    tides_status status = ask(v, at, error);
+    if (status != TIDES_OK || v->looked->looks < FIND_BY_PLACE) return status;
+    const int k = td_pieces_find_from(pieces, 0, at);
+    const double middle = 0.5 * (pieces->from[k] + pieces->from[k + 1]);
+    return fabs(middle - at) > TD_SOLVE_APART ? ask(v, middle, error) : status;
+}
+
+/* Asks for what swaps of depth may do; what can't be asked for any more is in doubt. */
+static tides_status ask_swaps(const td_visit *v, int may_ask, int *doubts, tides_error *error) {
+    double places[TD_NODES_MAX];
+    const int count = td_find_swaps(v, places, TD_NODES_MAX);
+    tides_status status = TIDES_OK;
+    if (!may_ask || v->nodes == TD_NODES_MAX) {
+        *doubts += count > 0;
+        return status;
+    }
+    for (int k = 0; k < count && status == TIDES_OK; k++) status = ask(v, places[k], error);
+    return status;
+}
+
+/* Asks for what isn't good enough; `*asked` says whether there was any. Where levels stay in doubt, they are counted. */
+static tides_status judge(td_visit *v, int *asked, int *doubts, tides_error *error) {
+    enum { MOST_APPROACHES = 16 };
+    td_approach near[MOST_APPROACHES];
+    const td_solve_batch *batch = td_solve_asking(&v->s->solve);
+    const size_t before = batch->points;
+    const int may_ask = v->looked->looks < MOST_LOOKS;
+    const int count = td_find_approaches(v, near, MOST_APPROACHES);
+    tides_status status = may_ask ? ask_ends(v, error) : TIDES_OK;
+    *doubts = 0;
+    weigh(v);
+    for (int k = 0; k < v->changes.count && status == TIDES_OK && may_ask; k++)
+        if (!is_good(v, k)) status = ask_change(v, k, error);
+    for (int k = 0; k < count && status == TIDES_OK; k++) {
+        if (may_ask && near[k].doubt > v->model.floor)
+            status = ask(v, near[k].s, error);
+        else
+            *doubts += near[k].left <= near[k].error + v->model.floor;
+    }
+    if (status == TIDES_OK) status = ask_swaps(v, may_ask, doubts, error);
+    *asked = batch->points > before;
+    if (!*asked) return status;
+    v->looked->looks++;
+    v->looked->state = state_of(v);
+    return status;
+}
+
+/* -- the pixel ------------------------------------------------------------------------------------------------------------- */
+
+static tides_status advance(td_visit *v, tides_error *error) {
+    const td_tile *tile = &v->s->layout.tile[v->pixel->tile];
+    const int32_t i = v->pixel->local;
+    td_sensor_single single = {.step = &v->now->span,
+                               .pixel = v->at,
+                               .x = tile->x0 + i % tile->width,
+                               .y = tile->y0 + i / tile->width,
+                               .ends = &v->looked->ends,
+                               .pieces = &v->model.pieces,
+                               .changes = &v->changes};
+    if (v->now->coverage.begin) single.coverage = (td_coverage){v->now->coverage.begin + i, v->now->coverage.end + i};
+    return td_sensor_advance(&v->s->sensor, &single, &v->s->solve.ahead, error);
+}
+
+/* Of an event that waited for its pixel to become visible coverage decides when, which the comparator takes to be linear: by
+ * how much its rates at the ends say that it bows [steps]; 0 of others. */
+static double waited(const td_visit *v, const td_change *change) {
+    const td_coverage *at = &v->now->coverage, *rate = &v->now->alpha_dot;
+    const int32_t i = v->pixel->local;
+    if (!at->begin || at->begin[i] >= v->s->sensor.sensor.b_min) return 0;
+    const double rise = at->end[i] - at->begin[i], visible = (v->s->sensor.sensor.b_min - at->begin[i]) / rise;
+    if (change->s > visible + TD_SOLVE_APART) return 0;
+    const double bow =
+        td_greater(fabs(v->looked->ends.h * rate->begin[i] - rise), fabs(v->looked->ends.h * rate->end[i] - rise));
+    return td_lesser(0.25 * bow / fabs(rise), 1);
+}
+
+static int ends_run(const td_visit *v) { return td_refine_ends_run(v->s, &v->s->refine.step[v->looked->step]); }
+
+/* What the leak has added to the signal at s. */
+static double ramp_at(const td_visit *v, double s) {
+    const td_sensor *sensor = &v->s->sensor;
+    const td_step *span = &v->now->span;
+    if (!sensor->on) return 0;
+    return sensor->leak[v->at] * (td_sensor_time(sensor, span->start_ns, span->start_fraction) + s * span->length_ns);
+}
+
+/* An event, for what is measured of the run's. */
+static tides_status sample(const td_visit *v, int n, double late, tides_error *error) {
+    const td_tile *tile = &v->s->layout.tile[v->pixel->tile];
+    const td_change *change = &v->changes.change[n];
+    const double time = v->now->from + change->s * (v->now->to - v->now->from);
+    const td_sampled one = {.point = {td_lesser(time, v->now->to), tile->x0 + v->pixel->local % tile->width,
+                                      tile->y0 + v->pixel->local / tile->width},
+                            .L = td_pieces_value(&v->model.pieces, change->s) - ramp_at(v, change->s),
+                            .slope = v->worth[n].slope,
+                            .bend = v->worth[n].bend,
+                            .floor = v->model.floor,
+                            .late = late,
+                            .length_s = v->now->span.length_s};
+    return td_solve_sample(v->s, &one, error);
+}
+
+/* May an event be undone for what is left there? */
+static int is_uncertain(const td_visit *v, int n) {
+    int touches;
+    const td_worth *at = &v->worth[n];
+    const double error = td_timing_together(at->error, v->model.floor);
+    const double reach = td_timing_reach(at->slope, at->bend, error, &touches);
+    return touches || (ends_run(v) && reach >= 1 - v->changes.change[n].s);
+}
+
+/* What the events of a settled step are worth. Noise has times of its own. */
+static tides_status note_events(td_visit *v, int doubts, tides_error *error) {
+    tides_simulator *s = v->s;
+    tides_status status = TIDES_OK;
+    double residual;
+    s->timing.uncertain += (uint64_t)(doubts + (ends_run(v) && left_at(v, 1, &residual) <= v->model.end + v->model.floor));
+    for (int k = 0; k < v->changes.count && status == TIDES_OK; k++) {
+        if (!v->changes.change[k].fired) continue;
+        const double late = waited(v, &v->changes.change[k]);
+        s->timing.uncertain += (uint64_t)(!(late > 0) && is_uncertain(v, k));
+        s->solve.events += (uint64_t)(v->nodes > 0);
+        status = sample(v, k, late, error);
+    }
+    return status;
+}
+
+/* The pixel's next step; `*asked` where something in it is to be looked up, else it is settled if all before were. */
+static tides_status pass_step(td_visit *v, int *asked, tides_error *error) {
+    int doubts = 0;
+    *asked = 0;
+    if (!may_act(v)) return TIDES_OK;
+    take_nodes(v);
+    td_work_clear(&v->s->solve.ahead);
+    tides_status status = advance(v, error);
+    take_rounding(v);
+    if (status == TIDES_OK) status = judge(v, asked, &doubts, error);
+    if (status != TIDES_OK || !v->settles || *asked) return status;
+    status = note_events(v, doubts, error);
+    return status != TIDES_OK ? status : td_work_join(&v->s->work, &v->s->solve.ahead, error);
+}
+
+tides_status td_solve_run(tides_simulator *s, td_solving *pixel, tides_error *error) {
+    td_visit v; /* large: what a step has no use for isn't set */
+    td_kept_pixel settled = {.words = 0};
+    int32_t unsettled = pixel->end;
+    tides_status status = TIDES_OK;
+    v.s = s;
+    v.pixel = pixel;
+    v.at = s->layout.first_pixel[pixel->tile] + (size_t)pixel->local;
+    for (int32_t k = pixel->next; k < pixel->end && status == TIDES_OK; k++) {
+        int asked = 0;
+        enter(&v, k);
+        v.settles = unsettled == pixel->end;
+        status = pass_step(&v, &asked, error);
+        if (asked && v.settles) {
+            unsettled = k;
+            settled = v.state;
+        }
+        if (asked && s->sensor.on) break; /* what follows depends on when this was: it would be looked up in vain */
+    }
+    pixel->next = unsettled;
+    if (unsettled == pixel->end) return status;
+    td_sensor_put_back(&s->sensor, v.at, &settled);
+    return status;
+}

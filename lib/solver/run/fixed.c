@@ -1,0 +1,91 @@
+/* Fixed steps: several are rendered in one launch, each tile that moves at each step's end, and taken from there one by one as
+ * samples of the whole image. How many go to a launch changes the cost, never the events. Also the first sample of any run. For
+ * run.c; steps that are refined render for themselves (refine.c). */
+#include "solver/td_simulator.h"
+
+/* A longer batch has wider swept boxes, so more candidates that miss their tile, each of which costs a projection: above the
+ * first share of these the batch is halved, below the second it is doubled. Chosen, not measured: where half of the projections
+ * are lost, halving the boxes' sweep is worth a launch more; and halving a batch takes the share down by a half at most, so
+ * that with less than about that between the two a batch would be halved and doubled in turn. */
+static const double too_many_culled = 0.5, few_culled = 0.3;
+
+/* One rendered tile to its place in a sample. */
+static void store_tile(const tides_simulator *s, int t, const double *planes, td_sample *sample) {
+    size_t first = s->layout.first_pixel[t], bytes = (size_t)s->layout.tile[t].count * sizeof(double);
+    td_unpack_tile(&s->layout.tile[t], planes, sample->plane[TD_PLANE_S] + first, sample->plane[TD_PLANE_S_DOT] + first);
+    if (s->given.sample_planes == TD_PLANES_SIGNAL) return;
+    double unpacked[TD_PLANES_ALL * TD_TILE_PIXELS];
+    td_unpack_diagnostics(&s->layout.tile[t], planes, TD_TILE_PIXELS, unpacked);
+    for (int k = TD_PLANES_SIGNAL; k < TD_PLANES_ALL; k++)
+        memcpy(sample->plane[k] + first, unpacked + k * TD_TILE_PIXELS, bytes);
+}
+
+tides_status td_fixed_render(tides_simulator *s, int count, tides_error *error) {
+    tides_status status = TIDES_OK;
+    td_launch_clear(&s->launch);
+    for (int k = 1; k <= count; k++)
+        for (int i = 0; i < s->moving.count && status == TIDES_OK; i++)
+            status = td_launch_add(&s->launch, s->moving.list[i], td_grid_time(s, s->step + k), 0, error);
+    if (status != TIDES_OK) return status;
+    return td_launch_render(s, 0, s->launch.count, TD_SIDE_ENDS, td_fixed_outputs(s), error);
+}
+
+void td_fixed_take(tides_simulator *s, int k, td_sample *sample) {
+    const size_t bytes = s->layout.first_pixel[s->layout.tiles] * sizeof(double);
+    if (s->moving.count < s->layout.tiles)
+        for (int p = 0; p < s->given.sample_planes; p++) memcpy(sample->plane[p], s->now.plane[p], bytes);
+    for (int i = 0; i < s->moving.count; i++)
+        store_tile(s, s->moving.list[i], td_launch_planes(&s->launch, (size_t)k * (size_t)s->moving.count + (size_t)i), sample);
+}
+
+/* Slopes of S without derivatives: what a renderer that knows none could do. */
+void td_difference_slopes(tides_simulator *s, double h) {
+    for (size_t i = 0; i < s->layout.first_pixel[s->layout.tiles]; i++) {
+        double slope = (s->next.plane[TD_PLANE_S][i] - s->now.plane[TD_PLANE_S][i]) / h;
+        s->next.plane[TD_PLANE_S_DOT][i] = slope;
+        if (s->step == 0) s->now.plane[TD_PLANE_S_DOT][i] = slope;
+    }
+}
+
+/* As many of the next `count` steps as there are until a knot: only a batch may begin at one. */
+static int steps_to_knot(const tides_simulator *s, int count) {
+    for (int k = 1; k < count; k++)
+        if (td_grid_is_knot(&s->grid, s->step + k)) return k;
+    return count;
+}
+
+int td_fixed_batch(const tides_simulator *s, int64_t most) { return steps_to_knot(s, most < s->batch ? (int)most : s->batch); }
+
+void td_fixed_adapt(tides_simulator *s, const tides_render_stats *before) {
+    tides_render_stats after;
+    tides_renderer_stats(s->renderer, &after);
+    double projected = (double)(after.gaussians_projected - before->gaussians_projected);
+    double culled = (double)(after.gaussians_culled - before->gaussians_culled);
+    if (culled > too_many_culled * projected && s->batch > 1)
+        s->batch /= 2;
+    else if (culled < few_culled * projected || projected == 0)
+        s->batch = 2 * s->batch < s->batch_limit ? 2 * s->batch : s->batch_limit;
+}
+
+static void store_first(tides_simulator *s, const td_ask *ask, const double *planes, void *user) {
+    (void)user;
+    store_tile(s, ask->unit, planes, &s->now);
+}
+
+static tides_status render_first(tides_simulator *s, tides_error *error) {
+    tides_status status = TIDES_OK;
+    td_launch_clear(&s->launch);
+    for (int t = 0; t < s->layout.tiles && status == TIDES_OK; t++) status = td_launch_add(&s->launch, t, 0, 0, error);
+    return status == TIDES_OK ? td_launch_take_all(s, TD_SIDE_BEGINS, td_fixed_outputs(s), store_first, NULL, error) : status;
+}
+
+tides_status td_begin(tides_simulator *s, tides_error *error) {
+    tides_status status = td_sweep(s, 0, 0, error);
+    if (status == TIDES_OK) status = render_first(s, error);
+    if (status != TIDES_OK) return status;
+    if (s->surround.surround.on) td_surround_steps_begin(s);
+    const double *S = s->surround.surround.on ? s->surround.S : s->now.plane[TD_PLANE_S];
+    td_sensor_begin(&s->sensor, S);
+    s->started = 1;
+    return TIDES_OK;
+}

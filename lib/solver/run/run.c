@@ -1,0 +1,265 @@
+/* The run as a pipeline. Each time round, over one step of the grid (or several, where they are fixed):
+ *
+ *   sweep      which tiles can change, and what each may see                  td_sweep (sweep.c; renderer)
+ *   render     tiles at times: S and S_dot                                   td_fixed_render; td_refine_begin, td_refine_level
+ *   estimate   how far each step may be off                                  td_control_judge, _steps (control.c, in steps)
+ *   refine     those that are too coarse are cut in two, and rendered         td_window_take, td_refine_level (refine.c)
+ *   look up    by default: events on the image itself, pixel by pixel         td_settle -> td_solve_steps (solve.c, in lookup)
+ *   compare    else each tile over each step: events of the model             td_settle -> td_compare_tile (tile_step.c)
+ *   at rest    tiles in which nothing moves, where they may fire              td_solve_still, td_compare_still
+ *   read out   the step's events through the arbiter, where there is one      td_readout_step (readout.c)
+ *   emit       the events, sorted, to the sink as one packet                 emit
+ *
+ * A default run's event so gets its time in three jumps from here: td_settle (settle.c) has the accepted steps solved by
+ * td_solve_steps (solve.c, in lookup), which runs each pixel that may do something through td_solve_run (solve_run.c): its
+ * comparator on a model whose nodes are what was looked up there, until the time moves no more.
+ *
+ * Fixed steps skip what is between. Times count from the run's start; steps lie on the grid k step_s, joined by the knots of
+ * motions (grid.c). What each stage does is in its own file; here is their order, and what becomes of a failure. */
+#include "camera/td_trajectory.h"
+#include "signal/td_event_sort.h"
+#include "solver/td_simulator.h"
+
+#include <stdlib.h>
+
+/* -- one step of the grid -------------------------------------------------------------------------------------------------- */
+
+/* The comparator over one step of every tile that moves, from now to next. */
+static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
+    td_step step;
+    double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
+    if (s->given.slope == TIDES_SLOPE_DIFFERENCE) td_difference_slopes(s, stop - start);
+    if (s->surround.surround.on) return td_surround_compare(s, start, stop, NULL, error);
+    tides_status status = td_grid_step(&s->grid, start, stop, &step, error);
+    for (int i = 0; i < s->moving.count && status == TIDES_OK; i++) {
+        int t = s->moving.list[i];
+        const double *begin_planes[TD_PLANES_ALL], *end_planes[TD_PLANES_ALL];
+        for (int p = 0; p < s->given.sample_planes; p++) {
+            begin_planes[p] = s->now.plane[p] + s->layout.first_pixel[t];
+            end_planes[p] = s->next.plane[p] + s->layout.first_pixel[t];
+        }
+        status = td_compare_tile(s, t, &step, begin_planes, end_planes, NULL, error);
+    }
+    return status == TIDES_OK ? td_compare_still(s, &step, error) : status;
+}
+
+/* What happens after a step was compared: it is reached, and its events go through the readout. */
+static tides_status reach(tides_simulator *s, tides_error *error) {
+    s->step++;
+    s->stats.tile_steps_still += (uint64_t)(s->layout.image_tiles - s->moving.tiles);
+    return s->readout.arbiter ? td_readout_step(s, error) : TIDES_OK;
+}
+
+/* Sorts the events from number `first` on. */
+static tides_status sort_from(tides_simulator *s, size_t first, tides_error *error) {
+    const size_t count = s->work.events.count - first;
+    if (count == 0) return TIDES_OK; /* and there may be no list yet */
+    tides_status status =
+        td_renew((void **)&s->packet.scratch, &s->packet.scratch_capacity, count, sizeof *s->packet.scratch, error);
+    if (status == TIDES_OK) td_event_sort(s->work.events.events + first, s->packet.scratch, count);
+    return status;
+}
+
+/* Gives the packet away. */
+static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
+    const double begun = td_now();
+    const int left = s->readout.arbiter != NULL; /* or from the pixels */
+    const tides_event *events = left ? s->readout.events : s->work.events.events;
+    const size_t count = left ? s->readout.count : s->work.events.count;
+    if (count > 0) s->packet.last = events[count - 1];
+    const int stopped = sink && sink(user, events, count);
+    s->stats.time_sink_s += td_now() - begun;
+    s->work.events.count = s->readout.count = 0;
+    return stopped ? td_fail(error, TIDES_CANCELLED, "stopped by the event sink at %.9g s", td_time_reached(s)) : TIDES_OK;
+}
+
+/* -- the two kinds of steps ------------------------------------------------------------------------------------------------ */
+
+/* One of the steps rendered. No two have a nanosecond in common: each is put in order while the caches have its events, in a
+ * fifth of the time that all of them take together. */
+static tides_status compare_fixed(tides_simulator *s, int k, tides_error *error) {
+    const double begun = td_now();
+    const size_t first = s->work.events.count;
+    td_fixed_take(s, k, &s->next);
+    tides_status status = compare_tiles(s, error);
+    if (status == TIDES_OK) status = sort_from(s, first, error);
+    if (status == TIDES_OK) {
+        td_turn_samples(s);
+        s->stats.steps += (uint64_t)s->moving.count;
+        status = reach(s, error);
+    }
+    s->stats.time_compare_s += td_now() - begun;
+    return status;
+}
+
+/* Events that wait for no more before they are given away: what a sink then reads is in the caches still, and a run of many
+ * events needs no memory for all of a launch's. */
+enum { PACKET_FULL = 1 << 14 };
+
+/* Fixed steps: at most `most`, rendered in one launch and compared one after the other. */
+static tides_status advance_fixed(tides_simulator *s, int64_t most, tides_event_sink sink, void *user, tides_error *error) {
+    tides_render_stats before;
+    tides_renderer_stats(s->renderer, &before);
+    const int steps = td_fixed_batch(s, most);
+    const td_render_counts counted = td_renderer_counts(s->renderer);
+    tides_status status = td_sweep(s, td_grid_time(s, s->step), td_grid_time(s, s->step + steps), error);
+    if (status == TIDES_OK) status = td_fixed_render(s, steps, error);
+    if (status == TIDES_CANCELLED) td_renderer_put_counts(s->renderer, &counted);
+    if (status != TIDES_OK) return status; /* the pixels are as they were */
+    tides_status emitted = TIDES_OK;
+    for (int k = 0; k < steps && status == TIDES_OK && emitted == TIDES_OK; k++) {
+        status = compare_fixed(s, k, error);
+        if (status == TIDES_OK && s->work.events.count >= PACKET_FULL) emitted = emit(s, sink, user, error);
+    }
+    s->broken = status != TIDES_OK;
+    td_fixed_adapt(s, &before);
+    if (emitted == TIDES_OK)
+        emitted = emit(s, sink, user, status == TIDES_OK ? error : NULL); /* of a failure what was before */
+    return status == TIDES_OK ? emitted : status;
+}
+
+/* The steps of the tiles refine.unit, until nothing asks for a shorter one; then all are compared that weren't. */
+static tides_status refine_group(tides_simulator *s, double start, double stop, tides_error *error) {
+    tides_status status = td_refine_begin(s, start, stop, error);
+    while (status == TIDES_OK) {
+        status = td_control_steps(s, error);
+        if (status != TIDES_OK || s->refine.open_count == 0) break;
+        const int is_short = td_window_is_short(s);
+        if (is_short) status = td_settle(s, start, stop, 1, error);
+        if (status == TIDES_OK) status = td_window_take(s, is_short, error);
+        if (status == TIDES_OK) status = td_refine_level(s, start, stop, error);
+    }
+    return status == TIDES_OK ? td_settle(s, start, stop, 0, error) : status;
+}
+
+/* All tiles that move in a macro step, as many together as there is memory for. Until the first is compared a failure leaves
+ * the pixels as they were. */
+static tides_status refine(tides_simulator *s, double start, double stop, tides_error *error) {
+    const int count = s->moving.count, most = td_window_units(s);
+    tides_status status = TIDES_OK;
+    for (int first = 0; first < count && status == TIDES_OK; first += most) {
+        s->refine.unit = s->moving.list + first;
+        s->refine.units = count - first < most ? count - first : most;
+        status = refine_group(s, start, stop, error);
+        s->broken |= status != TIDES_OK && (first > 0 || s->refine.early);
+    }
+    return status;
+}
+
+/* What fires in tiles where nothing moves, over the macro step as a whole. */
+static tides_status compare_still(tides_simulator *s, double start, double stop, tides_error *error) {
+    td_step whole;
+    double begun = td_now();
+    tides_status status = td_grid_step(&s->grid, start, stop, &whole, error);
+    if (status == TIDES_OK) status = td_solve_still(s, &whole, start, error);
+    if (status == TIDES_OK) status = td_compare_still(s, &whole, error);
+    s->stats.time_compare_s += td_now() - begun;
+    return status;
+}
+
+/* What the events' times are off by. The pixels have reached the step's end. */
+static tides_status measure(tides_simulator *s, tides_error *error) {
+    const tides_status status = td_solve_measure(s, error);
+    s->broken |= status != TIDES_OK;
+    return status;
+}
+
+/* The comparator over one macro step, refined tile by tile. */
+static tides_status compare_refined(tides_simulator *s, tides_error *error) {
+    const double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
+    tides_status status = td_solve_keep_start(s, error);
+    if (status == TIDES_OK) status = td_sweep(s, start, stop, error);
+    if (status == TIDES_OK && s->moving.count > 0) status = td_renderer_find_swaps(s->renderer, s->camera, error);
+    if (status == TIDES_OK && s->moving.count > 0) status = refine(s, start, stop, error);
+    if (status == TIDES_OK) status = measure(s, error);
+    if (status != TIDES_OK) return status; /* whether the pixels still agree on the time has been said */
+    status = compare_still(s, start, stop, error);
+    s->broken = status != TIDES_OK;
+    return status;
+}
+
+/* One macro step, or none of it where it is stopped. */
+static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
+    tides_status status = td_undo_keep(s, error);
+    if (status != TIDES_OK) return status;
+    status = compare_refined(s, error);
+    td_undo_stopped(s, status);
+    if (status != TIDES_OK) return status;
+    status = reach(s, error);
+    const double begun = td_now();
+    if (status == TIDES_OK) status = sort_from(s, 0, error);
+    s->stats.time_compare_s += td_now() - begun;
+    s->broken = status != TIDES_OK;
+    return status == TIDES_OK ? emit(s, sink, user, error) : status;
+}
+
+/* -- the run --------------------------------------------------------------------------------------------------------------- */
+
+/* Steps up to grid point `last`. */
+static tides_status advance_to(tides_simulator *s, int64_t last, tides_event_sink sink, void *sink_user, tides_error *error) {
+    const td_asking *asking = &s->asking;
+    tides_status status = TIDES_OK;
+    while (status == TIDES_OK && s->step < last) {
+        td_ask_step(s);
+        status = s->given.mode == TIDES_STEPPING_FIXED ? advance_fixed(s, last - s->step, sink, sink_user, error)
+                                                       : advance_refined(s, sink, sink_user, error);
+        if (!asking->progress || (status != TIDES_OK && !asking->stopped)) continue;
+        if (asking->stopped || asking->progress(asking->user, (double)s->step / (double)s->grid.steps, "simulating"))
+            status = td_fail(error, TIDES_CANCELLED, "stopped on request at %.9g s", td_time_reached(s));
+    }
+    return status;
+}
+
+static tides_status fail_untold(const tides_simulator *s, const char *path, double until, tides_error *error) {
+    return td_fail(error, TIDES_OUT_OF_RANGE, "%s is open, and hasn't been told up to %.15g s; append poses first", path,
+                   s->epoch + until);
+}
+
+/* Fails where a path that is told as it goes hasn't been told as far as grid point `last`. */
+static tides_status check_told(const tides_simulator *s, int64_t last, tides_error *error) {
+    const double until = td_grid_time(s, last);
+    if (!td_trajectory_told(s->camera, s->epoch, until)) return fail_untold(s, "the camera's path", until, error);
+    for (int32_t i = 0; i < tides_scene_objects(s->scene); i++) {
+        tides_object object;
+        char named[128];
+        tides_status status = tides_scene_object(s->scene, i, &object, error);
+        if (status != TIDES_OK) return status;
+        if (td_trajectory_told(object.trajectory, s->epoch, until)) continue;
+        snprintf(named, sizeof named, "the path of object %d ('%.80s')", (int)i, object.name);
+        return fail_untold(s, named, until, error);
+    }
+    return TIDES_OK;
+}
+
+/* The last grid point of a run that is asked for up to `until`. */
+static int64_t last_point(const tides_simulator *s, double until) {
+    return until - s->epoch >= s->length ? s->grid.steps : td_grid_last_until(&s->grid, s->epoch, until);
+}
+
+double td_simulator_extends_from(const tides_simulator *s, double until) {
+    const int64_t last = last_point(s, until);
+    return s->epoch + td_grid_time(s, last < s->grid.steps ? last : s->grid.steps - 1);
+}
+
+tides_status tides_simulator_run(tides_simulator *simulator, double until, tides_event_sink sink, void *sink_user,
+                                 tides_progress progress, void *user, tides_error *error) {
+    if (!simulator) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: simulator must be given");
+    if (simulator->broken)
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "tides_simulator_run: an earlier error left a step half done; make a new simulator");
+    if (!td_grid_reaches(&simulator->grid, 0, simulator->epoch, until))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: until %s s is before the start, %s s", TD_SHORT(until),
+                       TD_SHORT(simulator->epoch));
+    double begun = td_now();
+    tides_status status = TIDES_OK;
+    const int64_t last = last_point(simulator, until);
+    if (last > simulator->step) status = check_told(simulator, last, error);
+    /* An open path that says where it begins, and no more, has no rates there yet. */
+    const int32_t begins = !simulator->started && (last > 0 || check_told(simulator, 1, NULL) == TIDES_OK);
+    if (begins && status == TIDES_OK) status = td_begin(simulator, error);
+    td_ask_begin(simulator, progress, user);
+    if (status == TIDES_OK) status = advance_to(simulator, last, sink, sink_user, error);
+    td_ask_end(simulator);
+    simulator->stats.run_time_s += td_now() - begun;
+    return status;
+}

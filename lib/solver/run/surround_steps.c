@@ -1,0 +1,133 @@
+/* Steps of all pixels together, through the centre-surround to the comparator. For run.c and settle.c, where the sensor has a
+ * surround; the modes' arithmetic is lib/sensor/surround's, and which steps there are the controller's. */
+#include "solver/td_simulator.h"
+
+#include <stdlib.h>
+
+tides_status td_surround_steps_create(tides_simulator *s, const tides_sensor *sensor, int height, tides_error *error) {
+    td_surround_steps *steps = &s->surround;
+    size_t pixels = (size_t)s->layout.width * (size_t)height;
+    if (sensor->surround_lambda_px == 0) return TIDES_OK;
+    if (sensor->bandwidth != TIDES_BANDWIDTH_FIRST_ORDER ||
+        (sensor->photoreceptor_cutoff_hz > 0 && sensor->photoreceptor_law != TIDES_PHOTORECEPTOR_CONSTANT))
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "center_surround: wants a photoreceptor whose filter is the same for all pixels: bandwidth first_order "
+                       "and photoreceptor_law constant");
+    double least = td_sensor_least_threshold(sensor);
+    tides_status status =
+        td_surround_create(sensor, s->layout.width, height, s->given.tolerance * least, &steps->surround, error);
+    double **images[] = {&steps->from_dot, &steps->p, &steps->p_dot, &steps->S, &steps->modes};
+    for (size_t i = 0; i < sizeof images / sizeof *images && status == TIDES_OK; i++)
+        if (!(*images[i] = td_alloc(pixels, sizeof **images[i], error))) status = TIDES_NO_MEMORY;
+    if (status == TIDES_OK) s->given.local = 0;
+    return status;
+}
+
+void td_surround_steps_release(td_surround_steps *steps) {
+    td_surround_release(&steps->surround);
+    free(steps->from_dot);
+    free(steps->p);
+    free(steps->p_dot);
+    free(steps->S);
+    free(steps->modes);
+    memset(steps, 0, sizeof *steps);
+}
+
+enum { TO_IMAGE, TO_TILES };
+
+/* From the tiles' order to the image's, or the other way. */
+static void rearrange(const tides_simulator *s, int direction, const double *from, double *to) {
+    for (int t = 0; t < s->layout.tiles; t++) {
+        const td_tile *tile = &s->layout.tile[t];
+        for (int i = 0; i < tile->count; i++) {
+            size_t in_tiles = s->layout.first_pixel[t] + (size_t)i;
+            size_t in_image = (size_t)(tile->y0 + i / tile->width) * s->layout.width + (size_t)(tile->x0 + i % tile->width);
+            if (direction == TO_IMAGE)
+                to[in_image] = from[in_tiles];
+            else
+                to[in_tiles] = from[in_image];
+        }
+    }
+}
+
+/* What the time reached leaves behind: S and the modes. */
+static void note_reached(tides_simulator *s, const td_surround_sample *reached) {
+    rearrange(s, TO_TILES, reached->S, s->surround.S);
+    rearrange(s, TO_TILES, s->surround.surround.surround, s->surround.modes);
+}
+
+void td_surround_steps_begin(tides_simulator *s) {
+    td_surround_steps *steps = &s->surround;
+    td_surround_sample now;
+    rearrange(s, TO_IMAGE, s->now.plane[TD_PLANE_S], steps->p);
+    rearrange(s, TO_IMAGE, s->now.plane[TD_PLANE_S_DOT], steps->p_dot);
+    td_surround_rest(&steps->surround, steps->p, steps->p_dot, &now);
+    note_reached(s, &now);
+}
+
+void td_surround_steps_resume(tides_simulator *s) {
+    td_surround_steps *steps = &s->surround;
+    td_surround_sample now;
+    rearrange(s, TO_IMAGE, s->now.plane[TD_PLANE_S], steps->p);
+    rearrange(s, TO_IMAGE, s->now.plane[TD_PLANE_S_DOT], steps->p_dot);
+    rearrange(s, TO_IMAGE, s->surround.modes, steps->from_dot);
+    td_surround_resume(&steps->surround, steps->from_dot, steps->p, steps->p_dot, &now);
+    note_reached(s, &now);
+}
+
+/* A tile at one end of a piece: what the comparator wants of it, and the input where it wants that. */
+typedef struct tile_sample {
+    double own[TD_PLANES_ALL][TD_TILE_PIXELS], p[TD_TILE_PIXELS], p_dot[TD_TILE_PIXELS];
+    const double *plane[TD_PLANES_ALL];
+} tile_sample;
+
+/* `part` of the step says where between s->now and s->next the other planes are, which are taken to be linear. */
+static void take_tile(const tides_simulator *s, int t, const td_surround_sample *from, double part, tile_sample *to) {
+    const td_tile *tile = &s->layout.tile[t];
+    for (int i = 0; i < tile->count; i++) {
+        size_t at = (size_t)(tile->y0 + i / tile->width) * s->layout.width + (size_t)(tile->x0 + i % tile->width);
+        to->own[TD_PLANE_S][i] = from->S[at];
+        to->own[TD_PLANE_S_DOT][i] = from->S_dot[at];
+        to->p[i] = from->p[at];
+        to->p_dot[i] = from->p_dot[at];
+    }
+    for (int k = 0; k < s->given.sample_planes; k++) {
+        to->plane[k] = to->own[k];
+        const double *now = s->now.plane[k] + s->layout.first_pixel[t], *next = s->next.plane[k] + s->layout.first_pixel[t];
+        for (int i = 0; i < tile->count && k >= TD_PLANES_SIGNAL; i++) to->own[k][i] = (1 - part) * now[i] + part * next[i];
+    }
+}
+
+static tides_status compare_piece(tides_simulator *s, const td_step *step, const double part[2],
+                                  const td_surround_sample sample[2], const int32_t *which, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (int t = 0; t < s->layout.tiles && status == TIDES_OK; t++) {
+        tile_sample begin, end;
+        take_tile(s, t, &sample[0], part[0], &begin);
+        take_tile(s, t, &sample[1], part[1], &end);
+        const td_signals light = {begin.p, begin.p_dot, end.p, end.p_dot};
+        size_t first = s->work.events.count;
+        status = td_compare_tile(s, t, step, begin.plane, end.plane, &light, error);
+        if (which && status == TIDES_OK) td_time_events(s, &s->refine.step[which[t]], step, begin.plane, end.plane, first);
+    }
+    return status;
+}
+
+tides_status td_surround_compare(tides_simulator *s, double start, double stop, const int32_t *which, tides_error *error) {
+    td_surround_steps *steps = &s->surround;
+    td_surround_sample sample[2];
+    double part[2];
+    tides_status status = TIDES_OK;
+    rearrange(s, TO_IMAGE, s->now.plane[TD_PLANE_S_DOT], steps->from_dot);
+    rearrange(s, TO_IMAGE, s->next.plane[TD_PLANE_S], steps->p);
+    rearrange(s, TO_IMAGE, s->next.plane[TD_PLANE_S_DOT], steps->p_dot);
+    td_surround_begin(&steps->surround, stop - start, steps->from_dot, steps->p, steps->p_dot);
+    while (status == TIDES_OK && td_surround_next(&steps->surround, &part[0], &part[1], &sample[0], &sample[1])) {
+        td_step step;
+        double from = start + (stop - start) * part[0], to = part[1] < 1 ? start + (stop - start) * part[1] : stop;
+        status = td_grid_step(&s->grid, from, to, &step, error);
+        if (status == TIDES_OK) status = compare_piece(s, &step, part, sample, which, error);
+    }
+    if (status == TIDES_OK) note_reached(s, &sample[1]);
+    return status;
+}

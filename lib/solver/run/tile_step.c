@@ -1,0 +1,95 @@
+/* A step of one tile: its signals go to the sensor, which appends events; and what the sensor says of where pixels stand. For
+ * the run over steps, and for settling. */
+#include "solver/td_simulator.h"
+
+#include <math.h>
+
+/* Of the step reached [ns since the run's start]. */
+static double time_now(const tides_simulator *s) {
+    td_step step;
+    double time = td_grid_time(s, s->step);
+    if (td_step_between(time, time + 1, &step, NULL) != TIDES_OK) return 0; /* the run's steps have all been like it */
+    return td_sensor_time(&s->sensor, s->grid.epoch_ns + step.start_ns, step.start_fraction);
+}
+
+/* Planes are finite (lib/render/nonfinite.c): it is the front end that has made of them what isn't. */
+static tides_status fail_nonfinite(const tides_simulator *s, int t, const td_step *step, uint64_t pixels, tides_error *error) {
+    return td_fail(error, TIDES_BAD_ARGUMENT,
+                   "the signal of %llu pixels of the tile at (%d, %d) isn't finite at %.15g s, although the image is: the "
+                   "front end's parameters are beyond what can be computed with",
+                   (unsigned long long)pixels, (int)s->layout.tile[t].x0, (int)s->layout.tile[t].y0,
+                   1e-9 * (double)step->start_ns);
+}
+
+static tides_status compare(tides_simulator *s, int t, const td_step *step, const double *const begin[],
+                            const double *const end[], const td_signals *light, tides_error *error) {
+    size_t at = s->layout.first_pixel[t];
+    const td_signals signals = {begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
+    td_seen seen = {.signals = &signals, .light = light};
+    if (s->sensor.masks) seen.coverage = (td_coverage){begin[TD_PLANE_ALPHA], end[TD_PLANE_ALPHA]};
+    return td_sensor_step(&s->sensor, step, &s->layout.tile[t], at, &seen, &s->work, error);
+}
+
+tides_status td_compare_tile(tides_simulator *s, int t, const td_step *step, const double *const begin[],
+                             const double *const end[], const td_signals *light, tides_error *error) {
+    const uint64_t before = s->work.counts.nonfinite;
+    tides_status status = compare(s, t, step, begin, end, light, error);
+    if (status != TIDES_OK || s->work.counts.nonfinite == before) return status;
+    return fail_nonfinite(s, t, step, s->work.counts.nonfinite - before, error);
+}
+
+tides_status td_compare_still(tides_simulator *s, const td_step *step, tides_error *error) {
+    static const double no_rate[TD_TILE_PIXELS] = {0};
+    if (!s->sensor.active_at_rest) return TIDES_OK;
+    int moved = 0; /* both lists ascend */
+    for (int t = 0; t < s->layout.tiles; t++) {
+        if (moved < s->moving.count && s->moving.list[moved] == t) {
+            moved++;
+            continue;
+        }
+        const double *plane[TD_PLANES_ALL];
+        for (int k = 0; k < s->given.sample_planes; k++) plane[k] = s->now.plane[k] + s->layout.first_pixel[t];
+        plane[TD_PLANE_S_DOT] = no_rate;
+        tides_status status = td_compare_tile(s, t, step, plane, plane, NULL, error);
+        if (status != TIDES_OK) return status;
+    }
+    return TIDES_OK;
+}
+
+/* Where a hold takes the reference from the signal anew after each event, an event that is late or early makes a wrong
+ * reference, and the errors of a pixel's events add up: in quadrature over the 16 or so of a busy pixel in a run. */
+static const double hold_adds = 4;
+
+void td_time_events(tides_simulator *s, const td_refine_step *refined, const td_step *step, const double *const begin[],
+                    const double *const end[], size_t first) {
+    const td_signals signals = {begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
+    const td_samples *samples = &s->refine.samples;
+    const int holds = td_sensor_holds(&s->sensor);
+    td_timed timed = {.step = step,
+                      .tile = &s->layout.tile[refined->tile],
+                      .signals = &signals,
+                      .deviation = refined->probe < 0 ? NULL : td_sample_deviation(samples, refined->probe),
+                      .fall = refined->probe < 0 ? NULL : td_sample_fall(samples, refined->probe),
+                      .adds = holds ? hold_adds : 1,
+                      .is_last = td_refine_ends_run(s, refined),
+                      .levels = td_sensor_levels(&s->sensor, step, s->layout.first_pixel[refined->tile]),
+                      .frontend = &s->sensor.frontend,
+                      .log_eps = s->sensor.log_eps,
+                      .events = s->work.events.count > first ? s->work.events.events + first : NULL,
+                      .count = s->work.events.count - first};
+    td_timing_add(&s->timing, &timed);
+    td_timing_add_turns(&s->timing, &timed);
+}
+
+/* S of every pixel at the time reached, past the surround. */
+static const double *seen(const tides_simulator *s) {
+    return s->surround.surround.on ? s->surround.S : s->now.plane[TD_PLANE_S];
+}
+
+double td_signal_now(const tides_simulator *s, size_t pixel) {
+    return td_sensor_signal(&s->sensor, pixel, seen(s)[pixel], time_now(s));
+}
+
+double td_worst_residual(const tides_simulator *s) {
+    return td_sensor_worst_residual(&s->sensor, seen(s), s->now.plane[TD_PLANE_ALPHA], time_now(s));
+}

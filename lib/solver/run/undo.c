@@ -1,0 +1,98 @@
+/* Stopping in the middle of a step. A macro step of a large scene takes seconds, so progress is asked before each of its
+ * launches; a step that it stops is undone, since only between steps is there a state to go on from, here or from a checkpoint.
+ *
+ * What is kept is the table that checkpoints save, so that a part with a new array is undone without a thought: some 40 bytes
+ * of an ideal pixel are copied for each step, a thousandth of what it takes to render them. For run.c. */
+#include "solver/td_simulator.h"
+
+/* Of the first step's launches nothing is known. */
+static const int64_t usual_at_first = 16;
+
+/* -- asking ---------------------------------------------------------------------------------------------------------------- */
+
+/* A td_heed. Before the step's first launch nothing has been done since progress was asked last. How many are to come isn't
+ * known: after as many as the step before took, half of this one is said to be done, so that it never seems to go back. */
+static int ask(void *user) {
+    const tides_simulator *s = user;
+    td_asking *asking = &((tides_simulator *)user)->asking;
+    if (asking->launches++ == 0) return 0;
+    const double done = (double)asking->launches, part = done / (done + (double)asking->usual);
+    asking->stopped = asking->progress(asking->user, ((double)s->step + part) / (double)s->grid.steps, "simulating") != 0;
+    return asking->stopped;
+}
+
+void td_ask_begin(tides_simulator *s, tides_progress progress, void *user) {
+    s->asking = (td_asking){progress, user, 0, usual_at_first, 0};
+    if (progress) td_renderer_set_heed(s->renderer, ask, s);
+}
+
+void td_ask_step(tides_simulator *s) {
+    if (s->asking.launches > 0) s->asking.usual = s->asking.launches;
+    s->asking.launches = 0;
+}
+
+void td_ask_end(tides_simulator *s) {
+    s->asking.progress = NULL;
+    td_renderer_set_heed(s->renderer, NULL, NULL);
+}
+
+/* -- undoing --------------------------------------------------------------------------------------------------------------- */
+
+static size_t bytes_of(const td_state_row *row) {
+    return row->count * (row->type == TD_STATE_REAL ? sizeof(double) : sizeof(uint32_t));
+}
+
+/* The arrays as they stand: some take turns. */
+static td_state table_of(tides_simulator *s) {
+    td_state state = {.rows = 0};
+    td_simulator_state(s, &state);
+    td_sensor_state(&s->sensor, &state);
+    return state;
+}
+
+tides_status td_undo_keep(tides_simulator *s, tides_error *error) {
+    td_undo *undo = &s->undo;
+    if (!s->asking.progress) return TIDES_OK;
+    const td_state state = table_of(s);
+    size_t bytes = 0, at = 0;
+    if (state.lost > 0) return td_fail(error, TIDES_NO_MEMORY, "the table of state has no room for %d rows", state.lost);
+    for (int i = 0; i < state.rows; i++) bytes += bytes_of(&state.row[i]);
+    tides_status status = td_renew((void **)&undo->bytes, &undo->capacity, bytes, 1, error);
+    if (status != TIDES_OK) return status;
+    for (int i = 0; i < state.rows; at += bytes_of(&state.row[i++]))
+        memcpy(undo->bytes + at, state.row[i].values, bytes_of(&state.row[i]));
+    undo->stats = s->stats;
+    undo->counts = s->work.counts;
+    undo->render = td_renderer_counts(s->renderer);
+    undo->uncertain = s->timing.uncertain;
+    undo->solved = s->solve.events;
+    undo->lookups = s->solve.lookups;
+    return TIDES_OK;
+}
+
+/* The time that it took was spent. */
+static void put_counts(tides_simulator *s, const td_undo *undo) {
+    const tides_stats now = s->stats;
+    s->stats = undo->stats;
+    s->stats.time_compare_s = now.time_compare_s;
+    s->stats.time_look_up_s = now.time_look_up_s;
+    s->work.counts = undo->counts;
+    td_renderer_put_counts(s->renderer, &undo->render);
+    s->timing.uncertain = undo->uncertain;
+    s->solve.events = undo->solved;
+    s->solve.lookups = undo->lookups;
+}
+
+void td_undo_stopped(tides_simulator *s, tides_status status) {
+    const td_undo *undo = &s->undo;
+    if (status != TIDES_CANCELLED || !s->asking.progress) return;
+    const td_state state = table_of(s);
+    size_t at = 0;
+    for (int i = 0; i < state.rows; at += bytes_of(&state.row[i++]))
+        memcpy(state.row[i].values, undo->bytes + at, bytes_of(&state.row[i]));
+    td_sensor_resume(&s->sensor);
+    if (s->surround.surround.on) td_surround_steps_resume(s);
+    put_counts(s, undo);
+    s->work.events.count = 0;
+    s->broken = 0;
+}

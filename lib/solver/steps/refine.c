@@ -1,0 +1,281 @@
+/* Adaptive steps: which (tile, time) jobs a macro step needs.
+ *
+ * Level 0 renders every tile in which something moves at the macro step's end, and inside it where the error is controlled.
+ * Each level then cuts those of the new steps that the controller (control.c) finds too long, until there is none or min_step_s
+ * is reached. All tiles' jobs of a level are one batch for the renderer; equal times share a slot.
+ *
+ * For run.c. Whether a step is too long is control.c's to say, which of too many come first window.c's; what becomes of
+ * accepted steps is settle.c's. */
+#include "solver/td_probe.h"
+#include "solver/td_simulator.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* Positions are finer than the shortest step by this: cuts aren't in the middle. */
+enum { MAX_DEPTH = 24, SHORTEST_BITS = 6 };
+
+/* Steps are at least so many units in the last place of the run's length so far: 3.6 ps after 1000 s. Below, their ends are no
+ * longer told apart as nanoseconds with a fraction (step.c), however short min_step_s asks for. */
+static const double least_steps = 16;
+
+/* What is between two knots is looked into however short it is, to this part of it: a leap of a microsecond that was one step
+ * of min_step_s had a third of its events. */
+static const double parts_between_knots = 64;
+
+/* Halvings until steps are no longer than min_step. */
+static int depth_for(double length, double min_step) {
+    int depth = 0;
+    while (depth < MAX_DEPTH && length > min_step * 1.000001) {
+        length *= 0.5;
+        depth++;
+    }
+    return depth;
+}
+
+static double shortest_step(const tides_simulator *s, double start, double stop) {
+    const int is_between = td_grid_is_knot(&s->grid, s->step) && td_grid_is_knot(&s->grid, s->step + 1);
+    const double asked = is_between ? fmin(s->given.min_step_s, (stop - start) / parts_between_knots) : s->given.min_step_s;
+    return fmax(asked, least_steps * DBL_EPSILON * stop);
+}
+
+/* Adds a job to the level, for a new sample. */
+static tides_status add_job(tides_simulator *s, int tile, double time, tides_error *error) {
+    int32_t sample;
+    tides_status status = td_samples_take(&s->refine.samples, &sample, error);
+    return status == TIDES_OK ? td_launch_add(&s->launch, tile, time, sample, error) : status;
+}
+
+/* -- steps ----------------------------------------------------------------------------------------------------------------- */
+
+/* A step that is there, or for which there is room. */
+static int32_t next_step(td_refine *r) {
+    const int32_t spare = r->spare_step;
+    if (spare < 0) return (int32_t)r->steps++;
+    r->spare_step = r->step[spare].next;
+    return spare;
+}
+
+static tides_status new_step(td_refine *r, int32_t *index, tides_error *error) {
+    tides_status status = td_reserve((void **)&r->step, &r->step_capacity, r->steps + 1, sizeof *r->step, error);
+    if (status == TIDES_OK) *index = next_step(r);
+    return status;
+}
+
+/* The moving tiles' lists of one whole step each, from the samples that the last macro step ended with to those to come. */
+static tides_status begin_lists(tides_simulator *s, td_refine *r, tides_error *error) {
+    td_samples_clear(&r->samples);
+    r->steps = r->cuts = r->open_count = r->fresh_count = 0;
+    td_launch_clear(&s->launch);
+    r->spare_step = -1;
+    r->early = 0;
+    tides_status status = td_reserve((void **)&r->fresh, &r->fresh_capacity, (size_t)r->units, sizeof *r->fresh, error);
+    for (int t = 0; t < s->layout.tiles; t++) r->head[t] = -1;
+    for (int i = 0; i < r->units && status == TIDES_OK; i++) {
+        int t = r->unit[i];
+        int32_t begin, step;
+        status = td_samples_take(&r->samples, &begin, error);
+        if (status == TIDES_OK) status = new_step(r, &step, error);
+        if (status != TIDES_OK) return status;
+        double *sample = td_sample_at(&r->samples, begin);
+        for (int k = 0; k < r->samples.planes; k++)
+            memcpy(sample + k * r->samples.pixels, s->now.plane[k] + s->layout.first_pixel[t],
+                   (size_t)s->layout.tile[t].count * sizeof *sample);
+        *td_sample_risk(&r->samples, begin) = s->tile_risk[t];
+        td_sensor_begin_estimates(&s->sensor, s->layout.first_pixel[t], s->layout.tile[t].count);
+        r->step[step] =
+            (td_refine_step){.to = (uint32_t)1 << r->depth, .begin = begin, .probe = -1, .next = -1, .tile = t, .open = 1};
+        r->head[t] = step;
+        r->fresh[r->fresh_count++] = step;
+    }
+    return status;
+}
+
+/* Beside a cut's deviations: how far they have fallen since the cut before, which is at an end of the step that is cut. */
+static void note_falls(td_refine *r, int32_t before, int32_t sample, int32_t count) {
+    const double *deviation = td_sample_deviation(&r->samples, sample);
+    uint8_t *fall = td_sample_fall(&r->samples, sample);
+    if (before < 0) {
+        memset(fall, 0, (size_t)count);
+        return;
+    }
+    const double *last = td_sample_deviation(&r->samples, before);
+    for (int32_t i = 0; i < count; i++) fall[i] = td_probe_fall(deviation[i], last[i]);
+}
+
+/* Where a step is cut. */
+static uint32_t place_of(const tides_simulator *s, const td_refine_step *step) {
+    return step->swap ? step->swap : td_probe_place(s->refine.macro, step->from, step->to);
+}
+
+/* The part that has a swap in it is looked into anew: what has been seen so far needn't be of the swap. */
+static void begin_anew(td_refine_step *step) {
+    step->probe = -1;
+    step->deviation = step->past[0] = step->past[1] = 0;
+}
+
+/* What a sample where a swap begins or ends says of the part without it is what was seen before. */
+static void keep_deviations(td_refine *r, int32_t before, int32_t sample, int32_t count) {
+    memcpy(td_sample_deviation(&r->samples, sample), td_sample_deviation(&r->samples, before), (size_t)count * sizeof(double));
+    memset(td_sample_fall(&r->samples, sample), 0, (size_t)count); /* and nothing of how smooth it is */
+}
+
+/* How far the step is off where it is cut. */
+static void note_deviations(const tides_simulator *s, td_refine *r, double start, double stop, const td_refine_step *a,
+                            uint32_t at, int32_t sample) {
+    const double *begin = td_sample_at(&r->samples, a->begin), *end = td_sample_at(&r->samples, a->end);
+    const double *inside = td_sample_at(&r->samples, sample);
+    const td_signals ends = {begin, begin + r->samples.pixels, end, end + r->samples.pixels};
+    double from = td_refine_time(r, start, stop, a->from), h = td_refine_time(r, start, stop, a->to) - from;
+    double theta = (td_refine_time(r, start, stop, at) - from) / h;
+    td_probe_deviation(h, theta, &ends, inside, inside + r->samples.pixels, s->layout.tile[a->tile].count,
+                       td_sample_deviation(&r->samples, sample));
+    note_falls(r, a->probe, sample, s->layout.tile[a->tile].count);
+}
+
+/* Cuts a step at the position `at`, where `sample` has been rendered: its second part is the new step `right`. */
+static void cut(const tides_simulator *s, td_refine *r, double start, double stop, int32_t left, int32_t right, uint32_t at,
+                int32_t sample) {
+    td_refine_step *a = &r->step[left], *b = &r->step[right];
+    if (a->swap) {
+        keep_deviations(r, a->probe, sample, s->layout.tile[a->tile].count);
+    } else {
+        note_deviations(s, r, start, stop, a, at, sample);
+        a->past[1] = a->past[0];
+        a->past[0] = a->deviation;
+    }
+    a->probe = sample;
+    a->cuts++;
+    *b = *a;
+    if (a->swap) begin_anew(a->begins ? b : a);
+    a->to = b->from = at;
+    a->end = b->begin = sample;
+    a->next = right;
+    r->cuts++;
+}
+
+/* Room for all steps that the level's cuts make. */
+static tides_status reserve_parts(td_refine *r, tides_error *error) {
+    tides_status status = td_reserve((void **)&r->fresh, &r->fresh_capacity, 2 * r->pending_count, sizeof *r->fresh, error);
+    if (status != TIDES_OK) return status;
+    return td_reserve((void **)&r->step, &r->step_capacity, r->steps + r->pending_count, sizeof *r->step, error);
+}
+
+static void list_fresh(tides_simulator *s, int32_t step) {
+    td_refine *r = &s->refine;
+    r->fresh[r->fresh_count++] = step;
+    td_control_judge(s, &r->step[step], r->start, r->stop);
+}
+
+/* Cuts a pending step where `sample` is; its parts are two of the next level's steps. */
+static void cut_pending(tides_simulator *s, int32_t left, int32_t sample) {
+    td_refine *r = &s->refine;
+    const int32_t right = next_step(r);
+    const uint32_t at = place_of(s, &r->step[left]);
+    cut(s, r, r->start, r->stop, left, right, at, sample);
+    list_fresh(s, left);
+    list_fresh(s, right);
+}
+
+/* -- samples --------------------------------------------------------------------------------------------------------------- */
+
+/* Copies one rendered unit to its sample's rows, and notes its risk. */
+static void store_sample(tides_simulator *s, const td_ask *ask, const double *planes) {
+    td_samples *samples = &s->refine.samples;
+    const td_tile *unit = &s->layout.tile[ask->unit];
+    double *sample = td_sample_at(samples, ask->sample);
+    const size_t apart = (size_t)samples->pixels;
+    td_unpack_tile(unit, planes, sample, sample + apart);
+    if (samples->planes == TD_PLANES_ALL) td_unpack_diagnostics(unit, planes, apart, sample);
+    *td_sample_risk(samples, ask->sample) = s->given.outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, unit, planes);
+}
+
+/* What the samples of a step say of it is read while they are at hand: of a level they are more than caches hold. */
+static void take_sample(tides_simulator *s, const td_ask *ask, const double *planes, void *user) {
+    const td_refine *r = &s->refine;
+    const size_t number = (size_t)(ask - s->launch.ask), first_cut = *(const size_t *)user;
+    store_sample(s, ask, planes);
+    if (number >= first_cut) cut_pending(s, r->pending[number - first_cut], ask->sample);
+}
+
+/* All of the level's jobs. Those from number `first_cut` on are where the pending steps are cut. */
+static tides_status render_level(tides_simulator *s, size_t first_cut, tides_error *error) {
+    tides_status status = reserve_parts(&s->refine, error);
+    return status == TIDES_OK ? td_launch_take_all(s, TD_SIDE_ENDS, s->given.outputs, take_sample, &first_cut, error) : status;
+}
+
+/* -- levels ---------------------------------------------------------------------------------------------------------------- */
+
+static tides_status add_cuts(tides_simulator *s, td_refine *r, double start, double stop, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (size_t i = 0; i < r->pending_count && status == TIDES_OK; i++) {
+        const td_refine_step *step = &r->step[r->pending[i]];
+        const uint32_t at = place_of(s, step);
+        status = add_job(s, step->tile, td_refine_time(r, start, stop, at), error);
+    }
+    return status;
+}
+
+/* Renders the places at which the pending steps are cut, and cuts them. */
+tides_status td_refine_level(tides_simulator *s, double start, double stop, tides_error *error) {
+    td_refine *r = &s->refine;
+    td_launch_clear(&s->launch);
+    tides_status status = add_cuts(s, r, start, stop, error);
+    r->fresh_count = 0;
+    return status == TIDES_OK ? render_level(s, 0, error) : status;
+}
+
+/* Level 0: every moving tile at the macro step's end, and where nothing else is known than that all will be cut, inside it. */
+static tides_status first_level(tides_simulator *s, td_refine *r, double start, double stop, tides_error *error) {
+    int looks = s->given.mode == TIDES_STEPPING_ERROR && td_refine_may_cut(r, &r->step[r->fresh[0]]);
+    size_t count = r->fresh_count;
+    tides_status status = td_reserve((void **)&r->pending, &r->pending_capacity, count, sizeof *r->pending, error);
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) status = add_job(s, r->step[r->fresh[i]].tile, stop, error);
+    if (status != TIDES_OK) return status;
+    memcpy(r->pending, r->fresh, count * sizeof *r->fresh);
+    for (size_t i = 0; i < count; i++) r->step[r->fresh[i]].end = s->launch.ask[i].sample;
+    r->pending_count = looks ? count : 0;
+    status = add_cuts(s, r, start, stop, error);
+    if (looks) r->fresh_count = 0;
+    if (status == TIDES_OK) status = render_level(s, count, error);
+    for (size_t i = 0; i < count && !looks && status == TIDES_OK; i++) td_control_judge(s, &r->step[r->fresh[i]], start, stop);
+    if (looks && status == TIDES_OK) s->stats.steps_rejected += count;
+    return status;
+}
+
+/* -- the macro step ---------------------------------------------------------------------------------------------------- */
+
+tides_status td_refine_begin(tides_simulator *s, double start, double stop, tides_error *error) {
+    td_refine *r = &s->refine;
+    r->depth = depth_for(stop - start, shortest_step(s, start, stop)) + SHORTEST_BITS;
+    r->shortest = (uint32_t)1 << SHORTEST_BITS;
+    r->macro = (uint64_t)s->step;
+    r->start = start;
+    r->stop = stop;
+    tides_status status = begin_lists(s, r, error);
+    return status == TIDES_OK ? first_level(s, r, start, stop, error) : status;
+}
+
+void td_refine_planes(const tides_simulator *s, const td_refine_step *refined, const double *begin[], const double *end[]) {
+    const double *from = td_sample_at(&s->refine.samples, refined->begin), *to = td_sample_at(&s->refine.samples, refined->end);
+    for (int p = 0; p < s->given.sample_planes; p++) {
+        begin[p] = from + p * s->refine.samples.pixels;
+        end[p] = to + p * s->refine.samples.pixels;
+    }
+}
+
+int td_refine_ends_run(const tides_simulator *s, const td_refine_step *step) {
+    return s->step + 1 == s->grid.steps && step->to == (uint32_t)1 << s->refine.depth;
+}
+
+void td_refine_release(td_refine *refine) {
+    td_samples_release(&refine->samples);
+    free(refine->step);
+    free(refine->head);
+    free(refine->reference);
+    free(refine->open);
+    free(refine->pending);
+    free(refine->fresh);
+    memset(refine, 0, sizeof *refine);
+}

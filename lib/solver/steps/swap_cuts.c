@@ -1,0 +1,100 @@
+/* Where steps are cut because of swaps of depth (td_renderer_swaps): what is accepted otherwise, and has one within it that
+ * is too short to show in its samples, is cut where that begins and ends, and looked into between. */
+#include "td_extremes.h"
+#include "solver/td_simulator.h"
+
+#include <math.h>
+
+/* Swaps that move log_luminance by less are left to the samples: this share of a threshold, or of a large tolerance. A
+ * choice: with less blocks of a tile have more places of their own, which are rendered for each of them alone. */
+static const double least_share = 0.05, share_of_tolerance = 0.5;
+
+/* The least light of a unit at the macro step's start: exp(S). */
+static double least_light(const tides_simulator *s, int32_t unit) {
+    const double *S = s->now.plane[TD_PLANE_S] + s->layout.first_pixel[unit];
+    double least = S[0];
+    for (int i = 1; i < s->layout.tile[unit].count; i++) least = td_lesser(least, S[i]);
+    return exp(least);
+}
+
+/* The first swap at `part` or later. */
+static int find_swap(const td_swap *swap, int count, double part) {
+    int low = 0, high = count;
+    while (low < high) {
+        const int middle = (low + high) / 2;
+        if (swap[middle].part < part)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* A swap that takes no less than this share of a step shows in its samples, as whatever is smooth does. A choice. */
+static const double shows = 0.25;
+
+/* Where a step may be cut, in units of swaps' times, and what counts there; best: where it is, below 0 nowhere yet. */
+typedef struct cuts {
+    double least, most, wide, light, best;
+    int begins; /* 1: a swap begins there, 0: it ends */
+} cuts;
+
+/* Ends of a block's swaps: the nearest to the middle. */
+static void find_nearest(const td_swap *swap, int count, cuts *of) {
+    const double middle = 0.5 * (of->least + of->most);
+    for (int i = find_swap(swap, count, of->least - of->wide); i < count && swap[i].part <= of->most + of->wide; i++) {
+        if ((double)swap[i].wide > of->wide || (double)swap[i].light < of->light) continue;
+        for (int side = -1; side <= 1; side += 2) {
+            const double at = swap[i].part + side * (double)swap[i].wide;
+            if (at < of->least || at > of->most) continue;
+            if (of->best < 0 || fabs(at - middle) < fabs(of->best - middle)) of->best = at, of->begins = side < 0;
+        }
+    }
+}
+
+uint32_t td_refine_swap(const tides_simulator *s, const td_refine_step *step, int32_t *begins) {
+    const td_refine *r = &s->refine;
+    const double part = (double)((uint32_t)1 << r->depth) / TD_SWAP_PARTS;
+    cuts of = {.least = (step->from + (double)r->shortest) / part,
+               .most = (step->to - (double)r->shortest) / part,
+               .wide = shows * (step->to - step->from) / part,
+               .light = -1,
+               .best = -1};
+    for (int block = 0; block < td_units_blocks(s); block++) {
+        int count;
+        const td_swap *swap = td_units_swaps(s, step->tile, block, &count);
+        if (count > 0 && of.light < 0)
+            of.light = td_greater(least_share, share_of_tolerance * s->given.tolerance) *
+                       td_sensor_least_threshold(&s->sensor.sensor) * least_light(s, step->tile);
+        if (count > 0) find_nearest(swap, count, &of);
+    }
+    *begins = of.begins;
+    return of.best < 0 ? 0 : (uint32_t)(of.best * part + 0.5);
+}
+
+/* -- looking at them ------------------------------------------------------------------------------------------------------- */
+
+/* Those of the block that a pixel of a unit is in. */
+static const td_swap *swaps_of(const tides_simulator *s, const td_refine_step *step, int32_t local, int *count) {
+    const td_tile *unit = &s->layout.tile[step->tile];
+    const int across = TD_TILE / TD_BLOCK, x = local % unit->width / TD_BLOCK, y = local / unit->width / TD_BLOCK;
+    return td_units_swaps(s, step->tile, td_units_blocks(s) > 1 ? y * across + x : 0, count);
+}
+
+static double part_of(const tides_simulator *s) { return (double)((uint32_t)1 << s->refine.depth) / TD_SWAP_PARTS; }
+
+int32_t td_solve_first_swap(const tides_simulator *s, const td_refine_step *step, int32_t local) {
+    int count;
+    const td_swap *swap = swaps_of(s, step, local, &count);
+    return find_swap(swap, count, (2.0 * step->from - step->to) / part_of(s));
+}
+
+int td_solve_swap(const tides_simulator *s, const td_refine_step *step, int32_t local, int32_t i, td_swap_place *place) {
+    int count;
+    const td_swap *swap = swaps_of(s, step, local, &count);
+    const double part = part_of(s), length = (double)(step->to - step->from);
+    if (i >= count || swap[i].part * part > step->to + length) return 0;
+    *place = (td_swap_place){(swap[i].part * part - (double)step->from) / length, (double)swap[i].wide * part / length,
+                             (double)swap[i].light};
+    return 1;
+}

@@ -1,0 +1,176 @@
+/* Units and their samples: how an image is divided into what has steps of its own, and what is asked for of it, at times, as
+ * jobs of the renderer. For whatever renders in a run (fixed.c, sweep.c, refine.c); what becomes of the planes is theirs. */
+#include "solver/td_simulator.h"
+
+#include <stdlib.h>
+
+/* -- the image in units ---------------------------------------------------------------------------------------------------- */
+
+static double smaller(double a, double b) { return a < b ? a : b; }
+
+/* Adds the unit with its upper left pixel at (x0, y0), cut to the image; none where it lies outside. */
+static void add_unit(tides_simulator *s, int x0, int y0, int side) {
+    if (x0 >= s->layout.width || y0 >= s->layout.height) return;
+    const int width = (int)smaller(side, s->layout.width - x0), height = (int)smaller(side, s->layout.height - y0);
+    s->layout.tile[s->layout.tiles] = (td_tile){x0, y0, width, width * height};
+    s->layout.first_pixel[s->layout.tiles + 1] = s->layout.first_pixel[s->layout.tiles] + (size_t)(width * height);
+    s->layout.tiles++;
+}
+
+tides_status td_units_lay(tides_simulator *s, tides_error *error) {
+    const int blocks = s->given.unit == TIDES_UNIT_BLOCK, side = blocks ? TD_BLOCK : TD_TILE,
+              each = blocks ? TD_TILE_BLOCKS : 1;
+    const size_t most = (size_t)s->layout.image_tiles * (size_t)each;
+    s->layout.tile = td_alloc(most, sizeof *s->layout.tile, error);
+    s->layout.first_pixel = td_alloc(most + 1, sizeof *s->layout.first_pixel, error);
+    if (!s->layout.tile || !s->layout.first_pixel) return TIDES_NO_MEMORY;
+    if (blocks) td_renderer_by_blocks(s->renderer);
+    const int across = td_renderer_tiles_across(s->renderer);
+    for (int t = 0; t < s->layout.image_tiles; t++)
+        for (int k = 0; k < each; k++)
+            add_unit(s, t % across * TD_TILE + k % 4 * TD_BLOCK, t / across * TD_TILE + k / 4 * TD_BLOCK, side);
+    return TIDES_OK;
+}
+
+int32_t td_units_tile(const tides_simulator *s, int32_t unit) {
+    const td_tile *at = &s->layout.tile[unit];
+    return at->y0 / TD_TILE * td_renderer_tiles_across(s->renderer) + at->x0 / TD_TILE;
+}
+
+/* Which block of its tile a unit is. */
+static int block_of(const tides_simulator *s, int32_t unit) {
+    const td_tile *at = &s->layout.tile[unit];
+    return at->y0 % TD_TILE / TD_BLOCK * (TD_TILE / TD_BLOCK) + at->x0 % TD_TILE / TD_BLOCK;
+}
+
+int td_units_moves(const tides_simulator *s, int32_t unit) {
+    const int tile = td_units_tile(s, unit);
+    if (s->given.unit == TIDES_UNIT_TILE) return td_renderer_tile_moves(s->renderer, tile);
+    return td_renderer_block_moves(s->renderer, tile, block_of(s, unit));
+}
+
+double td_units_travel(const tides_simulator *s, int32_t unit) {
+    const int tile = td_units_tile(s, unit);
+    if (s->given.unit == TIDES_UNIT_TILE) return td_renderer_tile_travel(s->renderer, tile);
+    return td_renderer_block_travel(s->renderer, tile, block_of(s, unit));
+}
+
+int td_units_blocks(const tides_simulator *s) { return s->given.unit == TIDES_UNIT_TILE ? TD_TILE_BLOCKS : 1; }
+
+const td_swap *td_units_swaps(const tides_simulator *s, int32_t unit, int block, int *count) {
+    return td_renderer_swaps(s->renderer, td_units_tile(s, unit), s->given.unit == TIDES_UNIT_TILE ? block : block_of(s, unit),
+                             count);
+}
+
+/* -- what is asked for ----------------------------------------------------------------------------------------------------- */
+
+tides_status td_launch_add(td_launch *l, int32_t unit, double time, int32_t sample, tides_error *error) {
+    tides_status status = td_reserve((void **)&l->ask, &l->ask_capacity, l->count + 1, sizeof *l->ask, error);
+    if (status == TIDES_OK) l->ask[l->count++] = (td_ask){time, unit, sample};
+    return status;
+}
+
+/* Where a time is in the table, or is to be. */
+static size_t place_of(const td_launch *l, double time) {
+    uint64_t bits;
+    memcpy(&bits, &time, sizeof bits);
+    bits *= 0x9e3779b97f4a7c15u; /* 2^64 over the golden ratio: Fibonacci hashing, the upper bits are the mixed ones */
+    size_t at = (size_t)(bits >> 32) & (l->table_size - 1);
+    while (l->table[at] && memcmp(&l->time[l->table[at] - 1], &time, sizeof time) != 0) at = (at + 1) & (l->table_size - 1);
+    return at;
+}
+
+/* An empty table of `size` places, then with the times that there are. */
+static tides_status renew_table(td_launch *l, size_t size, tides_error *error) {
+    tides_status status = td_reserve((void **)&l->table, &l->table_capacity, size, sizeof *l->table, error);
+    if (status != TIDES_OK) return status;
+    l->table_size = size;
+    memset(l->table, 0, size * sizeof *l->table);
+    for (size_t k = 0; k < l->slots; k++) l->table[place_of(l, l->time[k])] = (int32_t)k + 1;
+    return TIDES_OK;
+}
+
+/* The slot of a time, a new one where there is none. */
+static tides_status find_slot(td_launch *l, double time, int32_t *slot, tides_error *error) {
+    enum { LEAST = 64 };
+    tides_status status = TIDES_OK;
+    if (2 * (l->slots + 1) > l->table_size) status = renew_table(l, l->table_size ? 2 * l->table_size : LEAST, error);
+    if (status != TIDES_OK) return status;
+    size_t at = place_of(l, time);
+    if (l->table[at] == 0) {
+        status = td_reserve((void **)&l->time, &l->time_capacity, l->slots + 1, sizeof *l->time, error);
+        if (status == TIDES_OK) status = td_reserve((void **)&l->last, &l->last_capacity, l->slots + 1, sizeof *l->last, error);
+        if (status != TIDES_OK) return status;
+        l->time[l->slots] = time;
+        l->last[l->slots++] = -1;
+        l->table[at] = (int32_t)l->slots;
+    }
+    *slot = l->table[at] - 1;
+    return TIDES_OK;
+}
+
+/* The request that an ask joins, a new one where the last of its time is of another tile: units of a tile come one after the
+ * other. */
+static tides_status join_request(const tides_simulator *s, td_launch *l, const td_ask *ask, int32_t *place,
+                                 tides_error *error) {
+    int32_t slot, tile = td_units_tile(s, ask->unit);
+    tides_status status = find_slot(l, ask->time, &slot, error);
+    if (status != TIDES_OK) return status;
+    if (l->last[slot] < 0 || l->request[l->last[slot]].tile != tile) {
+        status = td_reserve((void **)&l->request, &l->request_capacity, l->requests + 1, sizeof *l->request, error);
+        if (status != TIDES_OK) return status;
+        l->request[l->requests] = (td_request){tile, slot, 0};
+        l->last[slot] = (int32_t)l->requests++;
+    }
+    *place = l->last[slot];
+    if (s->given.unit == TIDES_UNIT_BLOCK) l->request[*place].blocks |= 1 << block_of(s, ask->unit);
+    return TIDES_OK;
+}
+
+/* Requests for asks from number `first` on, `most` at most. */
+static tides_status gather(const tides_simulator *s, td_launch *l, size_t first, size_t most, tides_error *error) {
+    l->first = first;
+    l->done = l->slots = l->requests = 0;
+    tides_status status = td_reserve((void **)&l->place, &l->place_capacity, l->count - first, sizeof *l->place, error);
+    if (status == TIDES_OK && l->table_size) status = renew_table(l, l->table_size, error);
+    for (size_t i = first; i < l->count && status == TIDES_OK && (l->requests < most || i == first); i++) {
+        status = join_request(s, l, &l->ask[i], &l->place[i - first], error);
+        l->done++;
+    }
+    return status;
+}
+
+tides_status td_launch_render(tides_simulator *s, size_t first, size_t most, int side, int outputs, tides_error *error) {
+    td_launch *l = &s->launch;
+    tides_status status = gather(s, l, first, most, error);
+    if (status == TIDES_OK)
+        status = td_renew((void **)&l->planes, &l->plane_capacity, l->requests * (size_t)outputs * TD_TILE_PIXELS,
+                          sizeof *l->planes, error);
+    if (status != TIDES_OK || l->done == 0) return status;
+    l->outputs = outputs;
+    const td_tile_batch batch = {l->time, (int)l->slots, side, l->request, (int)l->requests, outputs};
+    return td_renderer_tiles(s->renderer, s->camera, &batch, l->planes, error);
+}
+
+tides_status td_launch_take_all(tides_simulator *s, int side, int outputs, td_launch_taker take, void *user,
+                                tides_error *error) {
+    td_launch *l = &s->launch;
+    tides_status status = TIDES_OK;
+    for (size_t first = 0; first < l->count && status == TIDES_OK; first += l->done) {
+        status = td_launch_render(s, first, s->refine.batch, side, outputs, error);
+        for (size_t i = first; i < first + l->done && status == TIDES_OK; i++)
+            take(s, &l->ask[i], td_launch_planes(l, i), user);
+    }
+    return status;
+}
+
+void td_launch_release(td_launch *launch) {
+    free(launch->ask);
+    free(launch->time);
+    free(launch->table);
+    free(launch->last);
+    free(launch->request);
+    free(launch->place);
+    free(launch->planes);
+    *launch = (td_launch){0};
+}

@@ -1,0 +1,98 @@
+/* Which of the open steps are refined next: all, or where their samples would be too many the earliest. For refine.c; it counts
+ * samples, and judges no step. */
+#include "solver/td_simulator.h"
+
+#include <stdlib.h>
+
+/* An open step and where it is. */
+typedef struct place {
+    uint32_t from;
+    int32_t tile, step;
+} place;
+
+static int by_place(const void *a, const void *b) {
+    const place *x = a, *y = b;
+    if (x->from != y->from) return x->from < y->from ? -1 : 1;
+    return x->tile < y->tile ? -1 : x->tile > y->tile;
+}
+
+void td_refine_bound(tides_simulator *s) {
+    td_refine *r = &s->refine;
+    const double bytes = (double)s->given.memory_mb * 1e6;
+    /* Half of it is samples with their steps, a quarter a launch's planes, in double here and in float at the device; a quarter
+     * is for what a launch keeps besides. */
+    const double sample = (double)(td_sample_reals(&r->samples) * sizeof(double) + 2 * sizeof(td_refine_step));
+    const double launched = (double)s->given.outputs * TD_TILE_PIXELS * (sizeof(double) + sizeof(float));
+    r->limit = (size_t)(0.5 * bytes / sample);
+    r->batch = (size_t)(0.25 * bytes / launched);
+    if (r->batch < 1) r->batch = 1;
+}
+
+/* A unit's samples: at both ends of the macro step, inside, and one where it is cut again. Most that are cut at all need more,
+ * but most aren't. */
+enum { SAMPLES_A_UNIT = 4 };
+
+int td_window_units(const tides_simulator *s) {
+    const size_t units = s->refine.limit / SAMPLES_A_UNIT;
+    if (!s->given.local || s->surround.surround.on || units >= (size_t)s->moving.count) return s->moving.count;
+    return units < 1 ? 1 : (int)units;
+}
+
+/* Steps that a launch may take where the earliest are taken first: so few that those which come of them, level by level down to
+ * the shortest, find room too. An eighth of the moving tiles may always: over some 14 levels that is two samples a tile more,
+ * and with one step at a time an image whose tiles alone need more than the bound (8192x8192 and 256 MB) took hours. */
+static size_t room(const tides_simulator *s, uint32_t longest) {
+    const td_refine *r = &s->refine;
+    size_t live = td_samples_live(&r->samples), levels = 1, least = (size_t)r->units / 8;
+    for (uint32_t length = longest; length >= 2 * r->shortest; length -= length * 3 / 8) levels++; /* of the longer part */
+    size_t left = r->limit > live ? (r->limit - live) / levels : 0;
+    return left > least ? left : least;
+}
+
+/* Without `local` all tiles are cut at once, and with a sensor the first cuts are judged before others, which read what was
+ * found (td_sensor_estimates_first). */
+static int must_take(const tides_simulator *s, const td_refine_step *step, const td_refine_step *last) {
+    return (!s->given.local && step->from == last->from) || td_sensor_estimates_first(&s->sensor, step->cuts);
+}
+
+static tides_status take_earliest(tides_simulator *s, td_refine *r, tides_error *error) {
+    place *places = td_alloc(r->open_count, sizeof *places, error);
+    if (!places) return TIDES_NO_MEMORY;
+    uint32_t longest = 0;
+    for (size_t i = 0; i < r->open_count; i++) {
+        const td_refine_step *step = &r->step[r->open[i]];
+        places[i] = (place){step->from, step->tile, r->open[i]};
+        longest = step->to - step->from > longest ? step->to - step->from : longest;
+    }
+    qsort(places, r->open_count, sizeof *places, by_place);
+    size_t wanted = room(s, longest), left = 0;
+    for (size_t i = 0; i < r->open_count; i++) {
+        int32_t step = places[i].step;
+        int take = r->pending_count < wanted || r->pending_count == 0 ||
+                   must_take(s, &r->step[step], &r->step[r->pending[r->pending_count - 1]]);
+        if (take)
+            r->pending[r->pending_count++] = step;
+        else
+            r->open[left++] = step;
+    }
+    r->open_count = left;
+    free(places);
+    return TIDES_OK;
+}
+
+int td_window_is_short(const tides_simulator *s) {
+    const td_refine *r = &s->refine;
+    return 2 * (td_samples_live(&r->samples) + r->open_count) > r->limit;
+}
+
+tides_status td_window_take(tides_simulator *s, int is_short, tides_error *error) {
+    td_refine *r = &s->refine;
+    tides_status status = td_reserve((void **)&r->pending, &r->pending_capacity, r->open_count, sizeof *r->pending, error);
+    if (status != TIDES_OK) return status;
+    r->pending_count = 0;
+    if (is_short) return take_earliest(s, r, error);
+    memcpy(r->pending, r->open, r->open_count * sizeof *r->open);
+    r->pending_count = r->open_count;
+    r->open_count = 0;
+    return TIDES_OK;
+}

@@ -1,0 +1,22 @@
+/* What the measures that make the image continuous in time are worth. */
+#ifndef TESTS_BENCH_IMAGE_H
+#define TESTS_BENCH_IMAGE_H
+
+#include "bench.h"
+
+/* bench_jumps.c: an image beside others, apart from events. */
+typedef struct bench_jumps {
+    double per_pixel_s; /* jumps of L above 0.001 [1/s per pixel] */
+    double sum_per_s;   /* their sizes, added up [log units/s per pixel] */
+    double largest;     /* [log units] */
+    double psnr;        /* of the colours against inria's, peak 1 [dB] */
+    double furthest;    /* largest difference of a colour channel from inria's, */
+    int32_t x, y;       /* in this pixel, */
+    double time;        /* at this time [s] */
+} bench_jumps;
+tides_status bench_find_jumps(bench *b, const bench_scene *scene, const tides_image_params *image, bench_jumps *jumps,
+                              tides_error *error);
+
+tides_status bench_image(bench *b, const cli_list *scenes, tides_error *error);
+
+#endif

@@ -1,0 +1,31 @@
+/* The library measured by itself, as nobody's scene needs it: the stages of frames beside the same image in plain C made for
+ * this machine (limit/), how cost grows, and what the measures that make the image continuous are worth. For `make bench`.
+ *   usage: own_bench image|scaling|throughput|all [-o DIR] [--quick] [--scene NAME] [--row NAME] */
+#include "bench_image.h"
+#include "bench_main.h"
+#include "bench_scaling.h"
+#include "bench_throughput.h"
+#include "bench_worlds.h"
+
+#include <hdf5.h>
+#include <signal.h>
+
+static const bench_entry benchmarks[] = {
+    {"image", "What each measure that makes the image continuous in time is worth, and what it costs.", bench_image, 0,
+     bench_scene_names},
+    {"scaling", "How cost grows with Gaussians, pixels, events, layers, what moves, speed and threads.", bench_scaling, 1,
+     scaling_names},
+    {"throughput", "What each stage takes, beside the same image in plain C made for the machine: the limit.", bench_throughput,
+     0, bench_world_names},
+};
+
+int main(int argc, char **argv) {
+    static const bench_list all = {benchmarks, sizeof benchmarks / sizeof *benchmarks};
+    static const cli_command command = {.name = "own",
+                                        .arguments = "image|scaling|throughput|all [-o DIR] [--quick]",
+                                        .summary = "Measure the library itself.",
+                                        .positionals = 1};
+    signal(SIGPIPE, SIG_IGN);
+    H5dont_atexit();
+    return bench_main(&command, &all, argc, argv);
+}

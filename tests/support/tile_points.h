@@ -1,0 +1,12 @@
+/* What the renderer's tiles show at single pixels at single times: whole tiles at as many times, of which one pixel each is
+ * taken. For exact points to be held against. */
+#ifndef TESTS_SUPPORT_TILE_POINTS_H
+#define TESTS_SUPPORT_TILE_POINTS_H
+
+#include "render/td_render.h"
+
+/* As td_renderer_points. */
+tides_status tile_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
+                         td_point_value *values, tides_error *error);
+
+#endif
