@@ -19,6 +19,7 @@ typedef struct numbers {
     double last, step; /* the largest, and the middle of the steps */
     int whole;         /* 1: none has a fraction */
     int bare;          /* 1: nor a point: "1.0" is a time, as "40000000.0" is in ESIM's own files */
+    int counts;        /* 1: they are 0, 1, 2 .. or 1, 2, 3 .., however written (DROID-SLAM and DPVO have "1.0") */
 } numbers;
 
 static int by_value(const void *left, const void *right) {
@@ -33,14 +34,15 @@ static tides_status look(const td_path_reader *reader, numbers *n) {
     const size_t count = reader->count;
     double *steps = td_alloc(count, sizeof *steps, reader->error);
     if (!steps) return TIDES_NO_MEMORY;
-    *n = (numbers){.last = fabs(s[0].time), .whole = 1, .bare = 1};
+    *n = (numbers){.last = fabs(s[0].time), .whole = 1, .bare = 1, .counts = s[0].time == 0 || s[0].time == 1};
     for (size_t i = 0; i < count; i++) {
         n->last = fmax(n->last, fabs(s[i].time));
         n->whole &= s[i].time == floor(s[i].time);
         n->bare &= is_bare(s + i);
+        n->counts &= s[i].time == s[0].time + (double)i;
         if (i > 0) steps[i - 1] = fabs(td_path_since(s + i, s + i - 1));
     }
-    n->bare &= n->whole;
+    n->bare = n->counts || (n->bare && n->whole);
     if (count > 1) qsort(steps, count - 1, sizeof *steps, by_value);
     if (count > 1) n->step = steps[(count - 1) / 2];
     free(steps);
@@ -97,4 +99,17 @@ tides_status td_path_find_unit(td_path_reader *reader, int told, int usual, int 
     *digits = unit != TIDES_TIME_AUTO ? units[unit] : told;
     if (unit != TIDES_TIME_AUTO || told >= 0 || reader->count == 0) return TIDES_OK;
     return guess(reader, usual, digits);
+}
+
+tides_status td_path_take_times(td_path_reader *reader, int told, int usual) {
+    int digits = -1;
+    tides_status status = td_path_find_unit(reader, told, usual, &digits);
+    if (status != TIDES_OK) return status;
+    for (size_t i = 0; i < reader->count; i++) {
+        const char *end;
+        if (digits >= 0) td_text_time(reader->samples[i].word, 9 - digits, reader->samples + i, &end);
+        reader->samples[i].word = NULL;
+    }
+    if (digits < 0) td_path_spread(reader);
+    return TIDES_OK;
 }

@@ -1,6 +1,8 @@
 /* The table of formats, and how one is found: by name, by what a file holds, by the ending of a file to be written. */
 #include "td_event_format.h"
 
+#include "td_event_rows.h"
+
 #include "td_folder.h"
 #include "td_kinds.h"
 
@@ -86,6 +88,7 @@ tides_status td_event_format_detect(const char *path, const tides_event_reading 
     if (memcmp(probe.head, "\xFF\xFE", 2) == 0 || memcmp(probe.head, "\xFE\xFF", 2) == 0)
         return td_fail(error, TIDES_BAD_FILE, "%s: is text in UTF-16: save it as UTF-8 (iconv -f UTF-16 -t UTF-8)", path);
     if ((status = td_kind_refuse(path, TD_WANTS_EVENTS, error)) != TIDES_OK) return status;
+    if ((status = td_event_text_refuse(&probe, error)) != TIDES_OK) return status;
     return td_fail(error, TIDES_BAD_FILE,
                    "%s: isn't known by its content as an event file (HDF5, AEDAT, EVT, DAT, ES, numpy, CSV, text): name its "
                    "format, as tides convert --from does",

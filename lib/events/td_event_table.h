@@ -51,6 +51,10 @@ tides_status td_table_guess(const td_table_column *columns, int count, td_table_
  * are only how the file writes numbers. */
 tides_status td_table_unit(const td_table_column *times, int whole, int *digits, tides_error *error);
 
+/* Adds to `told` in which unit times without one were taken. `expected`: the format has them so, and only few decimals of seconds
+ * and a rate that no sensor is likely to have need a word. */
+void td_table_tell_unit(const td_table_column *times, int digits, int expected, char *told, size_t size);
+
 /* Digits of "s", "ms", "us", "ns" as a reading says it; TIDES_BAD_ARGUMENT. */
 tides_status td_table_unit_named(const char *unit, int *digits, tides_error *error);
 

@@ -25,6 +25,31 @@ err "seconds.csv: columns t x y p, told apart by their values; times taken as se
 expect 0 tides info xytp.csv
 out "^read_as +columns x y t p"
 
+# What other tools call columns, and how they write polarities.
+{ echo "# Format: time(us),x,y,polarity"; cat t.csv; } >jaer.csv
+{ printf 'time_us\tx_px\ty_px\tpol\n'; columns '\t' 'print $1, $2, $3, $4'; } >px.tsv
+{ echo "sec,x,y,is_on"; columns , 'printf "%.6f,%d,%d,%s\n", $1 / 1e6, $2, $3, $4 ? "ON" : "OFF"'; } >words.csv
+{ echo "event_time_us,pixel_x,pixel_y,event_polarity"; cat t.csv; } >event.csv
+for file in jaer.csv px.tsv words.csv event.csv; do same $file; done
+columns , 'print 1000 * $1, $2, $3, $4' >ns.csv # a unit that is taken is said
+expect 0 tides convert ns.csv x.csv
+err "ns.csv: columns t x y p, .*; times taken as microseconds, being whole numbers: --unit"
+same ns.csv --unit ns
+{ echo "ts.secs,ts.nsecs,x,y,p"; columns , 'print 0, 1000 * $1, $2, $3, $4'; } >parts.csv
+{ echo 400; cat us.txt; } >count.txt
+columns ' ' 'print $1, $2, $3, $4, 0' >five.txt
+columns ' ' 'print $1, $2, $3' >three.txt
+{ echo "t;x;y;p"; columns ';' 'printf "0,%06d;%d;%d;%d\n", $1, $2, $3, $4'; } >comma.csv
+refuse 1 "parts.csv: its header names more than one column t: write one" tides convert parts.csv x.csv
+refuse 1 "count.txt: its first line has 1 numbers, the next 4" tides convert count.txt x.csv
+refuse 1 "five.txt: has 5 columns and no header that names them: --columns" tides convert five.txt x.csv
+refuse 1 "three.txt: has 3 columns and no header" tides convert three.txt x.csv
+refuse 1 "comma.csv:2: the time is \"0,00" tides convert comma.csv x.csv
+printf '<?xml version="1.0"?>\n<a/>\n' >cameras.xml
+refuse 1 "cameras.xml: is an XML file" tides info cameras.xml
+echo '[{"img_name": "a"}]' >list.json # a list isn't a preset
+refuse 1 "list.json" tides info list.json
+
 # What nothing decides, somebody says.
 columns , 'print 7919 * NR * NR % 1000003, $2, $3, $4' >shuffled.csv
 columns , 'print 7919 * NR % 1000003, $2, $3, $4' >sawtooth.csv
