@@ -48,7 +48,8 @@ for file in pictures bytes.npy unit.npy video.y4m; do
         expect 0 tides simulate run.json -qo all.h5 $set_ --set time.start=0.3333333333333333
         expect 0 tides convert all.h5 all.txt
         [ "$(wc -l <part.txt)" -gt 10 ] || fail "$file, $method: too few events to judge"
-        awk '$1 >= 0.5 && $1 < 1.5' all.txt | cmp -s - <(awk '$1 < 1.5' part.txt) || fail "$file, $method: a part isn't that of the whole"
+        awk '$1 < 1.5' part.txt >part.cut
+        awk '$1 >= 0.5 && $1 < 1.5' all.txt | cmp -s - part.cut || fail "$file, $method: a part isn't that of the whole"
     done
 done
 
