@@ -17,6 +17,7 @@
 #include "td_scene.h"
 #include "td_splat.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,6 +27,7 @@ typedef struct binding {
     const td_ply_header *header;
     const td_ply_element *vertex;
     td_ply_column *columns; /* one per property of vertex */
+    int32_t lenient;
     tides_error *error;
 } binding;
 
@@ -184,11 +186,17 @@ static tides_status check_header(const binding *b, int32_t *degree) {
     return td_ply_rows_fit(b->file, b->header, b->vertex, &start, b->error);
 }
 
-static tides_status check_filter(const binding *b, const float *filter) {
-    for (uint64_t i = 0; filter && i < b->vertex->count; i++)
-        if (!(filter[i] - filter[i] == 0)) /* NaN or infinite */
-            return td_fail(b->error, TIDES_BAD_FILE, "%s: Gaussian %llu: filter_3D is not finite", b->file->path,
-                           (unsigned long long)i);
+static tides_status check_filter(const binding *b, float *filter, const td_gaussians *made) {
+    for (uint64_t i = 0; filter && i < b->vertex->count; i++) {
+        if (isfinite(filter[i])) continue;
+        if (!b->lenient)
+            return td_fail(b->error, TIDES_BAD_FILE,
+                           "%s: Gaussian %llu: filter_3D is not finite; scene.invalid = drop (tides convert --drop-invalid) "
+                           "leaves such Gaussians out",
+                           b->file->path, (unsigned long long)i);
+        filter[i] = 0;
+        made->opacity_logit[i] = NAN;
+    }
     return TIDES_OK;
 }
 
@@ -206,7 +214,7 @@ static tides_status read_gaussians(binding *b, td_gaussians *gaussians) {
     if (!status) status = bind_all(b, &made, filter);
     if (!status) status = bind_wide_means(b, &made);
     if (!status) status = read_rows(b);
-    if (!status) status = check_filter(b, filter);
+    if (!status) status = check_filter(b, filter, &made);
     if (!status && filter) td_gaussians_fold_filter(&made, filter);
     free(filter);
     free(b->columns);
@@ -230,12 +238,17 @@ static tides_status take_mode(const binding *b, td_gaussians *gaussians) {
     return td_note(&gaussians->notes, line, b->error);
 }
 
-tides_status td_ply_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {
+static tides_status parse(const char *path, const void *data, size_t size, int32_t lenient, td_gaussians *gaussians,
+                          tides_error *error) {
     td_ply_file file = {path, data, size};
     td_ply_header header;
     tides_status status = td_ply_header_parse(&file, &header, error);
     if (status) return status;
-    binding b = {.file = &file, .header = &header, .vertex = td_ply_find_element(&header, "vertex"), .error = error};
+    binding b = {.file = &file,
+                 .header = &header,
+                 .vertex = td_ply_find_element(&header, "vertex"),
+                 .lenient = lenient,
+                 .error = error};
     if (!b.vertex)
         status = td_fail(error, TIDES_BAD_FILE, "%s: has no element vertex: this isn't a 3DGS scene", path);
     else if (td_ply_word_reads(header.mode, "2dgs"))
@@ -248,4 +261,13 @@ tides_status td_ply_parse(const char *path, const void *data, size_t size, td_ga
     if (!status && (status = take_mode(&b, gaussians)) != TIDES_OK) td_gaussians_free(gaussians);
     td_ply_header_free(&header);
     return status;
+}
+
+tides_status td_ply_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {
+    return parse(path, data, size, 0, gaussians, error);
+}
+
+tides_status td_ply_parse_leniently(const char *path, const void *data, size_t size, td_gaussians *gaussians,
+                                    tides_error *error) {
+    return parse(path, data, size, 1, gaussians, error);
 }
