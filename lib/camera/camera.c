@@ -74,7 +74,8 @@ static tides_status check_order(const td_path_reader *reader) {
     for (size_t i = 0; i < reader->count; i++)
         if (!(fabs(reader->samples[i].time) < TD_LAST_SECOND))
             return td_fail(reader->error, TIDES_BAD_FILE,
-                           "%s: its times go to %.15g, which are no seconds: set camera.time_unit to ms, us or ns",
+                           "%s: its times go to %.15g, which are no seconds: set camera.time_unit (an object's: time_unit) to "
+                           "ms, us or ns",
                            reader->file, reader->samples[i].time);
     for (size_t i = 1; i < reader->count; i++) {
         const td_path_sample *before = reader->samples + i - 1, *here = before + 1;

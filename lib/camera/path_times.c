@@ -55,8 +55,9 @@ static const char *name_of(int digits) {
 
 static tides_status refuse(td_path_reader *reader, const char *what) {
     return td_fail(reader->error, TIDES_BAD_FILE,
-                   "%s: its times are %s: say what they are: set camera.time_unit to s, ms, us, ns or index%s", reader->file,
-                   what, reader->list ? "" : ", or name the columns in a first line: # t[us] x y z qx qy qz qw");
+                   "%s: its times are %s: say what they are: set camera.time_unit (an object's: time_unit) to s, ms, us, ns or "
+                   "index%s",
+                   reader->file, what, reader->list ? "" : ", or name the columns in a first line: # t[us] x y z qx qy qz qw");
 }
 
 /* As `n` looks in a unit. */
@@ -88,7 +89,8 @@ static tides_status guess(td_path_reader *reader, int usual, int *digits) {
         *digits = recent && n.step <= TD_LONGEST_STEP ? 9 : td_likely_digits(n.last, n.step);
     }
     if (*digits != usual)
-        td_path_note(reader, "its times are taken as %s: camera.time_unit can say otherwise", name_of(*digits));
+        td_path_note(reader, "its times are taken as %s: camera.time_unit (an object's: time_unit) can say otherwise",
+                     name_of(*digits));
     return TIDES_OK;
 }
 
