@@ -138,7 +138,9 @@ static tides_status read_file(tides_frames *frames, const char *file, tides_erro
         const char *start = strncmp(text, "\xEF\xBB\xBF", 3) == 0 ? text + 3 : text;
         look_through(&t, start);
         status = td_kind_judge(file, TD_WANTS_TEXT, read_lines(frames, file, start, &t, error), error);
-        frames->digits = t.digits < 0 && strstr(td_base_name(file), "image_timestamps") ? 3 : t.digits; /* DSEC's */
+        const char *name = td_base_name(file); /* DSEC's and EDS's are in microseconds */
+        const int known = strstr(name, "image_timestamps") || strstr(name, "images_timestamps");
+        frames->digits = t.digits < 0 && known ? 3 : t.digits;
         frames->stored = 1;
         td_plain_end(&numbers);
     }
@@ -148,11 +150,11 @@ static tides_status read_file(tides_frames *frames, const char *file, tides_erro
 
 /* A timestamp file in the folder, or beside the folder or file; NULL where there is none. */
 static char *find_file(const char *path, tides_error *error, tides_status *status) {
-    static const char *const names[] = {"timestamps.txt", "image_timestamps.txt", "../timestamps.txt",
-                                        "../image_timestamps.txt"};
+    static const char *const names[] = {"timestamps.txt",          "image_timestamps.txt",     "../timestamps.txt",
+                                        "../image_timestamps.txt", "../images_timestamps.txt", "../images.txt"};
     const int folder = td_is_folder(path);
     *status = TIDES_OK;
-    for (size_t i = 0; i < (folder ? 4u : 2u); i++) {
+    for (size_t i = 0; i < (folder ? sizeof names / sizeof *names : 2u); i++) {
         char *file = folder ? td_format(error, "%s/%s", path, names[i]) : td_beside(path, names[i], error);
         if (!file) {
             *status = TIDES_NO_MEMORY;

@@ -104,6 +104,27 @@ expect 0 tides metrics h.h5 h2.h5 --offset -0.001 --only match --json
 out '"missing":[[:space:]]*0'
 out '"dt_max_us":[[:space:]]*0'
 
+# One zero for a recording: where the list of its frames lies beside the events, its first frame, as frames.rebase has it.
+zero_of() { # zero_of FILE ZERO WHAT: --rebase counts from there
+    expect 0 tides convert "$1" x.h5 --width 346 --height 260 --rebase
+    err "time 0 is ${2}0* s of its clock, its first $3"
+}
+first=$(head -n 1 epoch.txt | cut -d ' ' -f 1)
+mkdir -p ecd/images eds
+cp epoch.txt ecd/events.txt
+printf '1589163149.500000 images/frame_00000000.png\n1589163149.540000 images/frame_00000001.png\n' >ecd/images.txt
+zero_of ecd/events.txt 1589163149.5 frame
+columns , 'printf "1589163150%06d,%d,%d,%d\n", $1, $2, $3, $4' >eds/events.csv
+for rows in '1589163149900000\n1589163149940000\n' '# frame timestamp[us]\n0 1589163149900000\n1 1589163149940000\n' \
+    'index,name,timestamp\n7,a.png,1589163149900000\n8,b.png,1589163149940000\n'; do
+    printf "$rows" >eds/images_timestamps.txt
+    zero_of eds/events.csv 1589163149.9 frame
+done
+for rows in '# Image list\n1 1 0 0 0 0 0 0 1 a.png\n\n2 1 0 0 0 0 0 0 1 b.png\n' '0.5 a.png\n0.6 b.png\n' 'no times here\n'; do
+    printf "$rows" >ecd/images.txt # COLMAP's, of another clock, of none
+    zero_of ecd/events.txt "$first" event
+done
+
 # Two clocks that share nothing aren't compared, or are brought together.
 refuse 1 "share no time.*--rebase" tides metrics truth.h5 epoch.h5
 expect 0 tides metrics truth.h5 epoch.h5 --rebase --only match --json

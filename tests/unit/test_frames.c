@@ -103,6 +103,29 @@ static void png_of_each_kind(void **state) {
     }
 }
 
+/* Beside the folder of pictures: as the Event Camera Dataset and EDS have them. */
+static void lists_of_datasets(void **state) {
+    char pictures[4096], list[4096];
+    snprintf(pictures, sizeof pictures, "%s", in_folder(*state, "images"));
+    assert_int_equal(mkdir(pictures, 0700), 0);
+    write_png(in_folder(*state, "images/frame_0.png"), 0, 8, 30, WIDTH);
+    write_png(in_folder(*state, "images/frame_1.png"), 0, 8, 20, WIDTH);
+    static const char *const texts[][2] = {
+        {"images.txt", "1.25 images/frame_0.png\n1.5 images/frame_1.png\n"},
+        {"images_timestamps.txt", "1250000\n1500000\n"},
+    };
+    for (int i = 0; i < 2; i++) {
+        tides_frames_options options;
+        tides_frames_options_defaults(&options);
+        snprintf(list, sizeof list, "%s", in_folder(*state, texts[i][0]));
+        write_text(list, texts[i][1]);
+        tides_frames *frames = open_frames(pictures, &options);
+        assert_true(tides_frames_time(frames, 0) == 1.25 && tides_frames_time(frames, 1) == 1.5);
+        tides_frames_close(frames);
+        remove(list);
+    }
+}
+
 static void natural_order_and_times(void **state) {
     const char *folder_path = ((folder *)*state)->path;
     write_png(in_folder(*state, "f10.png"), 0, 8, 30, WIDTH);
@@ -440,6 +463,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(png_of_each_kind, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(natural_order_and_times, folder_setup, folder_teardown),
+        cmocka_unit_test_setup_teardown(lists_of_datasets, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(exr_channels, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(arrays_and_memory, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(claims_are_checked, folder_setup, folder_teardown),
