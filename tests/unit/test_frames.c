@@ -5,6 +5,7 @@
 #include <hdf5.h>
 #include <math.h>
 #include <png.h>
+#include <sys/stat.h>
 
 #include "archive/td_npy.h"
 #include "tides/frames.h"
