@@ -125,6 +125,9 @@ static void lists_of_datasets(void **state) {
         tides_frames_close(frames);
         remove(list);
     }
+    remove(in_folder(*state, "images/frame_0.png"));
+    remove(in_folder(*state, "images/frame_1.png"));
+    assert_int_equal(remove(pictures), 0);
 }
 
 static void natural_order_and_times(void **state) {
