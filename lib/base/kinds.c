@@ -4,6 +4,7 @@
 
 #include "td_folder.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum family {
@@ -226,13 +227,28 @@ static void put_path(const char *text, const char *path, char *out, size_t size)
     out[used] = '\0';
 }
 
+/* The first bytes of a file; 0: there is none. */
+static size_t read_head(const char *path, char head[HEAD]) {
+    FILE *file = td_is_file(path) ? fopen(path, "rb") : NULL;
+    const size_t got = file ? fread(head, 1, HEAD, file) : 0;
+    if (file) fclose(file);
+    return got;
+}
+
+/* rosbag2 writes a folder, with what is in it in metadata.yaml. */
+static const kind *find_folder(const char *path) {
+    static const kind own = {MAGIC("rosbag2_bagfile_information"), 0, NULL, "the folder of a ROS 2 bag", BAG_2};
+    char head[HEAD], *metadata = td_format(NULL, "%s/metadata.yaml", path);
+    const size_t got = metadata ? read_head(metadata, head) : 0;
+    free(metadata);
+    return got >= own.bytes && memcmp(head, own.magic, own.bytes) == 0 ? &own : NULL;
+}
+
 tides_status td_kind_refuse(const char *path, int wanted, tides_error *error) {
     char head[HEAD], line[640];
-    FILE *file = td_is_file(path) ? fopen(path, "rb") : NULL;
-    if (!file) return TIDES_OK;
-    const size_t got = fread(head, 1, sizeof head, file);
-    fclose(file);
-    const kind *k = got ? find(path, head, got) : NULL;
+    const int is_folder = td_is_folder(path);
+    const size_t got = is_folder ? 0 : read_head(path, head);
+    const kind *k = is_folder ? find_folder(path) : got ? find(path, head, got) : NULL;
     if (!k || is_wanted(k->family, wanted)) return TIDES_OK;
     const char *text = advice[k->family][wanted] ? advice[k->family][wanted] : advice[k->family][TD_WANTS_ANY];
     put_path(text, path, line, sizeof line);
@@ -241,7 +257,9 @@ tides_status td_kind_refuse(const char *path, int wanted, tides_error *error) {
 }
 
 tides_status td_kind_judge(const char *path, int wanted, tides_status status, tides_error *error) {
-    if (status != TIDES_BAD_FILE && status != TIDES_BAD_CONFIG && status != TIDES_UNSUPPORTED) return status;
+    if (status != TIDES_BAD_FILE && status != TIDES_BAD_CONFIG && status != TIDES_UNSUPPORTED &&
+        !(status == TIDES_FILE_NOT_FOUND && td_is_folder(path)))
+        return status;
     const tides_status judged = td_kind_refuse(path, wanted, error);
     return judged ? judged : status;
 }

@@ -126,6 +126,16 @@ static tides_status read_lines(tides_frames *frames, const char *file, const cha
     return td_fail(error, TIDES_BAD_FILE, "%s: has %zu times, but %s has %zu frames", file, count, frames->path, frames->count);
 }
 
+/* Times that count 0, 1, 2 may be seconds, and are numbers of frames more often. */
+static tides_status check_counting(const tides_frames *frames, const char *file, const times_text *t, tides_error *error) {
+    if (t->column < 0 || t->rows < 3 || t->digits >= 0 || frames->options.unit != TIDES_TIME_AUTO) return TIDES_OK;
+    if (t->counting[t->column] != t->rows) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_FILE,
+                   "%s: its times count frames, %g, %g ...: frames.frames_per_second says how often they come; "
+                   "frames.timestamps_unit = s says that these are seconds",
+                   file, t->first[t->column], t->first[t->column] + 1);
+}
+
 static tides_status read_file(tides_frames *frames, const char *file, tides_error *error) {
     char *text = NULL;
     size_t bytes = 0;
@@ -137,7 +147,8 @@ static tides_status read_file(tides_frames *frames, const char *file, tides_erro
         times_text t;
         const char *start = strncmp(text, "\xEF\xBB\xBF", 3) == 0 ? text + 3 : text;
         look_through(&t, start);
-        status = td_kind_judge(file, TD_WANTS_TEXT, read_lines(frames, file, start, &t, error), error);
+        status = check_counting(frames, file, &t, error);
+        if (status == TIDES_OK) status = td_kind_judge(file, TD_WANTS_TEXT, read_lines(frames, file, start, &t, error), error);
         const char *name = td_base_name(file); /* DSEC's and EDS's are in microseconds */
         const int known = strstr(name, "image_timestamps") || strstr(name, "images_timestamps");
         frames->digits = t.digits < 0 && known ? 3 : t.digits;
@@ -213,8 +224,10 @@ tides_status td_frames_times(tides_frames *frames, tides_error *error) {
     const double first = (frames->options.rebase ? frames->times[0] : 0) - frames->options.offset_s;
     for (size_t k = 0; k < frames->count; k++) {
         if (!isfinite(frames->times[k]) || (k > 0 && !(frames->times[k] - first > frames->times[k - 1])))
-            return td_fail(error, TIDES_BAD_FILE, "%s: frame %zu is at %.15g s, which isn't after the one before", frames->path,
-                           k, frames->times[k]);
+            return td_fail(error, TIDES_BAD_FILE,
+                           "%s: frame %zu is at %.15g s, which isn't after the one before: times ascend, with a point for "
+                           "decimals",
+                           frames->path, k, frames->times[k]);
         frames->times[k] -= first;
     }
     return TIDES_OK;

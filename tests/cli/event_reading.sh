@@ -47,6 +47,10 @@ refuse 1 "three.txt: has 3 columns and no header" tides convert three.txt x.csv
 refuse 1 "comma.csv:2: the time is \"0,00" tides convert comma.csv x.csv
 printf '<?xml version="1.0"?>\n<a/>\n' >cameras.xml
 refuse 1 "cameras.xml: is an XML file" tides info cameras.xml
+mkdir bag2
+echo 'rosbag2_bagfile_information:' >bag2/metadata.yaml
+refuse 1 "bag2: is the folder of a ROS 2 bag.*rosbags" tides info bag2
+refuse 1 "bag2: is the folder of a ROS 2 bag.*rosbags" tides convert bag2 x.csv
 echo '[{"img_name": "a"}]' >list.json # a list isn't a preset
 refuse 1 "list.json" tides info list.json
 
@@ -82,6 +86,7 @@ expect 0 tides convert -q epoch.txt epoch.h5 --width 346 --height 260
 span="epoch.h5: lasts from 1589163150.00[0-9]* to 1589163150.0[0-9]* s, .*--rebase"
 refuse 1 "$span" tides view epoch.h5 -o h%04d.png --start 0.005 --window 0.003
 refuse 1 "$span" tides view epoch.h5 -o h.png --time 0.005
+refuse 1 "epoch.h5: lasts from 1589163150.00[0-9]* to 1589163150.0[1-9][0-9]* s" tides view epoch.h5 -o h.png --start 0.1 --stop 0.2
 refuse 1 "$span" tides view epoch.h5 -o h.html --start 0.005 --stop 0.01
 refuse 1 "$span" tides export epoch.h5 -o h.npy --start 0.005 --window 0.005
 refuse 1 "$span" tides export epoch.h5 -o h.npy --start 0.005 --window 0.005 --stop 0.02

@@ -158,6 +158,12 @@ static void natural_order_and_times(void **state) {
     assert_true(tides_frames_time(frames, 2) == 2);
     tides_frames_close(frames);
 
+    write_text(in_folder(*state, "own.txt"), "frame_a.png 0\nframe_b.png 1\nframe_c.png 2\n");
+    options.timestamps = in_folder(*state, "own.txt");
+    refused(folder_path, &options, TIDES_BAD_FILE, "its times count frames, 0, 1 ...: frames.frames_per_second");
+    options.unit = TIDES_TIME_S;
+    tides_frames_close(open_frames(folder_path, &options));
+    options.unit = TIDES_TIME_AUTO;
     write_text(in_folder(*state, "own.txt"), "1\n2\n");
     options.timestamps = in_folder(*state, "own.txt");
     refused(folder_path, &options, TIDES_BAD_FILE, "has 2 times");
