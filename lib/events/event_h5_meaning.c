@@ -110,6 +110,7 @@ static tides_status find_unit(td_event_source *source, const tides_event_reading
     const int plausible = td_table_unit(&facts, 1, &source->digits, &reason) == TIDES_OK;
     if (!plausible && !(layout && source->digits == 3))
         return td_fail(error, TIDES_BAD_FILE, "%s: %s", source->path, reason.text);
+    td_table_tell_falls(&facts, source->digits, told, 160);
     if (source->digits != 9) td_table_tell_unit(&facts, source->digits, layout && !is_common(source), told, 160);
     return TIDES_OK;
 }

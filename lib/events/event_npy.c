@@ -246,6 +246,7 @@ static tides_status find_unit(td_event_stream *stream, int whole, tides_error *e
     if (td_table_unit(&facts, 1, &state->digits, &reason) != TIDES_OK)
         return td_fail(error, TIDES_BAD_FILE, "%s: %s", stream->input.path, reason.text);
     td_table_tell_unit(&facts, state->digits, 0, stream->facts.read_as, sizeof stream->facts.read_as);
+    td_table_tell_falls(&facts, state->digits, stream->facts.read_as, sizeof stream->facts.read_as);
     return TIDES_OK;
 }
 

@@ -275,6 +275,8 @@ static tides_status find_unit(td_event_stream *stream, td_event_rows *rows, cons
             td_table_tell_unit(t, m->digits, m->digits == 9 && rows->separator == ' ', stream->facts.read_as,
                                sizeof stream->facts.read_as);
     }
+    if (status == TIDES_OK && rows->columns)
+        td_table_tell_falls(t, m->digits, stream->facts.read_as, sizeof stream->facts.read_as);
     return status == TIDES_OK ? status : fail_front(stream, status, "", error);
 }
 

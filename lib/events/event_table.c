@@ -193,6 +193,13 @@ void td_table_tell_unit(const td_table_column *times, int digits, int expected, 
                          : "being beyond 10^17");
 }
 
+void td_table_tell_falls(const td_table_column *times, int digits, char *told, size_t size) {
+    const size_t used = strlen(told);
+    if (times->rows < ENOUGH || 2 * times->fall <= times->most - times->least || used + 1 >= size) return;
+    snprintf(told + used, size - used, "%stimes go back by %.3g s, as of a clock that begins again", used ? "; " : "",
+             times->fall / pow(10, 9 - digits));
+}
+
 tides_status td_table_unit(const td_table_column *times, int whole, int *digits, tides_error *error) {
     *digits = !few(times->fractional, times) || (times->dotted && !whole) ? 9
               : fmax(fabs(times->least), fabs(times->most)) >= 1e17       ? 0

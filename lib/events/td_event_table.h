@@ -55,6 +55,10 @@ tides_status td_table_unit(const td_table_column *times, int whole, int *digits,
  * and a rate that no sensor is likely to have need a word. */
 void td_table_tell_unit(const td_table_column *times, int digits, int expected, char *told, size_t size);
 
+/* Adds to `told` where times fall by more than half of what they span: putting such in order may mix what came one after the
+ * other. */
+void td_table_tell_falls(const td_table_column *times, int digits, char *told, size_t size);
+
 /* Digits of "s", "ms", "us", "ns" as a reading says it; TIDES_BAD_ARGUMENT. */
 tides_status td_table_unit_named(const char *unit, int *digits, tides_error *error);
 

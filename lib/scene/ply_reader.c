@@ -36,6 +36,8 @@ static tides_status check_kind(const binding *b) {
     static const struct {
         const char *property, *kind;
     } others[] = {{"trbf_center", "a SpacetimeGaussians model"},
+                  {"scale_t", "a model of 4-D Gaussians"},
+                  {"rot_r_0", "a model of 4-D Gaussians"},
                   {"motion_xyz_0_0", "an Ex4DGS dynamic model"},
                   {"xyz_disp_0", "an Ex4DGS static model"}};
     const char *kind = NULL;
@@ -225,6 +227,37 @@ static tides_status read_gaussians(binding *b, td_gaussians *gaussians) {
     return status;
 }
 
+/* 1 where `count` values lie from `least` to `most` and aren't all the same, which a scene made by hand may have. */
+static int lie_within(const float *values, size_t count, float least, float most) {
+    int within = 1, differ = 0;
+    for (size_t i = 0; i < count && within; i++) {
+        within = values[i] >= least && values[i] <= most;
+        differ = differ || values[i] > values[0] || values[i] < values[0];
+    }
+    return within && differ;
+}
+
+/* Values that some write as they are used, and 3DGS as they are trained: nothing trained has all of its logits from 0 to 1, nor
+ * splats that are all larger than the unit, by little. */
+static tides_status note_activated(td_gaussians *g, tides_error *error) {
+    enum { ENOUGH = 32 };
+    const size_t count = (size_t)g->count;
+    tides_status status = TIDES_OK;
+    if (count < ENOUGH) return TIDES_OK;
+    if (lie_within(g->opacity_logit, count, 0, 1))
+        status = td_note(&g->notes,
+                         "its opacities all lie from 0 to 1, as opacities do and logits hardly ever: 3DGS writes logits, and "
+                         "they are taken as that",
+                         error);
+    if (status == TIDES_OK && lie_within(g->log_scale, 3 * count, 0, 1))
+        status =
+            td_note(&g->notes,
+                    "its scales all lie from 0 to 1, as lengths do and logarithms hardly ever: 3DGS writes logarithms, and "
+                    "they are taken as that",
+                    error);
+    return status;
+}
+
 /* What the comments say of training, or filter_3D where they don't. */
 static tides_status take_mode(const binding *b, td_gaussians *gaussians) {
     const td_ply_word mode = b->header->mode;
@@ -257,8 +290,12 @@ static tides_status parse(const char *path, const void *data, size_t size, int32
         status = td_ply_packed_read(&file, &header, gaussians, error);
     else
         status = read_gaussians(&b, gaussians);
-    if (!status) memcpy(gaussians->up, header.up, sizeof gaussians->up);
-    if (!status && (status = take_mode(&b, gaussians)) != TIDES_OK) td_gaussians_free(gaussians);
+    if (!status) {
+        memcpy(gaussians->up, header.up, sizeof gaussians->up);
+        status = take_mode(&b, gaussians);
+        if (!status) status = note_activated(gaussians, error);
+        if (status) td_gaussians_free(gaussians);
+    }
     td_ply_header_free(&header);
     return status;
 }

@@ -54,6 +54,12 @@ refuse 1 "bag2: is the folder of a ROS 2 bag.*rosbags" tides convert bag2 x.csv
 echo '[{"img_name": "a"}]' >list.json # a list isn't a preset
 refuse 1 "list.json" tides info list.json
 
+{ echo t_us,x,y,p; columns , 'print $1 % 5000, $2, $3, $4'; } >again.csv
+expect 0 tides convert again.csv x.csv
+err "again.csv: times go back by 0.00[45][0-9]* s, as of a clock that begins again"
+echo '{}' >a.lcc
+refuse 1 "a.lcc: is an LCC scene.*splat-transform" tides info a.lcc
+
 # What nothing decides, somebody says.
 columns , 'print 7919 * NR * NR % 1000003, $2, $3, $4' >shuffled.csv
 columns , 'print 7919 * NR % 1000003, $2, $3, $4' >sawtooth.csv
