@@ -87,3 +87,8 @@ refuse 1 "pictures: its frames have no times: .*frames.frames_per_second" tides 
 expect 0 tides simulate bytes.npy -qo alone.h5 --set frames.frames_per_second=3
 expect 0 tides simulate pictures -qo alone.h5 --set frames.frames_per_second=3
 expect 0 tides simulate --set frames.file=bytes.npy -qo alone.h5 --set frames.frames_per_second=3
+
+# A file whose frames have another name: those that there are are named.
+expect 0 tides scene plane -qo names.h5 --gaussians 50 --size 16x12
+refuse 1 "names.h5: has no dataset Y, frames, images or voxels, but .*: call the frames so" \
+    tides simulate --set frames.file=names.h5 -o e.h5
