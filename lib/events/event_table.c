@@ -184,7 +184,7 @@ static double rate_in(const td_table_column *times, int digits) {
 void td_table_tell_unit(const td_table_column *times, int digits, int expected, char *told, size_t size) {
     const double rate = rate_in(times, digits);
     const size_t used = strlen(told);
-    if (expected && (digits == 9 ? times->decimals >= DECIMALS : rate <= 0 || rate >= SELDOM)) return;
+    if (expected && digits && (digits == 9 ? times->decimals >= DECIMALS : rate <= 0 || rate >= SELDOM)) return;
     if (used + 1 >= size) return;
     snprintf(told + used, size - used, "%stimes taken as %s, %s: --unit says another", used ? "; " : "",
              td_table_unit_word(digits),

@@ -360,3 +360,28 @@ def test_outputs_apart(tmp_path):
     tides.Camera(tides.Trajectory.static([0, 0, 0]), width=8, height=8, fx=8, fy=8).save(camera)
     with pytest.raises(ValueError, match="c.json is read, and would be replaced"):
         tides.Camera.load(camera).save(camera)
+
+
+# -- what is taken is said --------------------------------------------------------------------------------------------------
+def test_units_of_hdf5(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    file = tmp_path / "e.h5"
+    for group, unit, factor, said in (
+        ("events", None, 1, "microseconds"),
+        ("events", "ns", 1000, ""),
+        ("camera/left", "Nanoseconds", 1000, ""),
+        ("camera/left", None, 1, "microseconds"),
+        ("prophesee/left", None, 1, ""),
+        ("", "us", 1, ""),
+    ):
+        with h5py.File(file, "w") as f:
+            for name, values in zip("txyp", (factor * T, X, Y, P)):
+                f[f"{group}/{name}"] = values
+            if unit:
+                f[f"{group}/t"].attrs["units"] = unit
+        with tides.EventReader(file) as reader:
+            assert np.array_equal(reader.read(N)["t"], 1000 * T)
+            assert (said in reader.facts["read_as"]) if said else not reader.facts["read_as"]
+    np.savez(tmp_path / "e.npz", t=1000 * T, x=X, y=Y, p=P)
+    with tides.EventReader(tmp_path / "e.npz") as reader:
+        assert "nanoseconds, as rpg_vid2e has them" in reader.facts["read_as"]
