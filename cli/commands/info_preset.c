@@ -22,13 +22,14 @@ static cJSON *read_json(const char *file) {
 static int32_t is_preset(const cJSON *json) {
     int32_t groups = 0;
     const cJSON *item;
+    if (!cJSON_IsObject(json)) return 0; /* what a list holds has no names */
     cJSON_ArrayForEach(item, json) {
         const int32_t group = strcmp(item->string, "sensor") == 0 || strcmp(item->string, "frontend") == 0 ||
                               strcmp(item->string, "readout") == 0;
         if (!group && strcmp(item->string, "about") != 0) return 0;
         groups += group;
     }
-    return cJSON_IsObject(json) && groups > 0;
+    return groups > 0;
 }
 
 /* A run that names it says whether its keys and values are right. */

@@ -4,10 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Appends those of the stretch; `*past` once one lies behind it: events are sorted by time. */
+/* Appends those of the stretch; `*past` once one lies behind it: events are sorted by time. Where none of them is in the stretch
+ * all are looked at: what is to be said then is from when to when they last. */
 static tides_status keep(const char *path, cli_window *window, size_t *capacity, const tides_event *events, size_t count,
                          int *past, tides_error *error) {
-    for (size_t i = 0; i < count && !*past; i++) {
+    for (size_t i = 0; i < count && !(*past && window->count); i++) {
         const int64_t t = events[i].t;
         const int32_t any = window->seen_ns < window->seen_stop_ns;
         if (!any || t < window->seen_ns) window->seen_ns = t;
@@ -42,7 +43,7 @@ tides_status cli_window_read(const char *path, cli_window *window, tides_error *
     size_t capacity = 0;
     int past = 0;
     tides_status status = tides_event_reader_open_as(path, window->how, &reader, error);
-    for (size_t got = 1; got && !past && status == TIDES_OK;) {
+    for (size_t got = 1; got && !(past && window->count) && status == TIDES_OK;) {
         status = tides_event_reader_read(reader, events, sizeof events / sizeof *events, &got, error);
         if (status == TIDES_OK) status = keep(path, window, &capacity, events, got, &past, error);
     }

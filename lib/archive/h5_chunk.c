@@ -3,6 +3,9 @@
 #include "td_h5.h"
 #include "td_wide.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 /* Byte k of all values, then byte k + 1, from the lowest on: HDF5's shuffle. By shifts of whole values, which vectorise. */
 TD_WIDE static void shuffle(const void *values, size_t size, size_t count, unsigned char *to) {
     const uint8_t *one = values;
@@ -23,12 +26,37 @@ TD_WIDE static void shuffle(const void *values, size_t size, size_t count, unsig
         }
 }
 
-herr_t td_h5_append_chunk(hid_t dataset, hid_t type, uint64_t first, size_t count, const void *values, void *scratch) {
-    const size_t size = H5Tget_size(type), bytes = size * count;
-    unsigned char *shuffled = scratch, *packed = shuffled + bytes;
+/* The packed chunk's bytes in `*packed`, within `scratch`; their number, or 0. */
+static size_t pack(size_t size, size_t count, const void *values, void *scratch, unsigned char **packed) {
+    const size_t bytes = size * count;
+    unsigned char *shuffled = scratch;
+    *packed = shuffled + bytes;
     shuffle(values, size, count, shuffled);
-    const size_t length = td_deflate_planes(shuffled, count, size, packed, TD_H5_CHUNK_ROOM(bytes) - bytes);
+    return td_deflate_planes(shuffled, count, size, *packed, TD_H5_CHUNK_ROOM(bytes) - bytes);
+}
+
+herr_t td_h5_append_chunk(hid_t dataset, hid_t type, uint64_t first, size_t count, const void *values, void *scratch) {
+    unsigned char *packed;
+    const size_t length = pack(H5Tget_size(type), count, values, scratch, &packed);
     if (length == 0) return td_h5_append_rows(dataset, type, first, count, values); /* HDF5 does it, or says why not */
     const hsize_t total = first + count, begin = first;
     return H5Dset_extent(dataset, &total) < 0 ? -1 : H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, &begin, length, packed);
+}
+
+herr_t td_h5_write_chunks(hid_t dataset, const hsize_t extent[2], hsize_t rows, size_t size, const void *values) {
+    const size_t row = extent[1] ? (size_t)extent[1] : 1, count = (size_t)rows * row, bytes = count * size;
+    unsigned char *scratch = malloc(bytes + TD_H5_CHUNK_ROOM(bytes)), *packed;
+    herr_t done = scratch ? 0 : -1;
+    for (hsize_t begin[2] = {0, 0}; done >= 0 && begin[0] < extent[0]; begin[0] += rows) {
+        const hsize_t left = extent[0] - begin[0];
+        const unsigned char *from = (const unsigned char *)values + (size_t)begin[0] * row * size;
+        if (left < rows) { /* a chunk is whole in the file */
+            memset(scratch, 0, bytes);
+            from = memcpy(scratch, from, (size_t)left * row * size);
+        }
+        const size_t length = pack(size, count, from, scratch + bytes, &packed);
+        done = length == 0 ? -1 : H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, begin, length, packed);
+    }
+    free(scratch);
+    return done;
 }

@@ -17,7 +17,8 @@ static const struct {
     {"millis", "ms", 6, 0}, {"millisecond", "ms", 6, 0},  {"milliseconds", "ms", 6, 0}, {"us", "us", 3, 0},
     {"usec", "us", 3, 0},   {"usecs", "us", 3, 0},        {"micros", "us", 3, 0},       {"microsecond", "us", 3, 0},
     {"ns", "ns", 0, 0},     {"microseconds", "us", 3, 0}, {"nsec", "ns", 0, 0},         {"nsecs", "ns", 0, 0},
-    {"nanos", "ns", 0, 0},  {"nanosecond", "ns", 0, 0},   {"nanoseconds", "ns", 0, 0},  {"m", "m", -1, 1},
+    {"nanos", "ns", 0, 0},  {"nanosecond", "ns", 0, 0},   {"nanoseconds", "ns", 0, 0},  {"nanosec", "ns", 0, 0},
+    {"px", "px", -1, 0},    {"pixel", "px", -1, 0},       {"pixels", "px", -1, 0},      {"m", "m", -1, 1},
     {"cm", "cm", -1, 1e-2}, {"mm", "mm", -1, 1e-3},       {"meters", "m", -1, 1},       {"metres", "m", -1, 1},
 };
 enum { UNITS = sizeof units / sizeof *units };
@@ -180,8 +181,15 @@ static const char *skip_front(const char *c) {
     }
 }
 
+/* Behind "Format:" and the like, which say what follows. */
+static const char *skip_label(const char *c) {
+    const char *end = c;
+    while (is_word(small(*end))) end++;
+    return end > c && *end == ':' && is_blank(end[1]) ? end + 1 + strspn(end + 1, " \t") : c;
+}
+
 int td_columns_parse(const char *line, td_columns *columns) {
-    const char *c = skip_front(line);
+    const char *c = skip_label(skip_front(line));
     int named = 0, numbers = 0;
     columns->count = 0;
     columns->separator = find_separator(c);
@@ -243,10 +251,27 @@ int td_columns_find(const td_columns *columns, const char *names) {
     return find(columns, names, 0, &digits);
 }
 
+/* "microseconds", "nsec": a column that is called by its unit alone. A letter is no unit here: "s" may be anything. */
+static int find_unit_alone(const td_columns *columns, int *digits) {
+    const int count = columns->count < TD_COLUMNS_MAX ? columns->count : TD_COLUMNS_MAX;
+    int found = TD_COLUMN_NONE;
+    for (int i = 0; i < count; i++) {
+        const td_column *column = columns->column + i;
+        const int unit = column->unit[0] || strlen(column->name) < 2 ? -1 : td_unit_digits(column->name);
+        if (unit < 0) continue;
+        if (found >= 0) return TD_COLUMN_TWICE;
+        found = i;
+        *digits = unit;
+    }
+    return found;
+}
+
 int td_columns_time(const td_columns *columns, const char *names, int *digits) {
     *digits = -1;
-    const int found = find(columns, names, 0, digits);
-    if (found == TD_COLUMN_NONE) return find(columns, names, 1, digits);
+    int found = find(columns, names, 0, digits);
+    if (found == TD_COLUMN_NONE) found = find(columns, names, 1, digits);
+    if (found == TD_COLUMN_NONE) return find_unit_alone(columns, digits);
+    if (*digits >= 0) return found;
     if (found < 0 || !columns->column[found].unit[0]) return found;
     *digits = td_unit_digits(columns->column[found].unit);
     return *digits < 0 ? TD_COLUMN_NONE : found;

@@ -4,6 +4,7 @@
 
 #include "td_folder.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum family {
@@ -18,12 +19,17 @@ enum family {
     MESH,
     POINTS,
     SPLATS,
+    LCC,
+    SPLATV,
     EVENTS,
+    OLD_AEDAT,
     NUMPY,
     HDF5,
     PICKLE,
     MATLAB,
     TABLE,
+    XML,
+    UTF16,
     PAGE,
     POINTER,
     DOCUMENT,
@@ -63,7 +69,10 @@ static const char *const advice[FAMILIES][TD_WANTS] = {
     [POINTS] = {[TD_WANTS_ANY] = "points have no shape and no colour to each side: train splats from them (Brush, gsplat)"},
     [SPLATS] = {[TD_WANTS_ANY] = "scene.file takes it; tides info and render show it",
                 [TD_WANTS_SCENE] = "splat-transform makes a 3DGS .ply of it"},
+    [LCC] = {[TD_WANTS_ANY] = "splat-transform makes a 3DGS .ply of it"},
+    [SPLATV] = {[TD_WANTS_ANY] = "scene.file takes the trained SpacetimeGaussians model that it was made of"},
     [EVENTS] = {[TD_WANTS_ANY] = "it holds events: tides info, view, cut, export, convert and metrics take it"},
+    [OLD_AEDAT] = {[TD_WANTS_ANY] = "AEDAT 2 and 4 are read: export it as one of them, or as text, in DV or jAER"},
     [NUMPY] = {[TD_WANTS_ANY] = "tides info says what is in it; arrays (frames, height, width) go to frames.file",
                [TD_WANTS_RUN] = "--set frames.file=% makes events of frames; what holds events is there already (tides info)",
                [TD_WANTS_SCENE] = "tides.Scene().add takes arrays of Gaussians in Python"},
@@ -73,6 +82,9 @@ static const char *const advice[FAMILIES][TD_WANTS] = {
     [PICKLE] = {[TD_WANTS_ANY] = "load it in Python and save its arrays: numpy.save, or tides.Scene().add and save"},
     [MATLAB] = {[TD_WANTS_ANY] = "scipy.io.loadmat reads it: save its arrays with numpy.save"},
     [TABLE] = {[TD_WANTS_ANY] = "pandas reads it: write its columns as .csv"},
+    [XML] = {[TD_WANTS_ANY] = "another file was meant",
+             [TD_WANTS_POSES] = "export the cameras as COLMAP's text, a transforms.json, or lines 't x y z qx qy qz qw' (TUM)"},
+    [UTF16] = {[TD_WANTS_ANY] = "save it as UTF-8 (iconv -f UTF-16 -t UTF-8)"},
     [PAGE] = {[TD_WANTS_ANY] = "what was to be downloaded needs another address, or a login"},
     [POINTER] = {[TD_WANTS_ANY] = "git lfs pull fetches the file itself"},
     [DOCUMENT] = {[TD_WANTS_ANY] = "another file was meant"},
@@ -174,8 +186,10 @@ static const kind kinds[] = {
     {MAGIC("glTF"), 0, NULL, "a glTF scene", SPLATS},
     {NULL, 0, 0, ".splat", "a .splat scene", SPLATS},
     {NULL, 0, 0, ".ksplat", "a .ksplat scene", SPLATS},
-    {NULL, 0, 0, ".splatv", "a .splatv scene", SPLATS},
-    {NULL, 0, 0, ".lcc", "an LCC scene", SPLATS},
+    {NULL, 0, 0, ".splatv", "a .splatv scene", SPLATV},
+    {NULL, 0, 0, ".lcc", "an LCC scene", LCC},
+    {MAGIC("#!AER-DAT1"), 0, NULL, "an AEDAT 1 recording", OLD_AEDAT},
+    {MAGIC("#!AER-DAT3"), 0, NULL, "an AEDAT 3 recording", OLD_AEDAT},
     {MAGIC("#!AER-DAT"), 0, NULL, "an AEDAT recording", EVENTS},
     {MAGIC("Event Stream"), 0, NULL, "an Event Stream recording", EVENTS},
     {MAGIC("% evt "), 0, NULL, "an EVT recording", EVENTS},
@@ -191,6 +205,9 @@ static const kind kinds[] = {
     {MAGIC("\x80\x05\x95"), 0, NULL, "a Python pickle", PICKLE},
     {MAGIC("PAR1"), 0, NULL, "a Parquet table", TABLE},
     {MAGIC("ARROW1"), 0, NULL, "an Arrow table", TABLE},
+    {MAGIC("\xff\xfe"), 0, NULL, "text in UTF-16", UTF16}, /* PowerShell's > writes that */
+    {MAGIC("\xfe\xff"), 0, NULL, "text in UTF-16", UTF16},
+    {MAGIC("<?xml"), 0, NULL, "an XML file", XML},
     {MAGIC("<!DOCTYPE html"), 0, NULL, "a web page", PAGE},
     {MAGIC("<!doctype html"), 0, NULL, "a web page", PAGE},
     {MAGIC("<html"), 0, NULL, "a web page", PAGE},
@@ -222,13 +239,28 @@ static void put_path(const char *text, const char *path, char *out, size_t size)
     out[used] = '\0';
 }
 
+/* The first bytes of a file; 0: there is none. */
+static size_t read_head(const char *path, char head[HEAD]) {
+    FILE *file = td_is_file(path) ? fopen(path, "rb") : NULL;
+    const size_t got = file ? fread(head, 1, HEAD, file) : 0;
+    if (file) fclose(file);
+    return got;
+}
+
+/* rosbag2 writes a folder, with what is in it in metadata.yaml. */
+static const kind *find_folder(const char *path) {
+    static const kind own = {MAGIC("rosbag2_bagfile_information"), 0, NULL, "the folder of a ROS 2 bag", BAG_2};
+    char head[HEAD], *metadata = td_format(NULL, "%s/metadata.yaml", path);
+    const size_t got = metadata ? read_head(metadata, head) : 0;
+    free(metadata);
+    return got >= own.bytes && memcmp(head, own.magic, own.bytes) == 0 ? &own : NULL;
+}
+
 tides_status td_kind_refuse(const char *path, int wanted, tides_error *error) {
     char head[HEAD], line[640];
-    FILE *file = td_is_file(path) ? fopen(path, "rb") : NULL;
-    if (!file) return TIDES_OK;
-    const size_t got = fread(head, 1, sizeof head, file);
-    fclose(file);
-    const kind *k = got ? find(path, head, got) : NULL;
+    const int is_folder = td_is_folder(path);
+    const size_t got = is_folder ? 0 : read_head(path, head);
+    const kind *k = is_folder ? find_folder(path) : got ? find(path, head, got) : NULL;
     if (!k || is_wanted(k->family, wanted)) return TIDES_OK;
     const char *text = advice[k->family][wanted] ? advice[k->family][wanted] : advice[k->family][TD_WANTS_ANY];
     put_path(text, path, line, sizeof line);
@@ -237,7 +269,9 @@ tides_status td_kind_refuse(const char *path, int wanted, tides_error *error) {
 }
 
 tides_status td_kind_judge(const char *path, int wanted, tides_status status, tides_error *error) {
-    if (status != TIDES_BAD_FILE && status != TIDES_BAD_CONFIG && status != TIDES_UNSUPPORTED) return status;
+    if (status != TIDES_BAD_FILE && status != TIDES_BAD_CONFIG && status != TIDES_UNSUPPORTED &&
+        !(status == TIDES_FILE_NOT_FOUND && td_is_folder(path)))
+        return status;
     const tides_status judged = td_kind_refuse(path, wanted, error);
     return judged ? judged : status;
 }

@@ -171,13 +171,14 @@ static tides_status take_key(reading *r, const char *name, char *value) {
 
 /* Models come first: others have other numbers of coefficients. */
 static tides_status check_models(const reading *r) {
-    static const char *const bent[] = {"none", "radtan", "equidistant"};
+    static const char *const bent[] = {"none", "radtan", "plumb_bob", "equidistant",
+                                       "equi"}; /* ROS's and Kalibr's other names */
     char word[TD_QUOTE];
     if (r->pinhole && strcmp(r->pinhole, "pinhole") != 0)
         return td_fail(r->error, TIDES_UNSUPPORTED,
                        "%s: cam%d: camera_model %s isn't supported: calibrate as pinhole, with radtan or equidistant", r->file,
                        r->chain->count, td_path_quote(r->pinhole, strlen(r->pinhole), word));
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 5; k++)
         if (!r->bent || strcmp(r->bent, bent[k]) == 0) return TIDES_OK;
     return td_fail(r->error, TIDES_UNSUPPORTED, "%s: cam%d: distortion_model %s isn't supported: radtan, equidistant or none",
                    r->file, r->chain->count, td_path_quote(r->bent, strlen(r->bent), word));
@@ -190,7 +191,7 @@ static tides_status find_lens(const reading *r, tides_lens *lens) {
     if (!r->bent || strcmp(r->bent, "none") == 0) return TIDES_OK;
     if (!has(r, KEY_COEFFICIENTS)) return bad(r, TIDES_BAD_FILE, "distortion_model needs distortion_coeffs");
     if (!read_list(r->list[1], k, 4)) return bad(r, TIDES_BAD_FILE, "distortion_coeffs must be 4 finite numbers in a list");
-    *lens = strcmp(r->bent, "radtan") == 0 ? td_radtan(k) : td_equidistant(k);
+    *lens = strncmp(r->bent, "equi", 4) == 0 ? td_equidistant(k) : td_radtan(k);
     return TIDES_OK;
 }
 

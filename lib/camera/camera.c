@@ -74,7 +74,8 @@ static tides_status check_order(const td_path_reader *reader) {
     for (size_t i = 0; i < reader->count; i++)
         if (!(fabs(reader->samples[i].time) < TD_LAST_SECOND))
             return td_fail(reader->error, TIDES_BAD_FILE,
-                           "%s: its times go to %.15g, which are no seconds: set camera.time_unit to ms, us or ns",
+                           "%s: its times go to %.15g, which are no seconds: set camera.time_unit (an object's: time_unit) to "
+                           "ms, us or ns",
                            reader->file, reader->samples[i].time);
     for (size_t i = 1; i < reader->count; i++) {
         const td_path_sample *before = reader->samples + i - 1, *here = before + 1;
@@ -180,8 +181,9 @@ static tides_status read_text(td_path_reader *reader) {
     const tides_status status = td_path_find_table(reader, &table);
     if (status != TIDES_OK) return status;
     if (table.named || shape.commas) return td_path_read_table(reader, &table);
-    if (shape.columns == 12 && shape.first_word == 12) return td_path_read_kitti(reader);
-    if (shape.columns >= 10 && shape.first_word >= 9) return td_path_read_colmap(reader, 0);
+    const int all = shape.first_word == shape.columns; /* of a row are numbers */
+    if (all && td_path_is_kitti(shape.columns)) return td_path_read_kitti(reader, shape.columns);
+    if (shape.columns >= 10 && (shape.first_word == 9 || shape.first_word == 10)) return td_path_read_colmap(reader, 0);
     if (shape.columns >= 7 && shape.first_word == 1) return td_path_refuse_cameras(reader, 0);
     return td_path_read_table(reader, &table);
 }

@@ -2,8 +2,10 @@
 #include "camera/td_path_reader.h"
 
 #include "td_base.h"
+#include "td_folder.h"
 
 #include <stdlib.h>
+#include <string.h>
 #include <sys/stat.h>
 
 /* What is looked for, in this order: datasets that hold several mean the first. */
@@ -23,17 +25,45 @@ static const char *const places[] = {"images.bin",
                                      "data.csv",
                                      "state_groundtruth_estimate0/data.csv",
                                      "mav0/state_groundtruth_estimate0/data.csv",
-                                     "camera"};
+                                     "camera",
+                                     "groundtruth.txt",
+                                     "stamped_groundtruth.txt"};
 enum { PLACES = sizeof places / sizeof places[0] };
 
-tides_status td_path_find(const char *folder, char **file, tides_error *error) {
-    for (size_t k = 0; k < PLACES; k++) {
-        struct stat facts;
-        *file = td_format(error, "%s/%s", folder, places[k]);
-        if (!*file) return TIDES_NO_MEMORY;
-        if (stat(*file, &facts) == 0) return TIDES_OK;
-        free(*file);
-        *file = NULL;
+/* COLMAP's images come with cameras; the Event Camera Dataset has an images.txt of its own. */
+static int is_alone(const char *file, tides_error *error) {
+    if (strncmp(td_base_name(file), "images.", 7) != 0) return 0;
+    int found = 0;
+    for (int i = 0; i < 2 && !found; i++) {
+        char *cameras = td_beside(file, i ? "cameras.txt" : "cameras.bin", error);
+        found = cameras && td_is_file(cameras);
+        free(cameras);
     }
+    return !found;
+}
+
+tides_status td_path_find(const char *folder, char **file, tides_error *error) {
+    char *alone = NULL; /* read where nothing else is: its reader says what is missing */
+    *file = NULL;
+    for (size_t k = 0; k < PLACES && !*file; k++) {
+        struct stat facts;
+        char *one = td_format(error, "%s/%s", folder, places[k]);
+        if (!one) {
+            free(alone);
+            return TIDES_NO_MEMORY;
+        }
+        if (stat(one, &facts) != 0)
+            free(one);
+        else if (!is_alone(one, error))
+            *file = one;
+        else if (!alone)
+            alone = one;
+        else
+            free(one);
+    }
+    if (*file)
+        free(alone);
+    else
+        *file = alone;
     return TIDES_OK;
 }

@@ -68,10 +68,13 @@ static tides_status fail_names(td_path_reader *reader, const td_columns *c, cons
     for (int k = POSITION; k < NEEDED; k++)
         if (table->place[k] < 0)
             return td_fail(reader->error, TIDES_BAD_FILE,
-                           "%s:%zu: names its columns, and %s are %s: call them t x y z qx qy qz qw, in any order",
+                           "%s:%zu: names its columns, and %s are %s: call them t x y z qx qy qz qw, in any order; turns "
+                           "are unit quaternions here",
                            reader->file, line, plain_names[k], table->place[k] == TD_COLUMN_TWICE ? "several" : "none of them");
     if (table->place[TIME] == TD_COLUMN_TWICE)
-        return td_fail(reader->error, TIDES_BAD_FILE, "%s:%zu: names several columns of times: leave one", reader->file, line);
+        return td_fail(reader->error, TIDES_BAD_FILE,
+                       "%s:%zu: names several columns of times: write one, seconds and nanoseconds together", reader->file,
+                       line);
     for (int k = 0; k < c->count && k < TD_COLUMNS_MAX; k++)
         if (c->column[k].unit[0] && td_unit_digits(c->column[k].unit) < 0 && strncmp(c->column[k].name, "t", 1) == 0)
             return td_fail(reader->error, TIDES_BAD_FILE, "%s:%zu: its times are in [%s]: only s, ms, us and ns are known",
@@ -220,21 +223,6 @@ static tides_status read_row(const td_path_reader *reader, const td_path_table *
     return td_path_check_quaternion(reader, where, sample->pose.quaternion, table->is_euroc ? "qw qx qy qz" : "qx qy qz qw");
 }
 
-/* Times from what is written, digit by digit. */
-static tides_status set_times(td_path_reader *reader, const td_path_table *table) {
-    int digits = -1;
-    tides_status status = TIDES_OK;
-    if (table->place[TIME] >= 0) status = td_path_find_unit(reader, table->digits, table->usual, &digits);
-    if (status != TIDES_OK) return status;
-    for (size_t i = 0; i < reader->count; i++) {
-        const char *end;
-        if (digits >= 0) td_text_time(reader->samples[i].word, 9 - digits, reader->samples + i, &end);
-        reader->samples[i].word = NULL;
-    }
-    if (digits < 0) td_path_spread(reader);
-    return TIDES_OK;
-}
-
 static const char *format_of(const td_path_table *table) { return table->is_euroc ? "euroc" : table->commas ? "esim" : "tum"; }
 
 tides_status td_path_read_table(td_path_reader *reader, const td_path_table *table) {
@@ -249,6 +237,10 @@ tides_status td_path_read_table(td_path_reader *reader, const td_path_table *tab
         if (status == TIDES_OK) status = td_text_take(&lines, reader, line, data);
         if (status != TIDES_OK) return status;
     }
-    tides_status status = set_times(reader, table);
+    tides_status status = TIDES_OK;
+    if (table->place[TIME] >= 0)
+        status = td_path_take_times(reader, table->digits, table->usual);
+    else
+        td_path_spread(reader);
     return status == TIDES_OK && table->is_euroc ? td_path_mount_euroc(reader) : status;
 }

@@ -19,6 +19,7 @@ typedef struct numbers {
     double last, step; /* the largest, and the middle of the steps */
     int whole;         /* 1: none has a fraction */
     int bare;          /* 1: nor a point: "1.0" is a time, as "40000000.0" is in ESIM's own files */
+    int counts;        /* 1: they are 0, 1, 2 .. or 1, 2, 3 .., however written (DROID-SLAM and DPVO have "1.0") */
 } numbers;
 
 static int by_value(const void *left, const void *right) {
@@ -33,14 +34,15 @@ static tides_status look(const td_path_reader *reader, numbers *n) {
     const size_t count = reader->count;
     double *steps = td_alloc(count, sizeof *steps, reader->error);
     if (!steps) return TIDES_NO_MEMORY;
-    *n = (numbers){.last = fabs(s[0].time), .whole = 1, .bare = 1};
+    *n = (numbers){.last = fabs(s[0].time), .whole = 1, .bare = 1, .counts = s[0].time == 0 || s[0].time == 1};
     for (size_t i = 0; i < count; i++) {
         n->last = fmax(n->last, fabs(s[i].time));
         n->whole &= s[i].time == floor(s[i].time);
         n->bare &= is_bare(s + i);
+        n->counts &= s[i].time == s[0].time + (double)i;
         if (i > 0) steps[i - 1] = fabs(td_path_since(s + i, s + i - 1));
     }
-    n->bare &= n->whole;
+    n->bare = n->counts || (n->bare && n->whole);
     if (count > 1) qsort(steps, count - 1, sizeof *steps, by_value);
     if (count > 1) n->step = steps[(count - 1) / 2];
     free(steps);
@@ -53,8 +55,9 @@ static const char *name_of(int digits) {
 
 static tides_status refuse(td_path_reader *reader, const char *what) {
     return td_fail(reader->error, TIDES_BAD_FILE,
-                   "%s: its times are %s: say what they are: set camera.time_unit to s, ms, us, ns or index%s", reader->file,
-                   what, reader->list ? "" : ", or name the columns in a first line: # t[us] x y z qx qy qz qw");
+                   "%s: its times are %s: say what they are: set camera.time_unit (an object's: time_unit) to s, ms, us, ns or "
+                   "index%s",
+                   reader->file, what, reader->list ? "" : ", or name the columns in a first line: # t[us] x y z qx qy qz qw");
 }
 
 /* As `n` looks in a unit. */
@@ -86,7 +89,8 @@ static tides_status guess(td_path_reader *reader, int usual, int *digits) {
         *digits = recent && n.step <= TD_LONGEST_STEP ? 9 : td_likely_digits(n.last, n.step);
     }
     if (*digits != usual)
-        td_path_note(reader, "its times are taken as %s: camera.time_unit can say otherwise", name_of(*digits));
+        td_path_note(reader, "its times are taken as %s: camera.time_unit (an object's: time_unit) can say otherwise",
+                     name_of(*digits));
     return TIDES_OK;
 }
 
@@ -97,4 +101,17 @@ tides_status td_path_find_unit(td_path_reader *reader, int told, int usual, int 
     *digits = unit != TIDES_TIME_AUTO ? units[unit] : told;
     if (unit != TIDES_TIME_AUTO || told >= 0 || reader->count == 0) return TIDES_OK;
     return guess(reader, usual, digits);
+}
+
+tides_status td_path_take_times(td_path_reader *reader, int told, int usual) {
+    int digits = -1;
+    tides_status status = td_path_find_unit(reader, told, usual, &digits);
+    if (status != TIDES_OK) return status;
+    for (size_t i = 0; i < reader->count; i++) {
+        const char *end;
+        if (digits >= 0) td_text_time(reader->samples[i].word, 9 - digits, reader->samples + i, &end);
+        reader->samples[i].word = NULL;
+    }
+    if (digits < 0) td_path_spread(reader);
+    return TIDES_OK;
 }

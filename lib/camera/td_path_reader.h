@@ -95,6 +95,10 @@ void td_path_name_place(const td_path_reader *reader, const char *file, size_t p
  * where one is. Counts and what could be several are TIDES_BAD_FILE. `*digits` -1: they are numbers of poses, not times. */
 tides_status td_path_find_unit(td_path_reader *reader, int told, int usual, int *digits);
 
+/* The same, and the samples' times from their words, digit by digit: of those the file writes; spread where they are numbers of
+ * poses. */
+tides_status td_path_take_times(td_path_reader *reader, int told, int usual);
+
 /* The camera of a sample (path_views.c). */
 tides_status td_path_set_view(td_path_reader *reader, td_path_sample *sample, const td_path_view *view);
 
@@ -124,7 +128,8 @@ tides_status td_path_find_table(td_path_reader *reader, td_path_table *table);
 /* One reader per format. */
 tides_status td_path_read_table(td_path_reader *reader, const td_path_table *table); /* TUM, ESIM, EuRoC */
 tides_status td_path_mount_euroc(td_path_reader *reader); /* samples of EuRoC's body to its camera's */
-tides_status td_path_read_kitti(td_path_reader *reader);
+tides_status td_path_read_kitti(td_path_reader *reader, int columns);
+int td_path_is_kitti(int columns); /* 1 where rows of so many numbers are poses of KITTI's kind */
 tides_status td_path_read_llff(td_path_reader *reader);
 tides_status td_path_read_colmap(td_path_reader *reader, int binary);
 tides_status td_path_read_nerfies(td_path_reader *reader, const cJSON *root);

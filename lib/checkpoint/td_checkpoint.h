@@ -3,6 +3,7 @@
 #ifndef TD_CHECKPOINT_H
 #define TD_CHECKPOINT_H
 
+#include "archive/td_h5.h"
 #include "archive/td_h5_place.h"
 #include "solver/td_simulator.h"
 

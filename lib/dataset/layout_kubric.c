@@ -1,7 +1,8 @@
 /* Kubric's tracks of points, as EventKubric (Hamann et al. 2025) has them for events, of each camera: annotations.npy, a dict
  * of target_points (tracks x pictures x 2) [px] and occluded (tracks x pictures), 1 also outside of the image, as tides tracks
  * writes them; events.h5 as DSEC has it; frames/%05d.png and timestamps.txt [s], the pictures that tracks are counted by. The
- * first pixel's centre is at 0.5, as TAP-Vid has it. */
+ * first pixel's centre is at 0.5, as TAP-Vid has it. EventKubric's own data.hdf5 (96 pictures in 2 s as rgba, normals, object
+ * coordinates) and its prepared representations are its makers' and not written: its loader reads our annotations alone. */
 #include "td_dataset.h"
 
 #include <math.h>

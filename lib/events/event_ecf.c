@@ -54,6 +54,11 @@ static tides_status open_dataset(ecf_state *state, const char *path, tides_error
     int codec = chunked && has_codec(creation);
     td_h5_close(creation);
     td_h5_close(space);
+    if (flat && !codec && !chunked)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "%s: /CD/events isn't packed by Prophesee's filter (ECF), and only that is read: write its fields t, x, "
+                       "y and p as datasets of their own",
+                       path);
     if (!flat || !chunked || chunk == 0 || chunk > CHUNK_MOST)
         return td_fail(error, TIDES_BAD_FILE, "%s: /CD/events should be one column of events in chunks of up to %d", path,
                        CHUNK_MOST);

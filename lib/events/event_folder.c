@@ -2,6 +2,9 @@
  *
  *   DSEC      SEQ/events/{left,right}/events.h5, rectify_map.h5 beside it (height, width, 2)
  *   EDS       SEQ/events.h5
+ *   ECD       SEQ/events.txt, SEQ/images/frame_%08d.png
+ *   MVSEC     SEQ/NAME_data.hdf5
+ *   BlinkFlow SEQ/events_left/events.h5
  *   HS-ERGB   SEQ/events_aligned/%06d.npz, SEQ/images_corrected/%06d.png
  *   BS-ERGB   SEQ/events/%06d.npz, SEQ/images/%06d.png
  *   rpg_vid2e DIR/%010d.npz
@@ -28,17 +31,35 @@ typedef struct folder_state {
 /* ---- where the events lie ---- */
 
 /* Below the folder that was named; "": itself. */
-static const char *const places[] = {"", "/events_aligned", "/events", "/events/left", "/events/right"};
+static const char *const places[] = {"", "/events_aligned", "/events", "/events/left", "/events/right", "/events_left"};
 enum { PLACES = sizeof places / sizeof *places };
 
-/* The event files of one folder: events.h5 alone, or all .npz. */
-static tides_status list_place(const char *path, td_folder *files, tides_error *error) {
-    char *single = td_format(error, "%s/events.h5", path);
-    if (!single) return TIDES_NO_MEMORY;
-    tides_status status =
-        td_is_file(single) ? td_folder_add(files, path, "events.h5", error) : td_folder_list(files, path, ".npz", error);
-    free(single);
+/* Numbered files of one ending: others beside them hold other things (MVSEC's flow, EVIMO2's masks). */
+static tides_status list_numbered(const char *path, td_folder *files, tides_error *error) {
+    td_folder all = {NULL, 0, 0};
+    tides_status status = td_folder_list(&all, path, ".npz", error);
+    for (size_t i = 0; i < all.count && status == TIDES_OK; i++) {
+        const char *name = td_base_name(all.files[i]), *ending = strrchr(name, '.');
+        if (ending > name && ending[-1] >= '0' && ending[-1] <= '9') status = td_folder_add(files, path, name, error);
+    }
+    td_folder_free(&all);
     return status;
+}
+
+/* The event files of one folder: one alone, or all numbered .npz. */
+static tides_status list_place(const char *path, td_folder *files, tides_error *error) {
+    static const char *const singles[] = {"events.h5", "events.txt"};
+    tides_status status = TIDES_OK;
+    for (int i = 0; i < 2 && !files->count && status == TIDES_OK; i++) {
+        char *single = td_format(error, "%s/%s", path, singles[i]);
+        status = !single ? TIDES_NO_MEMORY : td_is_file(single) ? td_folder_add(files, path, singles[i], error) : TIDES_OK;
+        free(single);
+    }
+    if (status == TIDES_OK && !files->count) status = td_folder_list(files, path, "_data.hdf5", error);
+    if (status == TIDES_OK && files->count > 1)
+        status = td_fail(error, TIDES_BAD_FILE, "%s: holds %zu recordings, %s and others: name one of them", path, files->count,
+                         td_base_name(files->files[0]));
+    return status == TIDES_OK && !files->count ? list_numbered(path, files, error) : status;
 }
 
 /* `*where` becomes the folder that holds the files, the caller's to free. */
@@ -63,8 +84,10 @@ static tides_status find_files(folder_state *state, const char *path, const char
     }
     if (status != TIDES_OK || *where) return status;
     return td_fail(error, TIDES_FILE_NOT_FOUND,
-                   "%s: is a folder without events of DSEC, EDS, HS-ERGB, BS-ERGB or rpg_vid2e (events.h5, or numbered "
-                   ".npz, in it or in events, events_aligned, events/left or events/right): name a file in it",
+                   "%s: is a folder without events of DSEC, EDS, ECD, MVSEC, BlinkFlow, HS-ERGB, BS-ERGB or rpg_vid2e "
+                   "(events.h5, "
+                   "events.txt, *_data.hdf5 or numbered .npz, in it or in events, events_aligned, events_left, events/left or "
+                   "events/right): name a file in it",
                    path);
 }
 
@@ -75,7 +98,10 @@ static tides_status choose_inner(folder_state *state, const char *where, tides_e
     const td_folder *files = &state->files;
     int fine = 0;
     state->inner = &td_format_hdf5;
-    if (td_ends_in(files->files[0], ".h5")) return TIDES_OK;
+    if (!td_ends_in(files->files[0], ".npz")) {
+        if (td_ends_in(files->files[0], ".txt")) state->inner = &td_format_ecd;
+        return TIDES_OK;
+    }
     for (size_t i = 0; i < files->count && !fine; i++) {
         tides_status status = td_event_npz_is_fine(files->files[i], &fine, error);
         if (status != TIDES_OK) return status;
@@ -101,13 +127,13 @@ static void read_png_size(const char *path, tides_event_facts *facts) {
     facts->height = height;
 }
 
-/* The first picture's, which ERGB's events are aligned with. */
+/* The first picture's, which ERGB's events are aligned with, and ECD's are of. */
 static tides_status read_picture_size(const char *where, tides_event_facts *facts, tides_error *error) {
-    static const char *const beside[] = {"images_corrected", "images"};
+    static const char *const places_of[] = {"../images_corrected", "../images", "images"};
     tides_status status = TIDES_OK;
-    for (int i = 0; i < 2 && !facts->width && status == TIDES_OK; i++) {
+    for (int i = 0; i < 3 && !facts->width && status == TIDES_OK; i++) {
         td_folder pictures = {NULL, 0, 0};
-        char *path = td_format(error, "%s/../%s", where, beside[i]);
+        char *path = td_format(error, "%s/%s", where, places_of[i]);
         status = path ? td_folder_list(&pictures, path, ".png", error) : TIDES_NO_MEMORY;
         if (pictures.count) read_png_size(pictures.files[0], facts);
         td_folder_free(&pictures);
@@ -177,8 +203,11 @@ static tides_status open_files(td_event_stream *stream, char **where, tides_erro
     state->inner = stream->named;
     if (!state->inner) status = choose_inner(state, *where, error);
     if (status != TIDES_OK) return status;
-    status = td_ends_in(state->files.files[0], ".h5") ? read_map_size(*where, &stream->facts, error)
-                                                      : read_picture_size(*where, &stream->facts, error);
+    const char *first = state->files.files[0];
+    if (td_ends_in(first, ".h5"))
+        status = read_map_size(*where, &stream->facts, error);
+    else if (!td_ends_in(first, ".hdf5"))
+        status = read_picture_size(*where, &stream->facts, error);
     stream->input.size = state->files.count;
     if (status == TIDES_OK) status = open_next(stream, error);
     if (status != TIDES_OK) return status;
@@ -233,7 +262,7 @@ static void close_folder(td_event_stream *stream) {
 
 const td_event_format td_format_folder = {
     .name = "folder",
-    .summary = "folders of DSEC, EDS, HS-ERGB, BS-ERGB and rpg_vid2e",
+    .summary = "folders of DSEC, EDS, ECD, MVSEC, BlinkFlow, HS-ERGB, BS-ERGB and rpg_vid2e",
     .library = 1,
     .takes = TD_TAKES_STREAM | TD_TAKES_UNIT,
     .open = open_folder,

@@ -1,6 +1,8 @@
 /* The table of formats, and how one is found: by name, by what a file holds, by the ending of a file to be written. */
 #include "td_event_format.h"
 
+#include "td_event_rows.h"
+
 #include "td_folder.h"
 #include "td_kinds.h"
 
@@ -65,6 +67,18 @@ static tides_status probe_file(const char *path, td_event_probe *probe, tides_er
     return TIDES_OK;
 }
 
+/* A line of the header begins so; lines that begin with "% " are its. */
+static int header_has(const td_event_probe *probe, const char *text) {
+    const char *at = probe->head, *end = probe->head + probe->bytes;
+    const size_t length = strlen(text);
+    while (at && (size_t)(end - at) >= length && at[0] == '%') {
+        if (memcmp(at, text, length) == 0) return 1;
+        at = memchr(at, '\n', (size_t)(end - at));
+        at = at ? at + 1 : NULL;
+    }
+    return 0;
+}
+
 tides_status td_event_format_detect(const char *path, const tides_event_reading *how, const td_event_format **format,
                                     tides_error *error) {
     td_event_probe probe;
@@ -85,7 +99,14 @@ tides_status td_event_format_detect(const char *path, const tides_event_reading 
     }
     if (memcmp(probe.head, "\xFF\xFE", 2) == 0 || memcmp(probe.head, "\xFE\xFF", 2) == 0)
         return td_fail(error, TIDES_BAD_FILE, "%s: is text in UTF-16: save it as UTF-8 (iconv -f UTF-16 -t UTF-8)", path);
+    if (header_has(&probe, "% evt 4") || header_has(&probe, "% format EVT4"))
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "%s: is EVT 4, and EVT 2, 2.1 and 3 are read: metavision_file_to_csv or _to_hdf5 makes a file of it "
+                       "that "
+                       "is",
+                       path);
     if ((status = td_kind_refuse(path, TD_WANTS_EVENTS, error)) != TIDES_OK) return status;
+    if ((status = td_event_text_refuse(&probe, error)) != TIDES_OK) return status;
     return td_fail(error, TIDES_BAD_FILE,
                    "%s: isn't known by its content as an event file (HDF5, AEDAT, EVT, DAT, ES, numpy, CSV, text): name its "
                    "format, as tides convert --from does",

@@ -32,7 +32,9 @@ static void find_wraps(td_event_source *source, char told[160]) {
     int wrapped = 0;
     if (!p->wrapped || sample(source, p, &facts, &wrapped) < 0 || !wrapped || facts.zeros) return;
     source->wraps = 1;
-    snprintf(told, 160, "%s of p are -1, OFF", p->wrapped == INT64_MAX ? "2^64 - 1" : "4294967295");
+    const size_t used = strlen(told);
+    snprintf(told + used, 160 - used, "%s%s of p are -1, OFF", used ? "; " : "",
+             p->wrapped == INT64_MAX ? "2^64 - 1" : "4294967295");
 }
 
 static tides_status set_order(td_event_source *source, const td_table_meaning *meaning) {
@@ -72,19 +74,45 @@ static tides_status find_order(td_event_source *source, const tides_event_readin
     return set_order(source, &meaning);
 }
 
+/* Places that anybody's files have, too: microseconds there are a guess. DSEC's has an index of milliseconds, RVT's a size. */
+static int is_common(const td_event_source *source) {
+    const char *t = source->columns[TD_H5_T].name;
+    if (strcmp(t, "/t") == 0) return 1;
+    return strcmp(t, "/events/t") == 0 && !td_h5_exists(source->file, "/ms_to_idx") &&
+           !td_h5_exists(source->file, "/events/height");
+}
+
+/* "unit" or "units" of the times, as an attribute of theirs says; -1: none does, or none that is known. */
+static int unit_of_attribute(const td_event_source *source) {
+    static const char *const names[] = {"unit", "units", "time_unit"};
+    for (int i = 0; i < 3; i++) {
+        char text[64] = "";
+        td_columns named;
+        if (!td_h5_read_text(source->columns[TD_H5_T].dataset, names[i], text, sizeof text)) continue;
+        char line[96];
+        snprintf(line, sizeof line, "t[%s],x", text);
+        if (td_columns_parse(line, &named)) return td_unit_digits(named.column[0].unit);
+    }
+    return -1;
+}
+
 /* `layout`: 1 where the place is a known layout's: whole numbers are microseconds there, however seldom events are. */
-static tides_status find_unit(td_event_source *source, const tides_event_reading *how, int known, int layout,
+static tides_status find_unit(td_event_source *source, const tides_event_reading *how, int known, int layout, char told[160],
                               tides_error *error) {
     td_table_column facts;
     tides_error reason = {TIDES_OK, ""};
     source->digits = source->nanoseconds ? 0 : known;
     if (how->unit) return td_table_unit_named(how->unit, &source->digits, error);
     if (source->nanoseconds || known >= 0 || (source->digits = source->place.digits) >= 0) return TIDES_OK;
+    if (source->columns[TD_H5_T].column < 0 && (source->digits = unit_of_attribute(source)) >= 0) return TIDES_OK;
     source->digits = 3;
     if (sample(source, &source->columns[TD_H5_T], &facts, NULL) < 0) return TIDES_OK;
-    if (td_table_unit(&facts, 1, &source->digits, &reason) == TIDES_OK) return TIDES_OK;
-    if (layout && source->digits == 3) return TIDES_OK;
-    return td_fail(error, TIDES_BAD_FILE, "%s: %s", source->path, reason.text);
+    const int plausible = td_table_unit(&facts, 1, &source->digits, &reason) == TIDES_OK;
+    if (!plausible && !(layout && source->digits == 3))
+        return td_fail(error, TIDES_BAD_FILE, "%s: %s", source->path, reason.text);
+    td_table_tell_falls(&facts, source->digits, told, 160);
+    if (source->digits != 9) td_table_tell_unit(&facts, source->digits, layout && !is_common(source), told, 160);
+    return TIDES_OK;
 }
 
 tides_status td_h5_find_meaning(td_event_source *source, const tides_event_reading *how, int known_digits, int known_order,
@@ -93,10 +121,7 @@ tides_status td_h5_find_meaning(td_event_source *source, const tides_event_readi
     if (how->columns && !table)
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: its columns have names: leave --columns (columns) out", source->path);
     tides_status status = table ? find_order(source, how, known_order, told, error) : TIDES_OK;
-    if (status == TIDES_OK) status = find_unit(source, how, known_digits, known_order, error);
-    if (status != TIDES_OK) return status;
-    find_wraps(source, told);
-    if (source->digits == 0 && known_digits < 0 && !source->nanoseconds && !how->unit && source->place.digits < 0)
-        snprintf(told, 160, "times taken as nanoseconds, being beyond 10^17: --unit says another");
-    return TIDES_OK;
+    if (status == TIDES_OK) status = find_unit(source, how, known_digits, known_order, told, error);
+    if (status == TIDES_OK) find_wraps(source, told);
+    return status;
 }

@@ -90,8 +90,17 @@ tides_status td_h5_check_storage(const char *path, const char *name, hid_t datas
 /* ---- columns ---- */
 
 static tides_status wrong_shape(const td_event_source *source, const td_h5_column *c, tides_error *error) {
+    hid_t type = H5Dget_type(c->dataset);
+    const int records = type >= 0 && H5Tget_class(type) == H5T_COMPOUND;
+    td_h5_close(type);
+    if (records)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "%s: %s is a table of records: write its fields t, x, y and p as datasets of their own", source->path,
+                       c->name);
     if (c->column >= 0)
-        return td_fail(error, TIDES_BAD_FILE, "%s: %s should be a table of four columns of numbers", source->path, c->name);
+        return td_fail(error, TIDES_BAD_FILE,
+                       "%s: %s should be a table of four columns of numbers, an event in each row (N x 4)", source->path,
+                       c->name);
     return td_fail(error, TIDES_BAD_FILE, "%s: %s should be a one-dimensional dataset of integers", source->path, c->name);
 }
 
@@ -144,7 +153,7 @@ static tides_status open_columns(td_event_source *source, const layout *found, t
     if (source->nanoseconds) source->columns[TD_H5_T].name = "/events/t_ns";
     for (int c = 0; c < TD_H5_COLUMNS; c++) {
         td_h5_column *column = &source->columns[c];
-        const int real = c == TD_H5_T || strcmp(found->name, other) == 0 || (column->column >= 0 && found->real);
+        const int real = c == TD_H5_T || strcmp(found->name, other) == 0 || column->column >= 0;
         tides_status status = open_column(source, column, real, error);
         if (status != TIDES_OK) return status;
         if (c == 0 || column->rows < source->count) source->count = column->rows;

@@ -243,8 +243,11 @@ static tides_status find_unit(td_event_stream *stream, int whole, tides_error *e
     state->digits = whole;
     if (whole >= 0 && field->kind != 'f') return TIDES_OK;
     sample(&state->columns[TD_NPY_T], state->count, &facts);
-    if (td_table_unit(&facts, 1, &state->digits, &reason) == TIDES_OK) return TIDES_OK;
-    return td_fail(error, TIDES_BAD_FILE, "%s: %s", stream->input.path, reason.text);
+    if (td_table_unit(&facts, 1, &state->digits, &reason) != TIDES_OK)
+        return td_fail(error, TIDES_BAD_FILE, "%s: %s", stream->input.path, reason.text);
+    td_table_tell_unit(&facts, state->digits, 0, stream->facts.read_as, sizeof stream->facts.read_as);
+    td_table_tell_falls(&facts, state->digits, stream->facts.read_as, sizeof stream->facts.read_as);
+    return TIDES_OK;
 }
 
 /* ---- opening ---- */
@@ -257,7 +260,11 @@ static tides_status open_npy(td_event_stream *stream, tides_error *error) {
     td_table_column facts;
     sample(t, ((npy_state *)stream->state)->count, &facts);
     const int usual = t->stride == 1 && fabs(facts.most) < 1e17; /* tonic's and Metavision's: microseconds, however seldom */
-    return find_unit(stream, usual ? 3 : -1, error);
+    const int32_t said = ((npy_state *)stream->state)->digits >= 0 || stream->reading.unit;
+    status = find_unit(stream, usual ? 3 : -1, error);
+    if (status == TIDES_OK && usual && !said && t->field->kind != 'f')
+        td_table_tell_unit(&facts, 3, 1, stream->facts.read_as, sizeof stream->facts.read_as);
+    return status;
 }
 
 static tides_status set_fine(td_event_stream *stream, const char *time, tides_error *error) {
@@ -294,12 +301,15 @@ static tides_status open_npz(td_event_stream *stream, tides_error *error) {
     if (strcmp(time, "timestamp") == 0 && !told[0])
         snprintf(told, sizeof stream->facts.read_as, "coordinates taken as whole pixels: --from ergb for BS-ERGB's 1/32 px");
     if (strcmp(time, "t") != 0 || state->digits >= 0 || stream->reading.unit) return find_unit(stream, -1, error);
-    const int busy = !is_ours(state) && busy_as_nanoseconds(state);
+    const int ours = is_ours(state), busy = !ours && busy_as_nanoseconds(state);
+    const int whole = state->columns[TD_NPY_T].field->kind != 'f';
     if (busy)
         snprintf(told, sizeof stream->facts.read_as,
                  "times taken as microseconds: as nanoseconds each pixel would have over %d events a second; --unit says "
                  "another",
                  BUSY);
+    else if (!ours && whole)
+        snprintf(told, sizeof stream->facts.read_as, "times taken as nanoseconds, as rpg_vid2e has them: --unit says another");
     return find_unit(stream, busy ? 3 : 0, error);
 }
 

@@ -181,12 +181,22 @@ static tides_status check_batch(tides_event_reader *reader, size_t count, size_t
     return status;
 }
 
+/* The first event, or the first frame of a list beside it, where both are of one clock: that begins within a second. */
+static void find_zero(tides_event_facts *facts, const char *path, int64_t first) {
+    int64_t frame;
+    facts->zero_ns = first;
+    if (!td_event_first_frame(path, &frame) || frame < 0 || first < 0) return;
+    if ((frame > first ? frame - first : first - frame) > 1000000000) return;
+    facts->zero = TIDES_ZERO_FRAME;
+    facts->zero_ns = frame;
+}
+
 /* To the clock that was asked for: the first event is known now, if that is the zero. */
 static tides_status place(tides_event_reader *reader, size_t count, tides_error *error) {
     td_event_stream *stream = &reader->stream;
     int fits = 1;
     if (!reader->placed && count) {
-        if (stream->facts.zero == TIDES_ZERO_EVENT) stream->facts.zero_ns = reader->batch[0].t;
+        if (stream->facts.zero == TIDES_ZERO_EVENT) find_zero(&stream->facts, stream->input.path, reader->batch[0].t);
         fits = find_shift(stream, &reader->shift);
         reader->placed = 1;
     }

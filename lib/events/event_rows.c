@@ -40,9 +40,11 @@ int td_event_is_aside(const char *line) {
 }
 
 static int take_word(const char *word, int64_t *polarity) {
-    static const char *const words[] = {"False", "false", "True", "true"};
-    for (int i = 0; i < 4; i++)
-        if (strcmp(word, words[i]) == 0) return *polarity = i / 2, 1;
+    static const char *const words[] = {"False", "false", "FALSE", "OFF", "Off", "off",
+                                        "True",  "true",  "TRUE",  "ON",  "On",  "on"};
+    enum { WORDS = sizeof words / sizeof *words };
+    for (int i = 0; i < WORDS; i++)
+        if (strcmp(word, words[i]) == 0) return *polarity = i / (WORDS / 2), 1;
     return 0;
 }
 

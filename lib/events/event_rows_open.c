@@ -29,8 +29,7 @@ static int next_line(scan *s, char line[TD_ROW_LINE]) {
 }
 
 static char separator_of(const char *line) {
-    const char *found = strpbrk(line, ",;");
-    return found ? *found : ' ';
+    return strchr(line, ';') ? ';' : strchr(line, ',') ? ',' : ' '; /* commas beside semicolons are decimal points */
 }
 
 /* The number of a line's columns where all of them are numbers, which `facts` (nullable) are told; else 0. */
@@ -93,10 +92,14 @@ static int line_kind(scan before, scan behind, char *line) {
     return rows_kind(before, separator, columns);
 }
 
+static scan start_of(const td_event_probe *probe) {
+    const int mark = strncmp(probe->head, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
+    return (scan){probe->head + mark, probe->head + probe->bytes, probe->bytes < TD_EVENT_HEAD};
+}
+
 int td_event_text_kind(const td_event_probe *probe) {
     char line[TD_ROW_LINE];
-    scan s = {probe->head + (strncmp(probe->head, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0), probe->head + probe->bytes,
-              probe->bytes < TD_EVENT_HEAD};
+    scan s = start_of(probe);
     if (memchr(probe->head, '\0', probe->bytes)) return TD_TEXT_NONE;
     for (scan before = s; next_line(&s, line); before = s) {
         const int aside = td_event_is_aside(line), kind = line_kind(before, s, line);
@@ -105,11 +108,44 @@ int td_event_text_kind(const td_event_probe *probe) {
     return TD_TEXT_NONE;
 }
 
+/* The next line that is no comment. */
+static int next_row(scan *s, char line[TD_ROW_LINE]) {
+    int there;
+    while ((there = next_line(s, line)) && td_event_is_aside(line)) continue;
+    return there;
+}
+
+tides_status td_event_text_refuse(const td_event_probe *probe, tides_error *error) {
+    char line[TD_ROW_LINE], copy[TD_ROW_LINE], order[16];
+    scan s = start_of(probe), rows = s;
+    td_columns named;
+    td_table_column facts[TD_TABLE_COLUMNS_MAX];
+    td_table_meaning meaning;
+    tides_error reason = {TIDES_OK, ""};
+    if (memchr(probe->head, '\0', probe->bytes) || !next_row(&s, line)) return TIDES_OK;
+    const int header = td_columns_parse(line, &named);
+    if (!header) s = rows;
+    rows = s;
+    if (!next_row(&s, copy)) return TIDES_OK;
+    const char separator = separator_of(copy);
+    const int first = number_columns(copy, separator, NULL);
+    if (header && (first < 3 || named.count < 3)) return TIDES_OK;
+    if (header && td_table_named(&named, &meaning, &reason) != TIDES_OK)
+        return td_fail(error, TIDES_BAD_FILE, "%s: its header %s", probe->path, reason.text);
+    const int second = next_row(&s, copy) ? number_columns(copy, separator_of(copy), NULL) : first;
+    if (first > 0 && first < second)
+        return td_fail(error, TIDES_BAD_FILE, "%s: its first line has %d numbers, the next %d: of events each has as many",
+                       probe->path, first, second);
+    const int columns = take_sample(rows, separator, facts);
+    if (columns < 3 || td_table_guess(facts, columns, &meaning, order, &reason) == TIDES_OK) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_FILE, "%s: %s", probe->path, reason.text);
+}
+
 /* ---- what stands before the events ---- */
 
 typedef struct front {
     td_columns named;
-    int has_names;
+    int has_names, in_comment; /* in_comment: which may be prose */
 } front;
 
 static void set_size(td_event_stream *stream, int64_t width, int64_t height) {
@@ -138,6 +174,7 @@ static tides_status take_names(td_event_stream *stream, const char *line, front 
     if (known || td_table_is_events(&named)) {
         f->named = named;
         f->has_names = 1;
+        f->in_comment = *taken;
     }
     if (*taken || known || stream->reading.columns) {
         *taken = 1;
@@ -221,7 +258,7 @@ static int is_dialect(const td_event_rows *rows, const front *f) {
     return f->named.column[rows->meaning.column[TD_ROW_X]].size > 0;
 }
 
-/* Times of the usual form of a format need no word. */
+/* Said, of a format that was named or is a dialect, or as values can be meant. */
 static tides_status find_unit(td_event_stream *stream, td_event_rows *rows, const front *f, const td_table_column *facts,
                               int fixed, tides_error *error) {
     td_table_meaning *m = &rows->meaning;
@@ -234,13 +271,12 @@ static tides_status find_unit(td_event_stream *stream, td_event_rows *rows, cons
         m->digits = fixed;
         if (fixed < 0 && rows->columns) status = td_table_unit(t, x->dotted, &m->digits, error);
         if (m->digits < 0) m->digits = 9;
-        if (fixed < 0 && rows->columns && status == TIDES_OK &&
-            (m->digits == 0 || (m->digits == 3) != (rows->separator != ' ')))
-            tell(stream, "times taken as %s, %s: --unit says another", td_table_unit_word(m->digits),
-                 m->digits == 9 ? "since they have decimals"
-                 : m->digits    ? "being whole numbers"
-                                : "being beyond 10^17");
+        if (fixed < 0 && rows->columns && status == TIDES_OK)
+            td_table_tell_unit(t, m->digits, m->digits == 9 && rows->separator == ' ', stream->facts.read_as,
+                               sizeof stream->facts.read_as);
     }
+    if (status == TIDES_OK && rows->columns)
+        td_table_tell_falls(t, m->digits, stream->facts.read_as, sizeof stream->facts.read_as);
     return status == TIDES_OK ? status : fail_front(stream, status, "", error);
 }
 
@@ -268,6 +304,7 @@ tides_status td_event_rows_open(td_event_stream *stream, const td_event_rows *fi
                        input->at + input->ready == input->size};
     const int columns = take_sample(rest, rows->separator, facts);
     rows->columns = columns;
+    if (f.in_comment && columns && f.named.count != columns) f.has_names = 0;
     status = find_columns(stream, rows, &f, facts, error);
     if (status == TIDES_OK) status = find_unit(stream, rows, &f, facts, digits, error);
     if (rows->columns == 0) rows->columns = TD_ROW_FIELDS;

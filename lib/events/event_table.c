@@ -14,9 +14,10 @@
 #include <string.h>
 
 enum {
-    FAULTS = 50, /* one late or invalid event of so many is a fault of its own */
-    ENOUGH = 64, /* rows that show a rate */
-    DECIMALS = 5 /* who writes so many has seconds */
+    FAULTS = 50,   /* one late or invalid event of so many is a fault of its own */
+    ENOUGH = 64,   /* rows that show a rate */
+    SELDOM = 1000, /* events a second: a sensor at rest has more, of noise alone */
+    DECIMALS = 5   /* who writes so many has seconds */
 };
 
 void td_table_add(td_table_column *c, double value, int decimals) {
@@ -42,10 +43,11 @@ void td_table_add(td_table_column *c, double value, int decimals) {
 /* ---- said ---- */
 
 static const char *const field_names[TD_ROW_FIELDS] = {"t", "x", "y", "p"};
-static const char *const spellings[TD_ROW_FIELDS] = {"t|ts|time|timestamp|timestamps|times|stamp|*timestamp",
-                                                     "x|xs|xcoordinate|xcoord|xpos|xaddr|col|column|u",
-                                                     "y|ys|ycoordinate|ycoord|ypos|yaddr|row|v",
-                                                     "p|ps|pol|pols|polarity|polarities|on|sign|*polarity"};
+static const char *const spellings[TD_ROW_FIELDS] =
+    {"t|ts|time|timestamp|timestamps|times|stamp|*timestamp|*stamp|*time|eventt|eventst",
+     "x|xs|xcoordinate|xcoord|xpos|xaddr|col|column|u|pixelx|xpixel|eventx|eventsx|addrx|posx|coordx",
+     "y|ys|ycoordinate|ycoord|ypos|yaddr|row|v|pixely|ypixel|eventy|eventsy|addry|posy|coordy",
+     "p|ps|pol|pols|polarity|polarities|on|sign|*polarity|ison|eventp|eventsp"};
 
 static int find_field(const td_columns *named, int field, int *digits) {
     return field == TD_ROW_T ? td_columns_time(named, spellings[field], digits) : td_columns_find(named, spellings[field]);
@@ -56,7 +58,8 @@ tides_status td_table_named(const td_columns *named, td_table_meaning *meaning, 
     for (int f = 0; f < TD_ROW_FIELDS; f++) {
         meaning->column[f] = find_field(named, f, &digits);
         if (meaning->column[f] == TD_COLUMN_TWICE)
-            return td_fail(error, TIDES_BAD_FILE, "names more than one column %s", field_names[f]);
+            return td_fail(error, TIDES_BAD_FILE, "names more than one column %s%s", field_names[f],
+                           f == TD_ROW_T ? ": write one, seconds and nanoseconds together" : "");
         if (meaning->column[f] < 0 || meaning->column[f] >= TD_TABLE_COLUMNS_MAX)
             return td_fail(error, TIDES_BAD_FILE,
                            "names no column %s%s: --columns (columns) says what each is, as t,x,y,p with - for others",
@@ -172,14 +175,37 @@ tides_status td_table_guess(const td_table_column *columns, int count, td_table_
                    seen[0], seen[1]);
 }
 
+/* Events a second of times in a unit; 0: too few to show it. */
+static double rate_in(const td_table_column *times, int digits) {
+    const double span = (times->most - times->least) / pow(10, 9 - digits);
+    return times->rows >= ENOUGH && span > 0 ? (double)times->rows / span : 0;
+}
+
+void td_table_tell_unit(const td_table_column *times, int digits, int expected, char *told, size_t size) {
+    const double rate = rate_in(times, digits);
+    const size_t used = strlen(told);
+    if (expected && digits && (digits == 9 ? times->decimals >= DECIMALS : rate <= 0 || rate >= SELDOM)) return;
+    if (used + 1 >= size) return;
+    snprintf(told + used, size - used, "%stimes taken as %s, %s: --unit says another", used ? "; " : "",
+             td_table_unit_word(digits),
+             digits == 9 ? "since they have decimals"
+             : digits    ? "being whole numbers"
+                         : "being beyond 10^17");
+}
+
+void td_table_tell_falls(const td_table_column *times, int digits, char *told, size_t size) {
+    const size_t used = strlen(told);
+    if (times->rows < ENOUGH || 2 * times->fall <= times->most - times->least || used + 1 >= size) return;
+    snprintf(told + used, size - used, "%stimes go back by %.3g s, as of a clock that begins again", used ? "; " : "",
+             times->fall / pow(10, 9 - digits));
+}
+
 tides_status td_table_unit(const td_table_column *times, int whole, int *digits, tides_error *error) {
     *digits = !few(times->fractional, times) || (times->dotted && !whole) ? 9
               : fmax(fabs(times->least), fabs(times->most)) >= 1e17       ? 0
                                                                           : 3;
-    const double per_second = pow(10, 9 - *digits), span = (times->most - times->least) / per_second;
-    if (times->rows < ENOUGH || !(span > 0) || (*digits == 9 && times->decimals >= DECIMALS)) return TIDES_OK;
-    const double rate = (double)times->rows / span;
-    if (rate >= 1 && rate <= 1e9) return TIDES_OK;
+    const double rate = rate_in(times, *digits);
+    if (!(rate > 0) || (*digits == 9 && times->decimals >= DECIMALS) || (rate >= 1 && rate <= 1e9)) return TIDES_OK;
     return td_fail(error, TIDES_BAD_FILE,
                    "its times would be %s%s, and there %.3g events a second: --unit (unit) says in what they are",
                    td_table_unit_word(*digits), *digits == 9 ? ", since they have decimals" : "", rate);

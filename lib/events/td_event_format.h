@@ -21,6 +21,10 @@ typedef struct td_event_probe {
     char head[TD_EVENT_HEAD + 1]; /* NUL-terminated */
 } td_event_probe;
 
+/* event_zero.c: the time of the first frame in the list that lies beside a file, or in a folder, of events (ECD, EDS); 0: there
+ * is no such list. */
+int td_event_first_frame(const char *path, int64_t *ns);
+
 /* ---- bytes in ---- */
 
 /* A file read through a buffer. `data` points at the next unread byte, of which `ready` are in memory. */

@@ -21,6 +21,9 @@ typedef struct td_event_rows {
 enum { TD_TEXT_NONE = 0, TD_TEXT_HEADER, TD_TEXT_GEOMETRY, TD_TEXT_COMMAS, TD_TEXT_SIZED, TD_TEXT_BLANKS };
 int td_event_text_kind(const td_event_probe *probe);
 
+/* Of a text that is none of these, but has rows of numbers: why they aren't events. TIDES_OK, and nothing said, of others. */
+tides_status td_event_text_refuse(const td_event_probe *probe, tides_error *error);
+
 /* The open of all of them: header, columns, unit. `fixed`: what the format says where it was named. */
 tides_status td_event_rows_open(td_event_stream *stream, const td_event_rows *fixed, tides_error *error);
 

@@ -126,6 +126,16 @@ static tides_status read_lines(tides_frames *frames, const char *file, const cha
     return td_fail(error, TIDES_BAD_FILE, "%s: has %zu times, but %s has %zu frames", file, count, frames->path, frames->count);
 }
 
+/* Times that count 0, 1, 2 may be seconds, and are numbers of frames more often. */
+static tides_status check_counting(const tides_frames *frames, const char *file, const times_text *t, tides_error *error) {
+    if (t->column < 0 || t->rows < 3 || t->digits >= 0 || frames->options.unit != TIDES_TIME_AUTO) return TIDES_OK;
+    if (t->counting[t->column] != t->rows) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_FILE,
+                   "%s: its times count frames, %g, %g ...: frames.frames_per_second says how often they come; "
+                   "frames.timestamps_unit = s says that these are seconds",
+                   file, t->first[t->column], t->first[t->column] + 1);
+}
+
 static tides_status read_file(tides_frames *frames, const char *file, tides_error *error) {
     char *text = NULL;
     size_t bytes = 0;
@@ -137,8 +147,11 @@ static tides_status read_file(tides_frames *frames, const char *file, tides_erro
         times_text t;
         const char *start = strncmp(text, "\xEF\xBB\xBF", 3) == 0 ? text + 3 : text;
         look_through(&t, start);
-        status = td_kind_judge(file, TD_WANTS_TEXT, read_lines(frames, file, start, &t, error), error);
-        frames->digits = t.digits < 0 && strstr(td_base_name(file), "image_timestamps") ? 3 : t.digits; /* DSEC's */
+        status = check_counting(frames, file, &t, error);
+        if (status == TIDES_OK) status = td_kind_judge(file, TD_WANTS_TEXT, read_lines(frames, file, start, &t, error), error);
+        const char *name = td_base_name(file); /* DSEC's and EDS's are in microseconds */
+        const int known = strstr(name, "image_timestamps") || strstr(name, "images_timestamps");
+        frames->digits = t.digits < 0 && known ? 3 : t.digits;
         frames->stored = 1;
         td_plain_end(&numbers);
     }
@@ -148,11 +161,11 @@ static tides_status read_file(tides_frames *frames, const char *file, tides_erro
 
 /* A timestamp file in the folder, or beside the folder or file; NULL where there is none. */
 static char *find_file(const char *path, tides_error *error, tides_status *status) {
-    static const char *const names[] = {"timestamps.txt", "image_timestamps.txt", "../timestamps.txt",
-                                        "../image_timestamps.txt"};
+    static const char *const names[] = {"timestamps.txt",          "image_timestamps.txt",     "../timestamps.txt",
+                                        "../image_timestamps.txt", "../images_timestamps.txt", "../images.txt"};
     const int folder = td_is_folder(path);
     *status = TIDES_OK;
-    for (size_t i = 0; i < (folder ? 4u : 2u); i++) {
+    for (size_t i = 0; i < (folder ? sizeof names / sizeof *names : 2u); i++) {
         char *file = folder ? td_format(error, "%s/%s", path, names[i]) : td_beside(path, names[i], error);
         if (!file) {
             *status = TIDES_NO_MEMORY;
@@ -211,8 +224,10 @@ tides_status td_frames_times(tides_frames *frames, tides_error *error) {
     const double first = (frames->options.rebase ? frames->times[0] : 0) - frames->options.offset_s;
     for (size_t k = 0; k < frames->count; k++) {
         if (!isfinite(frames->times[k]) || (k > 0 && !(frames->times[k] - first > frames->times[k - 1])))
-            return td_fail(error, TIDES_BAD_FILE, "%s: frame %zu is at %.15g s, which isn't after the one before", frames->path,
-                           k, frames->times[k]);
+            return td_fail(error, TIDES_BAD_FILE,
+                           "%s: frame %zu is at %.15g s, which isn't after the one before: times ascend, with a point for "
+                           "decimals",
+                           frames->path, k, frames->times[k]);
         frames->times[k] -= first;
     }
     return TIDES_OK;

@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct hdf5_file {
     hid_t file, data;
@@ -97,13 +98,29 @@ static int holds(hid_t data, const hsize_t *shape, int rank) {
     return values <= 1032.0 * stored;
 }
 
+/* What there is instead. */
+static tides_status refuse_names(const char *path, hid_t file, tides_error *error) {
+    char list[256] = "", name[64];
+    H5G_info_t info = {.nlinks = 0};
+    if (H5Gget_info(file, &info) < 0) info.nlinks = 0;
+    for (hsize_t i = 0; i < info.nlinks; i++) {
+        const size_t used = strlen(list);
+        const ssize_t length = H5Lget_name_by_idx(file, ".", H5_INDEX_NAME, H5_ITER_INC, i, name, sizeof name, H5P_DEFAULT);
+        if (length > 0) snprintf(list + used, sizeof list - used, "%s%s", used ? ", " : "", name);
+    }
+    return td_fail(error, TIDES_BAD_FILE,
+                   "%s: has no dataset Y, frames, images or voxels, but %s: call the frames so, with their times as t or "
+                   "timestamps",
+                   path, list[0] ? list : "none");
+}
+
 static tides_status open_data(tides_frames *frames, hdf5_file *f, tides_error *error) {
     hsize_t shape[TD_FRAME_DIMS_MAX] = {0};
     size_t dims[TD_FRAME_DIMS_MAX];
     f->file = td_h5_open_disk(frames->path);
     if (f->file < 0) return td_fail(error, TIDES_BAD_FILE, "%s: isn't an HDF5 file, or is damaged", frames->path);
     f->data = open_first(f->file, td_frame_arrays);
-    if (f->data < 0) return td_fail(error, TIDES_BAD_FILE, "%s: has no dataset Y, frames, images or voxels", frames->path);
+    if (f->data < 0) return refuse_names(frames->path, f->file, error);
     f->scale = scale_of(f->data, &frames->most);
     const int rank = shape_of(f->data, shape);
     if (rank < 0 || !(f->scale > 0))

@@ -78,7 +78,11 @@ tides_status td_frames_npy(tides_frames *frames, tides_error *error) {
     tides_status status = td_npz_open(frames->path, &f->npz, error);
     if (status != TIDES_OK) return status;
     const char *name = td_npz_count(f->npz) == 1 ? td_npz_name(f->npz, 0) : find_name(f->npz, td_frame_arrays);
-    if (!name) return td_fail(error, TIDES_BAD_FILE, "%s: has no array Y, frames, images or voxels", frames->path);
+    if (!name)
+        return td_fail(error, TIDES_BAD_FILE,
+                       "%s: has no array Y, frames, images or voxels among its %zu, such as %.60s: call the frames so, with "
+                       "their times as t or timestamps",
+                       frames->path, td_npz_count(f->npz), td_npz_name(f->npz, 0));
     status = td_npz_get(f->npz, name, &f->array, error);
     if (status == TIDES_OK) status = td_frames_take_dims(frames, frames->path, f->array->shape, f->array->ndim, error);
     if (status != TIDES_OK) return status;

@@ -88,7 +88,8 @@ static tides_status add_path(list *l, const char *key, const char *path) {
 /* Times of frames that neither a key nor a rate gives (frame_times.c). */
 static tides_status add_frames(list *l, const char *key, const char *path, const tides_run_values *values) {
     static const char *const beside_file[] = {"timestamps.txt", "image_timestamps.txt", NULL};
-    static const char *const beside_folder[] = {"../timestamps.txt", "../image_timestamps.txt", NULL};
+    static const char *const beside_folder[] = {"../timestamps.txt", "../image_timestamps.txt", "../images_timestamps.txt",
+                                                "../images.txt", NULL};
     if (values->frames.timestamps || values->frames.frames_per_second > 0) return TIDES_OK;
     return add_beside(l, key, path, td_is_folder(path) ? beside_folder : beside_file);
 }

@@ -54,7 +54,7 @@ const td_param td_params[] = {
     {NUMBER("scene.metres_per_unit", metres_per_unit, "m", 1e-12, 1e12,
             "what a unit of the scene is; null: unknown, so that nothing can be had in metres"),
      .fallback = "null"},
-    {OBJECTS("scene.objects", "more splat files, each {file, trajectory, scale, part}; a trajectory moves it as a rigid body"),
+    {OBJECTS("scene.objects", "more splat files: {file, trajectory, scale, part; its path's time_unit, duration_s, start_s}"),
      .fallback = "[]"},
 
     {STRING("camera.file", camera_file,

@@ -18,12 +18,14 @@ static tides_status check_cover(const tides_run *run, const tides_trajectory *tr
                    "and "
                    "time.stop%s",
                    run->origin, key, file, first, last, start, stop,
-                   strcmp(key, "camera.file") == 0 ? ", or camera.start_s, camera.rebase or camera.duration_s" : "");
+                   strcmp(key, "camera.file") == 0       ? ", or camera.start_s, camera.rebase or camera.duration_s"
+                   : strstr(key, "].trajectory") != NULL ? ", or start_s or duration_s beside the trajectory"
+                                                         : "");
 }
 
 /* What there is to say of a path; `key` names it. */
-static tides_status note_path(const tides_run *run, const tides_path *path, const char *file, const char *key, char **notes,
-                              tides_error *error) {
+static tides_status note_path(const tides_run *run, const tides_path *path, const char *file, const char *key, double duration,
+                              char **notes, tides_error *error) {
     const int camera = strcmp(key, "camera.file") == 0;
     tides_status status = TIDES_OK;
     for (const char *line = path->notes; *line && status == TIDES_OK;) {
@@ -33,8 +35,8 @@ static tides_status note_path(const tides_run *run, const tides_path *path, cons
     }
     if (status != TIDES_OK || !path->untimed || (camera && tides_run_gives(run, "camera.duration_s"))) return status;
     return td_note(notes, error, "%s: %s: has no times: its %zu poses are spread evenly over %g s%s", key, file,
-                   tides_trajectory_count(path->trajectory), camera ? td_run_number(run, "camera.duration_s") : 1.0,
-                   camera ? "; camera.duration_s says how long they last" : "");
+                   tides_trajectory_count(path->trajectory), duration,
+                   camera ? "; camera.duration_s says how long they last" : "; duration_s beside it says how long they last");
 }
 
 /* What a file brought into the scene, from object `first` on, must cover the run too: an .h5 may hold moving objects. */
@@ -77,10 +79,11 @@ static tides_status add_object(const tides_run *run, const cJSON *object, int in
         path_file = td_run_resolve(run, motion->valuestring, error);
         if (!path_file) goto done;
         tides_path_options options;
-        tides_path_options_defaults(&options);
+        td_run_object_path(object, &options);
         status = tides_path_load(path_file, &options, &path, error);
+        if (cJSON_GetObjectItemCaseSensitive(object, "duration_s")) path.untimed = 0; /* no news */
         if (status == TIDES_OK) status = check_cover(run, path.trajectory, path_file, path_key, error);
-        if (status == TIDES_OK) status = note_path(run, &path, path_file, path_key, notes, error);
+        if (status == TIDES_OK) status = note_path(run, &path, path_file, path_key, options.duration, notes, error);
         if (status != TIDES_OK) goto done;
     }
     const cJSON *part = cJSON_GetObjectItemCaseSensitive(object, "part");
@@ -288,7 +291,8 @@ tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, 
         opening->unframed = strcmp(path.format, "transforms") == 0 && !path.framed && !tides_run_gives(run, "camera.frame");
         if (status == TIDES_OK) status = check_cover(run, path.trajectory, values.camera_file, "camera.file", error);
         if (status == TIDES_OK) status = merge_intrinsics(run, &path, intrinsics, error);
-        if (status == TIDES_OK) status = note_path(run, &path, values.camera_file, "camera.file", &opening->notes, error);
+        if (status == TIDES_OK)
+            status = note_path(run, &path, values.camera_file, "camera.file", values.path.duration, &opening->notes, error);
     } else {
         status = find_orbit(run, scene, &path.trajectory, intrinsics, error);
     }

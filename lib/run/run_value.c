@@ -116,9 +116,31 @@ static tides_status check_string(const tides_param *row, const cJSON *value, con
     return wrong_type(where, row->key, value, "a text in quotes", error);
 }
 
+const char *const td_object_path_keys[] = {"time_unit", "duration_s", "start_s", NULL};
+
+/* As a camera's path has it: its row in the table, by the name that it has in an object; NULL: none of td_object_path_keys. */
+static const tides_param *path_row(const char *name) {
+    char key[TD_KEY_MAX];
+    size_t count;
+    const tides_param *rows = tides_params(&count);
+    for (const char *const *known = td_object_path_keys; *known; known++) {
+        if (strcmp(*known, name) != 0) continue;
+        snprintf(key, sizeof key, "camera.%s", name);
+        for (size_t i = 0; i < count; i++)
+            if (strcmp(rows[i].key, key) == 0) return &rows[i];
+    }
+    return NULL;
+}
+
+static tides_status check_object_path(const char *key, const cJSON *item, const char *where, tides_error *error) {
+    tides_param row = *path_row(item->string);
+    row.key = key;
+    return td_param_check(&row, item, where, error);
+}
+
 /* One key of one entry of scene.objects; `name` is "scene.objects[i]". */
 static tides_status check_object_key(const char *name, const cJSON *item, const char *where, tides_error *error) {
-    static const char *const known[] = {"file", "trajectory", "scale", "part", NULL};
+    static const char *const known[] = {"file", "trajectory", "scale", "part", "time_unit", "duration_s", "start_s", NULL};
     char key[TD_KEY_MAX];
     snprintf(key, sizeof key, "%s.%.40s", name, item->string);
     td_one_line(key);
@@ -135,11 +157,15 @@ static tides_status check_object_key(const char *name, const cJSON *item, const 
         if (!(item->valuedouble >= 1e-6 && item->valuedouble <= 1e6))
             return td_fail(error, TIDES_BAD_CONFIG, "%s: %s = %s is out of range; it must lie in [1e-06, 1000000]", where, key,
                            show(item).text);
+    } else if (path_row(item->string)) {
+        tides_status status = check_object_path(key, item, where, error);
+        if (status != TIDES_OK) return status;
     } else {
         const char *nearest = tides_nearest_name(item->string, known);
         return td_fail(error, TIDES_BAD_CONFIG,
-                       "%s: unknown key \"%s\"; did you mean \"%s.%s\"? (file, trajectory, scale, part)", where, key, name,
-                       nearest ? nearest : "file");
+                       "%s: unknown key \"%s\"; did you mean \"%s.%s\"? (file, trajectory, scale, part; of the trajectory "
+                       "time_unit, duration_s, start_s)",
+                       where, key, name, nearest ? nearest : "file");
     }
     for (const cJSON *other = item->next; other; other = other->next)
         if (strcmp(other->string, item->string) == 0)

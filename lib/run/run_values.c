@@ -81,6 +81,19 @@ static void derive(const tides_run *run, tides_run_values *values) {
     }
 }
 
+void td_run_object_path(const cJSON *object, tides_path_options *options) {
+    tides_run_values values;
+    char key[64];
+    td_run_values_defaults(&values);
+    for (const char *const *name = td_object_path_keys; *name; name++) {
+        const cJSON *value = cJSON_GetObjectItemCaseSensitive(object, *name);
+        snprintf(key, sizeof key, "camera.%s", *name);
+        for (size_t i = 0; value && i < td_params_count; i++)
+            if (strcmp(td_params[i].key, key) == 0) put(&td_params[i], value, NULL, (char *)&values + td_params[i].field);
+    }
+    *options = values.path;
+}
+
 void tides_run_get(const tides_run *run, tides_run_values *values) {
     td_run_values_defaults(values);
     for (size_t i = 0; i < td_params_count; i++) {

@@ -155,20 +155,40 @@ static tides_status add_file(const td_gltf *g, const char *folder, const char *u
     return status;
 }
 
+/* Of a binary file the JSON alone, which comes first: what follows may be gigabytes. */
+static tides_status read_json(const char *path, cJSON **json, tides_error *error) {
+    enum { FRONT = 20 /* of the file and of its first chunk */, JSON_MOST = 1 << 28 };
+    unsigned char front[FRONT];
+    char *data = NULL;
+    size_t size = 0;
+    tides_status status = TIDES_OK;
+    FILE *file = fopen(path, "rb");
+    const int binary = file && fread(front, 1, FRONT, file) == FRONT && td_le32(front) == TD_GLTF_MAGIC;
+    if (binary) {
+        size = td_le32(front + 12);
+        data = size < JSON_MOST ? td_alloc(size + 1, 1, error) : NULL;
+        status = !data                                ? td_fail(error, TIDES_NO_MEMORY, "%s: its JSON is too large", path)
+                 : fread(data, 1, size, file) == size ? TIDES_OK
+                                                      : td_fail(error, TIDES_BAD_FILE, "%s: ends within its JSON", path);
+    }
+    if (file) fclose(file);
+    if (!binary) status = td_read_file(path, SIZE_MAX - 1, &data, &size, error);
+    if (!status) status = td_splat_json(path, NULL, (const unsigned char *)data, size, json, error);
+    free(data);
+    return status;
+}
+
 tides_status td_gltf_files(const char *path, const char *part, td_folder *files, tides_error *error) {
     (void)part;
-    td_gltf g = {.path = path};
-    char *data = NULL, *folder = td_folder_of(path, error);
-    size_t size = 0;
+    td_gltf g = {.path = path, .error = error};
+    char *folder = td_folder_of(path, error);
     const cJSON *buffer;
-    tides_status status = folder ? td_read_file(path, SIZE_MAX - 1, &data, &size, error) : TIDES_NO_MEMORY;
-    if (!status) status = td_gltf_open(&g, path, data, size, error);
+    tides_status status = folder ? read_json(path, &g.json, error) : TIDES_NO_MEMORY;
     cJSON_ArrayForEach(buffer, cJSON_GetObjectItemCaseSensitive(g.json, "buffers")) {
         const char *uri = td_json_text(buffer, "uri");
         if (!status && uri && !is_data(uri)) status = add_file(&g, folder, uri, files);
     }
     td_gltf_close(&g);
-    free(data);
     free(folder);
     return status;
 }

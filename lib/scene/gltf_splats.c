@@ -17,6 +17,7 @@
 #include "td_scene.h"
 #include "td_splat.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -124,10 +125,13 @@ static tides_status unpack_looks(const td_gltf *g, const looks *l, const td_gaus
     const size_t wide = 3 * td_sh_coefficients(made->sh_degree);
     for (size_t i = 0; i < (size_t)made->count; i++) {
         const double opacity = l->has_opacity ? td_gltf_value(&l->opacity, i, 0) : td_gltf_value(&l->colour, i, 3);
-        if (!(opacity >= 0 && opacity <= 1))
-            return td_fail(g->error, TIDES_BAD_FILE, "%s: splat %zu: its opacity is %g: must be from 0 to 1", g->path, i,
-                           opacity);
-        made->opacity_logit[i] = td_splat_logit(opacity);
+        const int sound = opacity >= 0 && opacity <= 1;
+        if (!sound && !g->lenient)
+            return td_fail(g->error, TIDES_BAD_FILE,
+                           "%s: splat %zu: its opacity is %g: must be from 0 to 1; scene.invalid = drop (tides convert "
+                           "--drop-invalid) leaves such splats out",
+                           g->path, i, opacity);
+        made->opacity_logit[i] = sound ? td_splat_logit(opacity) : NAN;
         for (size_t c = 0; c < 3; c++)
             made->sh[wide * i + c] =
                 l->has_dc ? td_narrow(td_gltf_value(&l->dc, i, c)) : td_splat_dc(td_gltf_value(&l->colour, i, c));
@@ -269,25 +273,35 @@ static tides_status read_splats(td_gltf *g, td_gaussians *gaussians) {
 }
 
 /* A NULL part: the default scene. */
-static tides_status parse_part(const char *path, const void *data, size_t size, const char *part, td_gaussians *gaussians,
-                               tides_error *error) {
+static tides_status parse_part(const char *path, const void *data, size_t size, const char *part, int32_t lenient,
+                               td_gaussians *gaussians, tides_error *error) {
     td_gltf g;
     tides_status status = td_gltf_open(&g, path, data, size, error);
     if (!status && part) status = td_gltf_choose(&g, part);
+    g.lenient = lenient;
     if (!status) status = read_splats(&g, gaussians);
     td_gltf_close(&g);
     return status;
 }
 
 tides_status td_gltf_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {
-    return parse_part(path, data, size, NULL, gaussians, error);
+    return parse_part(path, data, size, NULL, 0, gaussians, error);
 }
 
-tides_status td_gltf_read(const char *path, const char *part, td_gaussians *gaussians, tides_error *error) {
+static tides_status read_part_of(const char *path, const char *part, int32_t lenient, td_gaussians *gaussians,
+                                 tides_error *error) {
     char *data = NULL;
     size_t size = 0;
     tides_status status = td_read_file(path, SIZE_MAX - 1, &data, &size, error);
-    if (!status) status = parse_part(path, data, size, part, gaussians, error);
+    if (!status) status = parse_part(path, data, size, part, lenient, gaussians, error);
     free(data);
     return status;
+}
+
+tides_status td_gltf_read(const char *path, const char *part, td_gaussians *gaussians, tides_error *error) {
+    return read_part_of(path, part, 0, gaussians, error);
+}
+
+tides_status td_gltf_read_leniently(const char *path, const char *part, td_gaussians *gaussians, tides_error *error) {
+    return read_part_of(path, part, 1, gaussians, error);
 }

@@ -21,11 +21,20 @@ static int32_t degree_of(const td_value *splats) {
     return -1;
 }
 
+/* What isn't finite is for td_gaussians_check or _drop, which name the Gaussian. */
+static tides_status read_floats(const td_value *splats, const char *key, int ndim, const int64_t *shape, float **values,
+                                tides_error *error) {
+    const td_tensor *tensor = NULL;
+    tides_status status = td_value_tensor(splats, key, &tensor, error);
+    if (!status) status = td_tensor_check_shape(tensor, key, ndim, shape, error);
+    return status ? status : td_tensor_floats(tensor, values, error);
+}
+
 static tides_status read_array(const td_value *splats, const char *key, int ndim, const int64_t *shape, float *out,
                                tides_error *error) {
     float *values = NULL;
     size_t count = 1;
-    tides_status status = td_value_floats(splats, key, ndim, shape, &values, error);
+    tides_status status = read_floats(splats, key, ndim, shape, &values, error);
     if (status) return status;
     for (int d = 0; d < ndim; d++) count *= (size_t)shape[d];
     memcpy(out, values, count * sizeof *values);
@@ -37,8 +46,8 @@ static tides_status read_array(const td_value *splats, const char *key, int ndim
 static tides_status read_sh(const td_value *splats, const td_gaussians *g, tides_error *error) {
     int64_t rest = (int64_t)td_sh_coefficients(g->sh_degree) - 1;
     float *first = NULL, *others = NULL;
-    tides_status status = td_value_floats(splats, "sh0", 3, (const int64_t[]){g->count, 1, 3}, &first, error);
-    if (!status && rest) status = td_value_floats(splats, "shN", 3, (const int64_t[]){g->count, rest, 3}, &others, error);
+    tides_status status = read_floats(splats, "sh0", 3, (const int64_t[]){g->count, 1, 3}, &first, error);
+    if (!status && rest) status = read_floats(splats, "shN", 3, (const int64_t[]){g->count, rest, 3}, &others, error);
     for (int64_t i = 0; i < g->count && !status; i++) {
         float *out = g->sh + 3 * (rest + 1) * i;
         memcpy(out, first + 3 * i, 3 * sizeof *out);

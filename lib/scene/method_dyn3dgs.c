@@ -28,8 +28,8 @@ static void arrays_free(frame_arrays *a) {
 
 static tides_status find_extents(td_npz *npz, frame_arrays *a, tides_error *error) {
     const td_npy_array *mean = NULL;
-    tides_status status = td_npz_get(npz, "means3D", &mean, error);
-    if (status != TIDES_OK) return status;
+    if (td_npz_get(npz, "means3D", &mean, NULL) != TIDES_OK)
+        return td_fail(error, TIDES_BAD_FILE, "holds no array means3D, as Dynamic3DGaussians' params.npz does");
     if (mean->ndim != 3 || mean->shape[0] < 2 || mean->shape[1] < 1)
         return td_fail(error, TIDES_BAD_FILE, "array means3D isn't of shape [T, N, 3] with two frames or more");
     a->frames = (int64_t)mean->shape[0];

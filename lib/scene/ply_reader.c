@@ -17,6 +17,7 @@
 #include "td_scene.h"
 #include "td_splat.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,6 +27,7 @@ typedef struct binding {
     const td_ply_header *header;
     const td_ply_element *vertex;
     td_ply_column *columns; /* one per property of vertex */
+    int32_t lenient;
     tides_error *error;
 } binding;
 
@@ -34,6 +36,8 @@ static tides_status check_kind(const binding *b) {
     static const struct {
         const char *property, *kind;
     } others[] = {{"trbf_center", "a SpacetimeGaussians model"},
+                  {"scale_t", "a model of 4-D Gaussians"},
+                  {"rot_r_0", "a model of 4-D Gaussians"},
                   {"motion_xyz_0_0", "an Ex4DGS dynamic model"},
                   {"xyz_disp_0", "an Ex4DGS static model"}};
     const char *kind = NULL;
@@ -184,11 +188,17 @@ static tides_status check_header(const binding *b, int32_t *degree) {
     return td_ply_rows_fit(b->file, b->header, b->vertex, &start, b->error);
 }
 
-static tides_status check_filter(const binding *b, const float *filter) {
-    for (uint64_t i = 0; filter && i < b->vertex->count; i++)
-        if (!(filter[i] - filter[i] == 0)) /* NaN or infinite */
-            return td_fail(b->error, TIDES_BAD_FILE, "%s: Gaussian %llu: filter_3D is not finite", b->file->path,
-                           (unsigned long long)i);
+static tides_status check_filter(const binding *b, float *filter, const td_gaussians *made) {
+    for (uint64_t i = 0; filter && i < b->vertex->count; i++) {
+        if (isfinite(filter[i])) continue;
+        if (!b->lenient)
+            return td_fail(b->error, TIDES_BAD_FILE,
+                           "%s: Gaussian %llu: filter_3D is not finite; scene.invalid = drop (tides convert --drop-invalid) "
+                           "leaves such Gaussians out",
+                           b->file->path, (unsigned long long)i);
+        filter[i] = 0;
+        made->opacity_logit[i] = NAN;
+    }
     return TIDES_OK;
 }
 
@@ -206,7 +216,7 @@ static tides_status read_gaussians(binding *b, td_gaussians *gaussians) {
     if (!status) status = bind_all(b, &made, filter);
     if (!status) status = bind_wide_means(b, &made);
     if (!status) status = read_rows(b);
-    if (!status) status = check_filter(b, filter);
+    if (!status) status = check_filter(b, filter, &made);
     if (!status && filter) td_gaussians_fold_filter(&made, filter);
     free(filter);
     free(b->columns);
@@ -214,6 +224,37 @@ static tides_status read_gaussians(binding *b, td_gaussians *gaussians) {
         td_gaussians_free(&made);
     else
         *gaussians = made;
+    return status;
+}
+
+/* 1 where `count` values lie from `least` to `most` and aren't all the same, which a scene made by hand may have. */
+static int lie_within(const float *values, size_t count, float least, float most) {
+    int within = 1, differ = 0;
+    for (size_t i = 0; i < count && within; i++) {
+        within = values[i] >= least && values[i] <= most;
+        differ = differ || values[i] > values[0] || values[i] < values[0];
+    }
+    return within && differ;
+}
+
+/* Values that some write as they are used, and 3DGS as they are trained: nothing trained has all of its logits from 0 to 1, nor
+ * splats that are all larger than the unit, by little. */
+static tides_status note_activated(td_gaussians *g, tides_error *error) {
+    enum { ENOUGH = 32 };
+    const size_t count = (size_t)g->count;
+    tides_status status = TIDES_OK;
+    if (count < ENOUGH) return TIDES_OK;
+    if (lie_within(g->opacity_logit, count, 0, 1))
+        status = td_note(&g->notes,
+                         "its opacities all lie from 0 to 1, as opacities do and logits hardly ever: 3DGS writes logits, and "
+                         "they are taken as that",
+                         error);
+    if (status == TIDES_OK && lie_within(g->log_scale, 3 * count, 0, 1))
+        status =
+            td_note(&g->notes,
+                    "its scales all lie from 0 to 1, as lengths do and logarithms hardly ever: 3DGS writes logarithms, and "
+                    "they are taken as that",
+                    error);
     return status;
 }
 
@@ -228,12 +269,17 @@ static tides_status take_mode(const binding *b, td_gaussians *gaussians) {
                    TD_PLY_QUOTE(mode));
 }
 
-tides_status td_ply_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {
+static tides_status parse(const char *path, const void *data, size_t size, int32_t lenient, td_gaussians *gaussians,
+                          tides_error *error) {
     td_ply_file file = {path, data, size};
     td_ply_header header;
     tides_status status = td_ply_header_parse(&file, &header, error);
     if (status) return status;
-    binding b = {.file = &file, .header = &header, .vertex = td_ply_find_element(&header, "vertex"), .error = error};
+    binding b = {.file = &file,
+                 .header = &header,
+                 .vertex = td_ply_find_element(&header, "vertex"),
+                 .lenient = lenient,
+                 .error = error};
     if (!b.vertex)
         status = td_fail(error, TIDES_BAD_FILE, "%s: has no element vertex: this isn't a 3DGS scene", path);
     else if (td_ply_word_reads(header.mode, "2dgs"))
@@ -242,8 +288,21 @@ tides_status td_ply_parse(const char *path, const void *data, size_t size, td_ga
         status = td_ply_packed_read(&file, &header, gaussians, error);
     else
         status = read_gaussians(&b, gaussians);
-    if (!status) memcpy(gaussians->up, header.up, sizeof gaussians->up);
-    if (!status && (status = take_mode(&b, gaussians)) != TIDES_OK) td_gaussians_free(gaussians);
+    if (!status) {
+        memcpy(gaussians->up, header.up, sizeof gaussians->up);
+        status = take_mode(&b, gaussians);
+        if (!status) status = note_activated(gaussians, error);
+        if (status) td_gaussians_free(gaussians);
+    }
     td_ply_header_free(&header);
     return status;
+}
+
+tides_status td_ply_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {
+    return parse(path, data, size, 0, gaussians, error);
+}
+
+tides_status td_ply_parse_leniently(const char *path, const void *data, size_t size, td_gaussians *gaussians,
+                                    tides_error *error) {
+    return parse(path, data, size, 1, gaussians, error);
 }

@@ -40,23 +40,23 @@ void tides_scene_destroy(tides_scene *scene) {
 }
 
 /* There is a way on without them. */
-static tides_status suggest_drop(tides_status status, tides_error *error) {
+static tides_status suggest_drop(tides_status status, int32_t drop, tides_error *error) {
     const tides_error why = error ? *error : (tides_error){TIDES_OK, ""};
     if (status != TIDES_BAD_FILE) return status;
-    return td_fail(error, status, "%.800s; scene.invalid = drop (tides convert --drop-invalid) leaves such Gaussians out",
-                   why.text);
+    return td_fail(error, status, "%.800s; %s", why.text,
+                   drop < 0 ? "it can't be left out, since a motion moves it"
+                            : "scene.invalid = drop (tides convert --drop-invalid) leaves such Gaussians out");
 }
 
-/* `dropped` NULL: bad Gaussians are refused. */
+/* `drop` as of a scene; those that are left out are counted. */
 static tides_status object_fill(td_object *object, td_gaussians *gaussians, const tides_trajectory *trajectory, double scale,
-                                const char *name, const char *source, int64_t *dropped, tides_error *error) {
+                                const char *name, const char *source, int32_t drop, int64_t *dropped, tides_error *error) {
     if (!(scale > 0 && scale <= FLT_MAX))
         return td_fail(error, TIDES_BAD_ARGUMENT, "scale is %g: must be a positive number within float's range", scale);
     const tides_status blame = source ? TIDES_BAD_FILE : TIDES_BAD_ARGUMENT;
     tides_status status =
-        dropped ? td_gaussians_drop(gaussians, scale, dropped, error) : td_gaussians_check(gaussians, scale, blame, error);
-    if (status && source && !dropped) return suggest_drop(status, error);
-    if (status) return status;
+        drop > 0 ? td_gaussians_drop(gaussians, scale, dropped, error) : td_gaussians_check(gaussians, scale, blame, error);
+    if (status) return source && drop <= 0 ? suggest_drop(status, drop, error) : status;
     if (trajectory && (status = td_trajectory_copy(trajectory, &object->trajectory, error)) != TIDES_OK) return status;
     if ((status = td_gaussians_recentre(gaussians, error)) != TIDES_OK) return status;
     object->name = td_strdup(name, error);
@@ -92,8 +92,7 @@ tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const ti
     td_object object;
     int64_t dropped = 0;
     memset(&object, 0, sizeof object);
-    status = object_fill(&object, gaussians, trajectory, scale, name ? name : numbered, source, scene->drop ? &dropped : NULL,
-                         error);
+    status = object_fill(&object, gaussians, trajectory, scale, name ? name : numbered, source, scene->drop, &dropped, error);
     if (status) {
         object_free(&object); /* its gaussians are still the caller's: `object` has none yet */
         return name ? td_fail_within(error, status, "object %zu ('%.80s')", scene->count, name)

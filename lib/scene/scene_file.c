@@ -29,6 +29,13 @@ typedef struct reader {
     tides_status (*choose)(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
 } reader;
 
+/* As `with` reads, where bad Gaussians are to be left out later. */
+static reader leniently(reader with) {
+    if (with.parse == td_ply_parse) with.parse = td_ply_parse_leniently;
+    if (with.choose == td_gltf_read) with.choose = td_gltf_read_leniently;
+    return with;
+}
+
 static tides_status read_gaussians(const char *file, reader with, const char *part, td_gaussians *gaussians,
                                    tides_error *error) {
     if (with.choose) return with.choose(file, part, gaussians, error);
@@ -53,7 +60,7 @@ static tides_status add_gaussians(tides_scene *scene, const char *file, reader w
     char *stem = NULL;
     td_gaussians gaussians;
     memset(&gaussians, 0, sizeof gaussians);
-    tides_status status = read_gaussians(file, with, scene->part, &gaussians, error);
+    tides_status status = read_gaussians(file, scene->drop > 0 ? leniently(with) : with, scene->part, &gaussians, error);
     if (status) goto done;
     status = (stem = stem_of(file, error)) ? TIDES_OK : TIDES_NO_MEMORY;
     if (!status) status = td_scene_take(scene, &gaussians, trajectory, scale, name ? name : stem, file, NULL, error);

@@ -210,7 +210,7 @@ static tides_status read_object(tides_scene *scene, const td_place *place, const
     if (!status) status = read_gaussians(place, &gaussians);
     if (!status) status = td_motion_hdf5_read(place, &motion, &duration_s);
     const int32_t drop = scene->drop;
-    if (motion) scene->drop = 0; /* its rows are theirs */
+    if (motion) scene->drop = -1; /* its rows are theirs */
     if (!status) status = take_object(scene, place, moved, &gaussians, own, scale);
     scene->drop = drop;
     if (!status && motion) {

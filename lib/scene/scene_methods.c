@@ -49,7 +49,7 @@ static tides_status add_moving(tides_scene *scene, const td_model_dir *dir, open
     tides_status status = open(dir, &gaussians, &motion, error);
     if (status) return status;
     const int32_t drop = scene->drop;
-    scene->drop = 0; /* the motion's rows are theirs */
+    scene->drop = -1; /* the motion's rows are theirs */
     status = td_scene_take(scene, &gaussians, trajectory, scale, name_of(dir, "model"), source, NULL, error);
     scene->drop = drop;
     if (!status) {

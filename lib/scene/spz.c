@@ -51,7 +51,8 @@ static tides_status parse_header(spz *s, const unsigned char *b) {
     s->fractional_bits = b[13];
     s->flags = b[14];
     s->streams = b[15];
-    if (td_le32(b) != MAGIC) return td_fail(s->error, TIDES_BAD_FILE, "%s: is gzip, but no .spz is in it", s->path);
+    if (td_le32(b) != MAGIC)
+        return td_fail(s->error, TIDES_BAD_FILE, "%s: is gzip, but no .spz is in it: unpack it (gunzip)", s->path);
     if (s->version < 1 || s->version > 4)
         return td_fail(s->error, TIDES_UNSUPPORTED, "%s: .spz version %lu; this TIDES reads 1 to 4", s->path,
                        (unsigned long)s->version);

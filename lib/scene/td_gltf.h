@@ -30,7 +30,8 @@ typedef struct td_gltf {
     const cJSON **views, **accessors, **nodes, **meshes; /* their arrays by index */
     int64_t view_count, accessor_count, node_count, mesh_count, buffer_count;
     td_gltf_buffer *buffers;
-    int64_t scene; /* which of its scenes is shown; -1: the default one */
+    int32_t lenient; /* 1: an opacity that can't be becomes NaN, for td_gaussians_drop */
+    int64_t scene;   /* which of its scenes is shown; -1: the default one */
     tides_error *error;
 } td_gltf;
 

@@ -36,7 +36,8 @@ struct tides_scene {
     double up[3]; /* zeros: nobody says */
     char *notes;  /* NULL, or lines with "\n" between them */
     int64_t dropped;
-    int32_t drop;     /* 1 while a file is read whose bad Gaussians are left out */
+    int32_t
+        drop; /* 1 while a file is read whose bad Gaussians are left out, -1: of which none can be: a motion has their rows */
     const char *part; /* NULL, or while a file is read which part of it */
 };
 
@@ -145,6 +146,9 @@ tides_trajectory *td_scene_told(const tides_scene *scene, int32_t index);
 
 /* From memory; `path` is only for messages. TIDES_BAD_FILE, TIDES_UNSUPPORTED, TIDES_NO_MEMORY. */
 tides_status td_ply_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
+/* The same, in which a Gaussian that can't be told in our terms becomes NaN, for td_gaussians_drop to leave out. */
+tides_status td_ply_parse_leniently(const char *path, const void *data, size_t size, td_gaussians *gaussians,
+                                    tides_error *error);
 
 /* Reads a .ply as one object; a NULL `name` is the file's (scene_file.c). */
 tides_status td_scene_add_ply(tides_scene *scene, const char *file, const char *name, const tides_trajectory *trajectory,

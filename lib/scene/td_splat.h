@@ -45,6 +45,8 @@ int td_sog_is_lod(const char *path); /* 1 where the file's name is lod-meta.json
  * files that its buffers are in, beside it or below, whatever the part (gltf.c). */
 tides_status td_gltf_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
 tides_status td_gltf_read(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
+/* The same, in which a splat with an opacity that can't be becomes NaN, for td_gaussians_drop to leave out. */
+tides_status td_gltf_read_leniently(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
 tides_status td_gltf_files(const char *path, const char *part, td_folder *files, tides_error *error);
 
 /* -- inflate.c: gzip and zstd into a buffer of known size -------------------------------------------------------------- */

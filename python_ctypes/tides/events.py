@@ -18,7 +18,7 @@ from ._handle import Handle
 from ._library import lib
 from ._progress import Progress, Reporter
 from ._values import Facts, Value, _fields, constants, plain
-from .files import part_name
+from .files import check_unread, part_name, reads
 
 _NAMES = {"polarity": "p"}  # C's name: numpy's, as tonic and others have it
 _FIELDS = {**dict(_fields(_api.tides_event)), "frontend": "<f2"}  # in C its bits
@@ -152,6 +152,7 @@ class EventReader(Handle):
         else:
             call("tides_event_reader_open", path(file), encoded(format), byref(made))
         super().__init__(made)
+        reads(self, file)
         self.packet = packet
 
     @property
@@ -199,6 +200,7 @@ class EventWriter(Handle):
         """`start_ns`, `stop_ns`: the recording's stretch, where it is known: what the format can't hold of it is refused at
         once, and HDF5 counts from its start where it lies beyond 4294 s or before 0. `resume`: go on with FILE.part after its first so many events (HDF5 only). `labels`: each event's cause, when it
         fired and what the front end added have columns of their own (HDF5 only)."""
+        check_unread(file)
         made = POINTER(_api.tides_event_writer)()
         facts = _api.tides_event_file(width, height, encoded(run), encoded(seed), labels, start_ns, stop_ns)
         if resume is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import weakref
 from ctypes import c_char_p, create_string_buffer
 from typing import Any, Sequence
 
@@ -28,6 +29,20 @@ def _paths(files: Sequence[str | os.PathLike[str]]) -> Any:
 def check_apart(inputs: Sequence[str | os.PathLike[str]], outputs: Sequence[str | os.PathLike[str]]) -> None:
     """Raises ValueError, naming both, where an output is an input or another output, by whatever names and links."""
     call("tides_files_apart", _paths(inputs), len(inputs), _paths(outputs), len(outputs))
+
+
+_readers: "weakref.WeakSet[Any]" = weakref.WeakSet()  # with a `file`, while they read it
+
+
+def reads(reader: Any, file: str | os.PathLike[str]) -> None:
+    """Tells that an open handle reads `file`: until it is closed no writer here takes its place."""
+    reader.file = os.path.abspath(file)
+    _readers.add(reader)
+
+
+def check_unread(file: str | os.PathLike[str]) -> None:
+    """Raises ValueError where a handle that is open reads `file`, by whatever names and links."""
+    check_apart([one.file for one in list(_readers) if not one.closed], [file])
 
 
 def check_named(file: str | os.PathLike[str], ending: str) -> None:

@@ -14,6 +14,7 @@ from ._handle import Handle
 from ._library import lib
 from ._values import Value, choice, constants
 from .events import _records, as_events
+from .files import check_unread
 
 _STYLES = constants("TIDES_VOXEL_")
 
@@ -64,7 +65,9 @@ class ArrayWriter(Handle):
     def __init__(
         self, file: str | os.PathLike[str], shape: tuple[int, int, int], name: str = "array", plane_names: Any = None
     ):
-        """`name` is the dataset's, `plane_names` those of an EXR file's channels."""
+        """`name` is the dataset's, `plane_names` those of an EXR file's channels. A file that an open EventReader reads is
+        refused."""
+        check_unread(file)
         made = POINTER(_api.tides_array_writer)()
         names = None if plane_names is None else [encoded(one) for one in plane_names]
         if names is not None and len(names) != shape[0]:

@@ -15,6 +15,7 @@ from ._handle import Handle
 from ._library import lib
 from ._values import choice, constants
 from ._warn import warn
+from .files import check_apart
 from .motion import Motion, give_means, means
 from .trajectory import Trajectory, _given
 
@@ -131,6 +132,7 @@ class Scene(Handle):
         call("tides_scene_create", byref(made))
         super().__init__(made)
         self._callbacks: list[Any] = []  # what the motions in it call; a scene outlives its users
+        self._files: list[str] = []  # that it was read from
         self._steps: list[tuple[str, tuple[Any, ...]]] | None = []  # how it was made, for pickle; None: elsewhere
         if file is not None:
             self.add_file(file, trajectory, scale, part, invalid)
@@ -139,7 +141,7 @@ class Scene(Handle):
     def _of(cls, pointer: Any) -> "Scene":
         made = cls.__new__(cls)
         Handle.__init__(made, pointer)
-        made._callbacks, made._steps = [], None
+        made._callbacks, made._files, made._steps = [], [], None
         return made
 
     def __reduce__(self) -> Any:
@@ -213,6 +215,7 @@ class Scene(Handle):
             call("tides_scene_read", self._pointer, path(file), how, trajectory._pointer if trajectory else None, scale)
         for note in self.notes[len(before) :]:
             warn(note)
+        self._files.append(os.path.abspath(file))
         self._note("add_file", os.path.abspath(file), trajectory, scale, part, invalid)
 
     def append(
@@ -235,7 +238,9 @@ class Scene(Handle):
         return lib.tides_scene_set_duration(self._pointer, duration_s)
 
     def save(self, file: str | os.PathLike[str]) -> None:
-        """Writes .h5 (everything), or one object at rest as .ply, .spz, .splat or .glb; warns of what that has no place for."""
+        """Writes .h5 (everything), or one object at rest as .ply, .spz, .splat or .glb; warns of what that has no place for.
+        A file that it was read from is refused."""
+        check_apart(self._files, [file])
         call("tides_scene_save", self._pointer, path(file))
         lost = lib.tides_scene_losses(self._pointer, path(file))
         words = [word for word, bit in constants("TIDES_LOSES_").items() if lost & bit]

@@ -16,6 +16,7 @@ from ._handle import Handle
 from ._library import lib
 from ._values import Value, _fields, filled
 from ._warn import warn
+from .files import check_apart
 
 _SAMPLE = np.dtype(_api.tides_pose_sample)
 _SHOWN: Any = [name for name, _ in _fields(_api.tides_pose_sample)]
@@ -314,6 +315,7 @@ class Camera:
         self.trajectory = instance(trajectory, Trajectory, "Camera: trajectory")
         self.intrinsics = given(intrinsics, Intrinsics, "Camera: intrinsics").copy(**lens)
         self.format, self.distorted, self.field_of_view_x = "", False, 0.0  #: what a file said, where it came from one
+        self._files: list[str] = []  # that it was read from
         self.notes: list[str] = []  #: what a reader of that file may not expect of it; warned of when it is read
 
     @classmethod
@@ -325,6 +327,7 @@ class Camera:
         camera = cls(Trajectory._of(made.trajectory), Intrinsics._from(made.intrinsics), **(lens or {}))
         camera.format, camera.distorted = text(made.format), bool(made.distorted)
         camera.field_of_view_x = made.field_of_view_x
+        camera._files.append(os.path.abspath(file))
         camera.notes = text(made.notes).splitlines()
         if made.untimed and "duration" not in options:
             lasts = f"{len(camera.trajectory)} poses are spread evenly over 1 s; duration says how long they last"
@@ -334,7 +337,8 @@ class Camera:
         return camera
 
     def save(self, file: str | os.PathLike[str]) -> None:
-        """Writes the path with the lens as TIDES's JSON."""
+        """Writes the path with the lens as TIDES's JSON. The file that it was read from is refused."""
+        check_apart(self._files, [file])
         call("tides_path_save", path(file), self.trajectory._pointer, self.intrinsics)
 
     def __repr__(self) -> str:

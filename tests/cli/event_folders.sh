@@ -24,3 +24,23 @@ out '"layout":[[:space:]]*"npz"'
 [ "$(value out events)" = "$(cat count)" ] || fail "the folder of .npz has other events"
 mkdir empty
 refuse 1 "empty: .*DSEC" tides convert empty none.h5
+
+# Of what tides dataset writes, too: ECD's text with its pictures' size, MVSEC's file beside others, BlinkFlow's camera; poses of
+# ECD and TUM, whose images.txt isn't COLMAP's.
+expect 0 tides dataset run.json -qo set --layout ecd --layout mvsec --layout blinkflow --layout evimo --layout tum \
+    --set scene.metres_per_unit=1
+for layout in ecd mvsec blinkflow; do
+    expect 0 tides info --json set/$layout
+    [ "$(value out events)" = "$(cat count)" ] || fail "set/$layout has other events"
+    expect 0 tides info --json events.h5
+    width=$(value out width)
+    expect 0 tides info --json set/$layout
+    [ "$(value out width)" = "$width" ] || fail "set/$layout has another width"
+done
+refuse 1 "set/evimo: is a folder without events" tides convert set/evimo none.h5
+expect 0 tides info --json set/tum
+out '"format":[[:space:]]*"tum"'
+expect 0 tides render run.json --set camera.file=set/ecd -o view.png
+mkdir two
+touch two/a_data.hdf5 two/b_data.hdf5
+refuse 1 "two: holds 2 recordings, a_data.hdf5 and others: name one" tides convert two none.h5

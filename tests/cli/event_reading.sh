@@ -25,6 +25,49 @@ err "seconds.csv: columns t x y p, told apart by their values; times taken as se
 expect 0 tides info xytp.csv
 out "^read_as +columns x y t p"
 
+# What other tools call columns, and how they write polarities.
+{ echo "# Format: time(us),x,y,polarity"; cat t.csv; } >jaer.csv
+{ printf 'time_us\tx_px\ty_px\tpol\n'; columns '\t' 'print $1, $2, $3, $4'; } >px.tsv
+{ echo "sec,x,y,is_on"; columns , 'printf "%.6f,%d,%d,%s\n", $1 / 1e6, $2, $3, $4 ? "ON" : "OFF"'; } >words.csv
+{ echo "event_time_us,pixel_x,pixel_y,event_polarity"; cat t.csv; } >event.csv
+for file in jaer.csv px.tsv words.csv event.csv; do same $file; done
+columns , 'print 1000 * $1, $2, $3, $4' >ns.csv # a unit that is taken is said
+expect 0 tides convert ns.csv x.csv
+err "ns.csv: columns t x y p, .*; times taken as microseconds, being whole numbers: --unit"
+same ns.csv --unit ns
+{ echo "ts.secs,ts.nsecs,x,y,p"; columns , 'print 0, 1000 * $1, $2, $3, $4'; } >parts.csv
+{ echo 400; cat us.txt; } >count.txt
+columns ' ' 'print $1, $2, $3, $4, 0' >five.txt
+columns ' ' 'print $1, $2, $3' >three.txt
+{ echo "t;x;y;p"; columns ';' 'printf "0,%06d;%d;%d;%d\n", $1, $2, $3, $4'; } >comma.csv
+refuse 1 "parts.csv: its header names more than one column t: write one" tides convert parts.csv x.csv
+refuse 1 "count.txt: its first line has 1 numbers, the next 4" tides convert count.txt x.csv
+refuse 1 "five.txt: has 5 columns and no header that names them: --columns" tides convert five.txt x.csv
+refuse 1 "three.txt: has 3 columns and no header" tides convert three.txt x.csv
+refuse 1 "comma.csv:2: the time is \"0,00" tides convert comma.csv x.csv
+printf '<?xml version="1.0"?>\n<a/>\n' >cameras.xml
+refuse 1 "cameras.xml: is an XML file" tides info cameras.xml
+printf '%% date 2026\n%% evt 4.0\n%% end\n\0\0\0\0' >evt4.raw
+refuse 1 "evt4.raw: is EVT 4, .*metavision_file_to_csv" tides convert evt4.raw x.csv
+printf '#!AER-DAT3.1\r\n#Format: RAW\r\n' >three.aedat
+refuse 1 "three.aedat: is an AEDAT 3 recording, not an event file: AEDAT 2 and 4 are read" tides convert three.aedat x.csv
+gzip -c t.csv >t.csv.gz
+refuse 1 "t.csv.gz: is gzip.*gunzip" tides convert t.csv.gz x.csv
+printf '\xff\xfe{\0}\0' >wide.json # as PowerShell's > writes
+refuse 1 "wide.json: is text in UTF-16, not a run file: save it as UTF-8" tides simulate wide.json -o x.h5
+mkdir bag2
+echo 'rosbag2_bagfile_information:' >bag2/metadata.yaml
+refuse 1 "bag2: is the folder of a ROS 2 bag.*rosbags" tides info bag2
+refuse 1 "bag2: is the folder of a ROS 2 bag.*rosbags" tides convert bag2 x.csv
+echo '[{"img_name": "a"}]' >list.json # a list isn't a preset
+refuse 1 "list.json" tides info list.json
+
+{ echo t_us,x,y,p; columns , 'print $1 % 5000, $2, $3, $4'; } >again.csv
+expect 0 tides convert again.csv x.csv
+err "again.csv: times go back by 0.00[45][0-9]* s, as of a clock that begins again"
+echo '{}' >a.lcc
+refuse 1 "a.lcc: is an LCC scene.*splat-transform" tides info a.lcc
+
 # What nothing decides, somebody says.
 columns , 'print 7919 * NR * NR % 1000003, $2, $3, $4' >shuffled.csv
 columns , 'print 7919 * NR % 1000003, $2, $3, $4' >sawtooth.csv
@@ -57,6 +100,7 @@ expect 0 tides convert -q epoch.txt epoch.h5 --width 346 --height 260
 span="epoch.h5: lasts from 1589163150.00[0-9]* to 1589163150.0[0-9]* s, .*--rebase"
 refuse 1 "$span" tides view epoch.h5 -o h%04d.png --start 0.005 --window 0.003
 refuse 1 "$span" tides view epoch.h5 -o h.png --time 0.005
+refuse 1 "epoch.h5: lasts from 1589163150.00[0-9]* to 1589163150.0[1-9][0-9]* s" tides view epoch.h5 -o h.png --start 0.1 --stop 0.2
 refuse 1 "$span" tides view epoch.h5 -o h.html --start 0.005 --stop 0.01
 refuse 1 "$span" tides export epoch.h5 -o h.npy --start 0.005 --window 0.005
 refuse 1 "$span" tides export epoch.h5 -o h.npy --start 0.005 --window 0.005 --stop 0.02
@@ -78,6 +122,27 @@ expect 0 tides cut epoch.h5 h2.h5 --start 0.006 --stop 0.011 --rebase --offset 0
 expect 0 tides metrics h.h5 h2.h5 --offset -0.001 --only match --json
 out '"missing":[[:space:]]*0'
 out '"dt_max_us":[[:space:]]*0'
+
+# One zero for a recording: where the list of its frames lies beside the events, its first frame, as frames.rebase has it.
+zero_of() { # zero_of FILE ZERO WHAT: --rebase counts from there
+    expect 0 tides convert "$1" x.h5 --width 346 --height 260 --rebase
+    err "time 0 is ${2}0* s of its clock, its first $3"
+}
+first=$(head -n 1 epoch.txt | cut -d ' ' -f 1)
+mkdir -p ecd/images eds
+cp epoch.txt ecd/events.txt
+printf '1589163149.500000 images/frame_00000000.png\n1589163149.540000 images/frame_00000001.png\n' >ecd/images.txt
+zero_of ecd/events.txt 1589163149.5 frame
+columns , 'printf "1589163150%06d,%d,%d,%d\n", $1, $2, $3, $4' >eds/events.csv
+for rows in '1589163149900000\n1589163149940000\n' '# frame timestamp[us]\n0 1589163149900000\n1 1589163149940000\n' \
+    'index,name,timestamp\n7,a.png,1589163149900000\n8,b.png,1589163149940000\n'; do
+    printf "$rows" >eds/images_timestamps.txt
+    zero_of eds/events.csv 1589163149.9 frame
+done
+for rows in '# Image list\n1 1 0 0 0 0 0 0 1 a.png\n\n2 1 0 0 0 0 0 0 1 b.png\n' '0.5 a.png\n0.6 b.png\n' 'no times here\n'; do
+    printf "$rows" >ecd/images.txt # COLMAP's, of another clock, of none
+    zero_of ecd/events.txt "$first" event
+done
 
 # Two clocks that share nothing aren't compared, or are brought together.
 refuse 1 "share no time.*--rebase" tides metrics truth.h5 epoch.h5

@@ -124,7 +124,7 @@ refuse 1 "can't be created" tides view three.csv -o missing/x.png
 missing x.png
 missing x.apng
 # An event is a dot of the shapes, and no more of them are drawn than was asked for.
-awk 'BEGIN { print "t,x,y,on"; for (i = 0; i < 640; i++) print 50 * i "," i % 32 "," i * 7 % 24 "," i % 2 }' >many.csv
+awk 'BEGIN { print "t_us,x,y,on"; for (i = 0; i < 640; i++) print 50 * i "," i % 32 "," i * 7 % 24 "," i % 2 }' >many.csv
 expect 0 tides view many.csv --kind xyt -o dots.svg --points 100
 ${PYTHON:-python3} -c 'import sys, xml.dom.minidom as m; m.parse(sys.argv[1])' dots.svg || fail "dots.svg isn't XML"
 dots=$(grep -oE 'M [0-9]+ [0-9]+ Z' dots.svg | wc -l)

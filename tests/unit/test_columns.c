@@ -41,6 +41,12 @@ static void spellings_of_time(void **state) {
         {"t_ns,t_us,x", TD_COLUMN_TWICE, -1},
         {"stamp.secs,stamp.nsecs,x", TD_COLUMN_TWICE, -1},
         {"x,y", TD_COLUMN_NONE, -1},
+        {"microseconds,x", 0, 3}, /* the unit alone */
+        {"x,nsec", 1, 0},
+        {"s,x", TD_COLUMN_NONE, -1},
+        {"sec,nsec,x", TD_COLUMN_TWICE, -1},
+        {"header.stamp.sec,header.stamp.nanosec", TD_COLUMN_TWICE, -1},
+        {"# Format: time(us) x y", 0, 3}, /* what it is isn't a column */
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         td_columns c;

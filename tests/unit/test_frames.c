@@ -5,6 +5,7 @@
 #include <hdf5.h>
 #include <math.h>
 #include <png.h>
+#include <sys/stat.h>
 
 #include "archive/td_npy.h"
 #include "tides/frames.h"
@@ -103,6 +104,32 @@ static void png_of_each_kind(void **state) {
     }
 }
 
+/* Beside the folder of pictures: as the Event Camera Dataset and EDS have them. */
+static void lists_of_datasets(void **state) {
+    char pictures[4096], list[4096];
+    snprintf(pictures, sizeof pictures, "%s", in_folder(*state, "images"));
+    assert_int_equal(mkdir(pictures, 0700), 0);
+    write_png(in_folder(*state, "images/frame_0.png"), 0, 8, 30, WIDTH);
+    write_png(in_folder(*state, "images/frame_1.png"), 0, 8, 20, WIDTH);
+    static const char *const texts[][2] = {
+        {"images.txt", "1.25 images/frame_0.png\n1.5 images/frame_1.png\n"},
+        {"images_timestamps.txt", "1250000\n1500000\n"},
+    };
+    for (int i = 0; i < 2; i++) {
+        tides_frames_options options;
+        tides_frames_options_defaults(&options);
+        snprintf(list, sizeof list, "%s", in_folder(*state, texts[i][0]));
+        write_text(list, texts[i][1]);
+        tides_frames *frames = open_frames(pictures, &options);
+        assert_true(tides_frames_time(frames, 0) == 1.25 && tides_frames_time(frames, 1) == 1.5);
+        tides_frames_close(frames);
+        remove(list);
+    }
+    remove(in_folder(*state, "images/frame_0.png"));
+    remove(in_folder(*state, "images/frame_1.png"));
+    assert_int_equal(remove(pictures), 0);
+}
+
 static void natural_order_and_times(void **state) {
     const char *folder_path = ((folder *)*state)->path;
     write_png(in_folder(*state, "f10.png"), 0, 8, 30, WIDTH);
@@ -131,6 +158,12 @@ static void natural_order_and_times(void **state) {
     assert_true(tides_frames_time(frames, 2) == 2);
     tides_frames_close(frames);
 
+    write_text(in_folder(*state, "own.txt"), "frame_a.png 0\nframe_b.png 1\nframe_c.png 2\n");
+    options.timestamps = in_folder(*state, "own.txt");
+    refused(folder_path, &options, TIDES_BAD_FILE, "its times count frames, 0, 1 ...: frames.frames_per_second");
+    options.unit = TIDES_TIME_S;
+    tides_frames_close(open_frames(folder_path, &options));
+    options.unit = TIDES_TIME_AUTO;
     write_text(in_folder(*state, "own.txt"), "1\n2\n");
     options.timestamps = in_folder(*state, "own.txt");
     refused(folder_path, &options, TIDES_BAD_FILE, "has 2 times");
@@ -440,6 +473,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(png_of_each_kind, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(natural_order_and_times, folder_setup, folder_teardown),
+        cmocka_unit_test_setup_teardown(lists_of_datasets, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(exr_channels, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(arrays_and_memory, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(claims_are_checked, folder_setup, folder_teardown),

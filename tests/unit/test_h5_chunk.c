@@ -75,8 +75,37 @@ static void test_small(void **state) {
     for (size_t count = 1; count < 40; count++) check(4, (int[8]){NOISE, SAME, RUNS, FEW, 0, 0, 0, 0}, count);
 }
 
+/* All of a table, whose last chunk isn't full, and of a list. */
+static void test_tables(void **state) {
+    (void)state;
+    enum { ROWS = 50, WIDTH = 37, CHUNK = 16 };
+    double values[ROWS * WIDTH], read[ROWS * WIDTH];
+    uint64_t random = 5;
+    for (size_t i = 0; i < ROWS * WIDTH; i++) values[i] = i % 3 ? 1e-300 * (double)(scene_next(&random) >> 40) : -0.0;
+    const hid_t access = H5Pcreate(H5P_FILE_ACCESS), creation = H5Pcreate(H5P_DATASET_CREATE);
+    assert_true(H5Pset_fapl_core(access, 1 << 20, 0) >= 0);
+    const hid_t file = H5Fcreate("tables", H5F_ACC_TRUNC, H5P_DEFAULT, access);
+    for (int rank = 1; rank <= 2; rank++) {
+        const hsize_t extent[2] = {rank == 2 ? ROWS : ROWS * WIDTH, rank == 2 ? WIDTH : 0}, chunk[2] = {CHUNK, WIDTH};
+        assert_true(H5Pset_chunk(creation, rank, chunk) >= 0);
+        if (rank == 1) assert_true(H5Pset_shuffle(creation) >= 0 && H5Pset_deflate(creation, 1) >= 0);
+        const hid_t space = H5Screate_simple(rank, extent, NULL);
+        const hid_t set =
+            H5Dcreate2(file, rank == 2 ? "table" : "list", H5T_IEEE_F64LE, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+        assert_true(td_h5_write_chunks(set, extent, CHUNK, sizeof *values, values) >= 0);
+        memset(read, 1, sizeof read);
+        assert_true(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, read) >= 0);
+        assert_memory_equal(values, read, sizeof values);
+        H5Dclose(set);
+        H5Sclose(space);
+    }
+    H5Pclose(creation);
+    H5Pclose(access);
+    H5Fclose(file);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_noise), cmocka_unit_test(test_mixed),
-                                       cmocka_unit_test(test_small)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_noise), cmocka_unit_test(test_mixed), cmocka_unit_test(test_small),
+                                       cmocka_unit_test(test_tables)};
     return cmocka_run_group_tests_name("h5_chunk", tests, NULL, NULL);
 }

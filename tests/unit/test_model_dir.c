@@ -199,7 +199,7 @@ static void add_tensor(scene_bytes *pickle, const char *name, int storage, int n
     pickle_tensor(pickle, "FloatStorage", key, count, 0, ndim, shape, stride);
 }
 
-enum { PLAIN, NOT_FINITE, NO_SH, WRONG_SH, FREETIME, NO_TIMES };
+enum { PLAIN, NOT_FINITE, NO_SH, WRONG_SH, FREETIME, FREETIME_NOT_FINITE, NO_TIMES };
 
 /* Two Gaussians of degree 1, values 0.01, 0.02 .. in each storage. */
 static void put_checkpoint(void *folder, const char *name, int kind) {
@@ -217,13 +217,13 @@ static void put_checkpoint(void *folder, const char *name, int kind) {
     add_tensor(&pickle, "opacities", 3, 1, (const int32_t[]){2});
     add_tensor(&pickle, "sh0", 4, 3, (const int32_t[]){2, 1, 3});
     if (kind != NO_SH) add_tensor(&pickle, "shN", 5, 3, (const int32_t[]){2, kind == WRONG_SH ? 4 : 3, 3});
-    if (kind == FREETIME || kind == NO_TIMES) add_tensor(&pickle, "velocities", 0, 2, (const int32_t[]){2, 3});
-    if (kind == FREETIME) add_tensor(&pickle, "times", 3, 2, (const int32_t[]){2, 1});
-    if (kind == FREETIME) add_tensor(&pickle, "durations", 3, 2, (const int32_t[]){2, 1});
+    if (kind >= FREETIME) add_tensor(&pickle, "velocities", 1, 2, (const int32_t[]){2, 3});
+    if (kind == FREETIME || kind == FREETIME_NOT_FINITE) add_tensor(&pickle, "times", 3, 2, (const int32_t[]){2, 1});
+    if (kind == FREETIME || kind == FREETIME_NOT_FINITE) add_tensor(&pickle, "durations", 3, 2, (const int32_t[]){2, 1});
     PICKLE(&pickle, "uu.");
     float means[6];
     memcpy(means, values, sizeof means);
-    if (kind == NOT_FINITE) means[4] = 1.0f / 0.0f;
+    if (kind == NOT_FINITE || kind == FREETIME_NOT_FINITE) means[4] = 1.0f / 0.0f;
     const pickle_storage_bytes storages[] = {{means, 24}, {values, 24}, {values, 32},
                                              {values, 8}, {values, 24}, {values, kind == WRONG_SH ? 96 : 72}};
     scene_bytes file = pickle_archive(&pickle, storages, 6);
@@ -255,7 +255,19 @@ static void test_gsplat(void **state) {
     assert_true(g.sh[23] == 0.01f * 18);
     tides_scene_destroy(scene);
     put_checkpoint(*state, "n.pt", NOT_FINITE);
-    expect_refused(*state, "n.pt", TIDES_BAD_FILE, "n.pt|tensor means|element 4|finite");
+    expect_refused(*state, "n.pt", TIDES_BAD_FILE, "n.pt|Gaussian 1: mean[1] is inf|scene.invalid = drop");
+    tides_scene_options options;
+    tides_error error = {TIDES_OK, ""};
+    tides_scene_options_defaults(&options);
+    options.invalid = TIDES_INVALID_DROP;
+    scene = scene_new();
+    scene_expect_ok(tides_scene_read(scene, scene_in_folder(*state, "n.pt"), &options, NULL, 1, &error), &error);
+    assert_int_equal(tides_scene_dropped(scene), 1);
+    assert_int_equal(scene_object_of(scene, 0).gaussians.count, 1);
+    put_checkpoint(*state, "m.pt", FREETIME_NOT_FINITE); /* whose rows a motion has, too */
+    scene_expect_error(tides_scene_read(scene, scene_in_folder(*state, "m.pt"), &options, NULL, 1, &error), TIDES_BAD_FILE,
+                       &error, "m.pt|Gaussian 1: mean[1] is inf");
+    tides_scene_destroy(scene);
     put_checkpoint(*state, "w.pt", WRONG_SH);
     expect_refused(*state, "w.pt", TIDES_BAD_FILE, "w.pt|shN");
     put_checkpoint(*state, "v.pt", NO_TIMES);

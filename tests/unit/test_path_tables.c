@@ -77,6 +77,7 @@ static void headers_decide(void **state) {
 
 #define TAIL " 1 2 3 0 0.6 0 0.8\n"
 #define CSV ",1,2,3,0,0.6,0,0.8\n"
+#define MATRIX " .28 0 .96 1 0 1 0 2 -.96 0 .28 3"
 
 /* Two steps of 0.25 s (first to third), without names: what comes out, and whether that is said. */
 static void numbers_decide(void **state) {
@@ -95,6 +96,9 @@ static void numbers_decide(void **state) {
         {"0" CSV "250000000" CSV "500000000" CSV, ""},
         {"0.0" CSV "250000000.0" CSV "500000000.0" CSV, ""}, /* as ESIM writes them */
         {"0.0" CSV "0.25" CSV "0.5" CSV, "seconds"},
+        /* matrices as KITTI's, with times, and whole ones */
+        {"5.0" MATRIX "\n5.25" MATRIX "\n", ""},
+        {"1700000000000000" MATRIX " 0 0 0 1\n1700000000250000" MATRIX " 0 0 0 1\n", "microseconds"},
         {"1700000000000000" CSV "1700000000250000" CSV "1700000000500000" CSV, "microseconds"},
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -112,6 +116,11 @@ static void refused(void **state) {
         const char *text, *words;
     } rows[] = {
         {"0" TAIL "1" TAIL "2" TAIL, "camera.time_unit"},
+        {"0.0" TAIL "1.0" TAIL "2.0" TAIL, "camera.time_unit"},          /* DROID-SLAM's and DPVO's */
+        {"1" MATRIX "\n2" MATRIX "\n3" MATRIX "\n", "camera.time_unit"}, /* KITTI-360's */
+        {MATRIX " 0 0 0 2\n", "F:1: a pose's last row"},
+        {"0 1 2 3 4 5 6 7 8 9 10\n", "F:1: more than 8 columns"},
+        {"header.stamp.sec,header.stamp.nanosec,x,y,z,qx,qy,qz,qw\n0,1,1,2,3,0,0,0,1\n", "seconds and nanoseconds together"},
         {"0" TAIL "33" TAIL "66" TAIL, "camera.time_unit"},
         {"0" CSV "1" CSV "2" CSV, "camera.time_unit"},
         {"{\"frames\": [{\"time\": 0, \"transform_matrix\": [[1,0,0,0],[0,1,0,0],[0,0,1,0]]}, {\"time\": 1, "
@@ -154,6 +163,7 @@ static void told(void **state) {
         {"# t[ns] x y z qx qy qz qw\n0" TAIL "250000" TAIL, TIDES_TIME_US},
         {"0" CSV "0.25" CSV, TIDES_TIME_S},
         {"0" TAIL "1" TAIL "2" TAIL "3" TAIL "4" TAIL, TIDES_TIME_INDEX}, /* five over a second */
+        {"0" MATRIX "\n1" MATRIX "\n2" MATRIX "\n3" MATRIX "\n4" MATRIX "\n", TIDES_TIME_INDEX},
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         tides_path path = load(rows[i].text, rows[i].unit);

@@ -173,6 +173,16 @@ static void other_ways_of_writing(void **state) {
     scene_expect_ok(td_camchain_parse("chain.yaml", text, &chain, &error), &error);
     assert_int_equal(chain.count, 1);
     assert_true(fabs(chain.camera[0].T_B_C[3] - 0.1) < 1e-15 && chain.camera[0].intrinsics.lens.model == TIDES_LENS_NONE);
+    static const char *const names[] = {"equi", "equidistant", "radtan", "plumb_bob"};
+    for (int i = 0; i < 4; i++) {
+        char other[300];
+        snprintf(other, sizeof other,
+                 "cam0:\n  camera_model: pinhole\n  distortion_model: %s\n  distortion_coeffs: [0.1, 0, 0, 0]\n"
+                 "  intrinsics: [10, 10, 5, 5]\n  resolution: [10, 10]\n",
+                 names[i]);
+        scene_expect_ok(td_camchain_parse("chain.yaml", other, &chain, &error), &error);
+        assert_int_equal(chain.camera[0].intrinsics.lens.model, i < 2 ? TIDES_LENS_EQUIDISTANT : TIDES_LENS_RADTAN);
+    }
 }
 
 /* PyYAML's block style, and an editor's byte order mark; no lens with an empty list. */

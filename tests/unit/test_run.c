@@ -277,6 +277,10 @@ static void objects_are_checked(void **state) {
     REFUSED("{" BASE "}", "scene.objects=[1]", bad, "scene.objects[0] = 1");
     REFUSED("{" BASE "}", "scene.objects=[{\"file\": \"a\"}, {}]", bad, "scene.objects[1].file is missing");
     REFUSED("{" BASE "}", "scene.objects=[{\"fil\": \"a\"}]", bad, "did you mean \"scene.objects[0].file\"");
+    REFUSED("{" BASE "}", "scene.objects=[{\"file\": \"a\", \"time_unit\": \"h\"}]", bad, "scene.objects[0].time_unit = \"h\"",
+            "auto");
+    REFUSED("{" BASE "}", "scene.objects=[{\"file\": \"a\", \"duration_s\": 0}]", bad, "scene.objects[0].duration_s = 0",
+            "range");
     REFUSED("{" BASE "}", "scene.objects=[{\"file\": 3}]", bad, "scene.objects[0].file = 3");
     REFUSED("{" BASE "}", "scene.objects=[{\"file\": \"a\", \"scale\": 0}]", bad, "scene.objects[0].scale = 0", "range");
     REFUSED("{" BASE "}", "scene.objects=[{\"file\": \"a\", \"scale\": \"x\"}]", bad, "scene.objects[0].scale");

@@ -12,6 +12,7 @@
 #include "tests/support/gltf_make.h"
 #include "tests/support/scene_folder.h"
 #include "tests/support/scene_make.h"
+#include "tests/support/splat_make.h"
 #include "tides.h"
 
 #include <sys/stat.h>
@@ -192,9 +193,41 @@ static void dropped(void **state) {
     free(b.data);
 }
 
+/* The same of what readers turn into our terms: a filter, opacities from 0 to 1, a checkpoint's tensors. */
+static void dropped_by_readers(void **state) {
+    const char *glb = scene_in_folder(*state, "bad.glb"), *ply = scene_in_folder(*state, "mip.ply");
+    td_gaussians g = scene_random(5, 9, 1, SCENE_TRAINED);
+    tides_scene_options options;
+    tides_error error = {TIDES_OK, ""};
+    tides_scene_options_defaults(&options);
+    options.invalid = TIDES_INVALID_DROP;
+    float filter[9] = {0, 0.1f, NAN, 0, 0, INFINITY, 0, 0, 0};
+    scene_bytes b = scene_ply(&g, &(scene_recipe){.format = SCENE_LITTLE, .type = SCENE_FLOAT, .filter = filter});
+    scene_file_write(ply, b.data, b.size);
+    free(b.data);
+    tides_scene *scene = scene_new();
+    scene_expect_error(tides_scene_add_file(scene, ply, NULL, 1, &error), TIDES_BAD_FILE, &error,
+                       "Gaussian 2: filter_3D is not finite|scene.invalid = drop");
+    scene_expect_ok(tides_scene_read(scene, ply, &options, NULL, 1, &error), &error);
+    assert_int_equal(tides_scene_dropped(scene), 2);
+    gltf_recipe r = {.degree = 0};
+    scene_bytes chunk = gltf_binary(&r);
+    splat_patch(&chunk, 40 * GLTF_COUNT, 0x40400000); /* an opacity of 3 */
+    b = gltf_glb_of(gltf_text(&r, ""), chunk);
+    scene_file_write(glb, b.data, b.size);
+    free(b.data);
+    scene_expect_error(tides_scene_add_file(scene, glb, NULL, 1, &error), TIDES_BAD_FILE, &error,
+                       "splat 0: its opacity is 3|scene.invalid = drop");
+    scene_expect_ok(tides_scene_read(scene, glb, &options, NULL, 1, &error), &error);
+    assert_int_equal(tides_scene_dropped(scene), 3);
+    assert_int_equal(tides_scene_count(scene), 7 + GLTF_COUNT - 1);
+    tides_scene_destroy(scene);
+    td_gaussians_free(&g);
+}
+
 int main(void) {
 #define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, scene_folder_setup, scene_folder_teardown)
-    const struct CMUnitTest tests[] = {IN_FOLDER(gltf), IN_FOLDER(hdf5), IN_FOLDER(iterations), IN_FOLDER(in_run_files),
-                                       IN_FOLDER(dropped)};
+    const struct CMUnitTest tests[] = {IN_FOLDER(gltf),         IN_FOLDER(hdf5),    IN_FOLDER(iterations),
+                                       IN_FOLDER(in_run_files), IN_FOLDER(dropped), IN_FOLDER(dropped_by_readers)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

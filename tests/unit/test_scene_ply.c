@@ -227,6 +227,7 @@ static const struct {
     {"element vertex 2\n", "", TIDES_BAD_FILE, "line 3|before any element"},
     {"float x", "uint packed_position", TIDES_BAD_FILE, "compressed PLY|binary_little_endian"},
     {"float x", "float trbf_center", TIDES_UNSUPPORTED, "SpacetimeGaussians"},
+    {"float x", "float scale_t", TIDES_UNSUPPORTED, "4-D Gaussians"},
     {"float x", "float motion_xyz_0_0", TIDES_UNSUPPORTED, "Ex4DGS"},
     {"float x", "half x", TIDES_BAD_FILE, "line 4|unknown type|'half'"},
     {"float x", "float", TIDES_BAD_FILE, "line 4|property TYPE NAME"},

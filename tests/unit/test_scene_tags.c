@@ -70,6 +70,26 @@ static void comments(void **state) {
 }
 
 /* mip-splatting trains its 3-D filter beside compensated opacities. */
+/* Values as they are used, where 3DGS has those that are trained: said, and taken as they are written. */
+static void activated(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 4; kind++) { /* as trained; opacities; scales; all opacities the same */
+        td_gaussians g = scene_random(3, 40, 0, SCENE_TRAINED);
+        for (int i = 0; i < 40; i++) {
+            if (kind == 1 || kind == 3) g.opacity_logit[i] = kind == 1 ? 0.025f * (float)i : 0.9f;
+            for (int k = 0; kind == 2 && k < 3; k++) g.log_scale[3 * i + k] = 0.01f * (float)(i + k);
+        }
+        scene_bytes b = scene_ply(&g, &(scene_recipe){.type = SCENE_FLOAT});
+        td_gaussians read = splat_parse(td_ply_parse, &b);
+        const char *note = kind == 1 ? "opacities all lie from 0 to 1" : kind == 2 ? "scales all lie from 0 to 1" : NULL;
+        assert_true(note ? read.notes && strstr(read.notes, note) : !read.notes);
+        assert_true(read.opacity_logit[7] == g.opacity_logit[7] && read.log_scale[7] == g.log_scale[7]);
+        td_gaussians_free(&read);
+        td_gaussians_free(&g);
+        free(b.data);
+    }
+}
+
 static void filtered(void **state) {
     (void)state;
     const float filter[2] = {0.01f, 0.02f};
@@ -227,6 +247,7 @@ static void in_run_files(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(comments),
+        cmocka_unit_test(activated),
         cmocka_unit_test(filtered),
         cmocka_unit_test(discs),
         cmocka_unit_test_setup_teardown(formats, scene_folder_setup, scene_folder_teardown),

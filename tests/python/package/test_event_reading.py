@@ -334,3 +334,54 @@ def test_times_of_frames(tmp_path, name, end):
     assert np.allclose(found, times, atol=1e-6 if "1970" in name else 1e-9)
     moved = tides.Frames(tmp_path / "frames.npy", timestamps=str(tmp_path / "t.txt"), rebase=1, offset_s=-0.5)
     assert np.allclose(moved.times, times - times[0] - 0.5, atol=1e-6)
+
+
+# -- no output is an input ------------------------------------------------------------------------------------------------
+def test_outputs_apart(tmp_path):
+    events, scene, camera = tmp_path / "e.h5", tmp_path / "s.ply", tmp_path / "c.json"
+    tides.write_events(events, tides.make_events([1, 2], [3, 4], [5, 6], [1, 0]), 8, 8)
+    link = tmp_path / "link.h5"
+    link.symlink_to(events)
+    with tides.EventReader(events):
+        for name in (events, link):
+            with pytest.raises(ValueError, match="is read, and would be replaced"):
+                tides.ArrayWriter(name, (1, 8, 8))
+            with pytest.raises(ValueError, match="is read, and would be replaced"):
+                tides.EventWriter(name, 8, 8)
+    tides.write_events(events, tides.make_events([1], [3], [5], [1]), 8, 8)  # nobody reads it any more
+    assert len(tides.read_events(events)) == 1
+    made = tides.Scene()
+    made.add(tides.Gaussians.from_colours([[0, 0, 1]], 0.1, [[1, 0, 0]]))
+    made.save(scene)
+    made.save(scene)
+    read = tides.Scene(scene)
+    with pytest.raises(ValueError, match="s.ply is read, and would be replaced"):
+        read.save(scene)
+    tides.Camera(tides.Trajectory.static([0, 0, 0]), width=8, height=8, fx=8, fy=8).save(camera)
+    with pytest.raises(ValueError, match="c.json is read, and would be replaced"):
+        tides.Camera.load(camera).save(camera)
+
+
+# -- what is taken is said --------------------------------------------------------------------------------------------------
+def test_units_of_hdf5(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    file = tmp_path / "e.h5"
+    for group, unit, factor, said in (
+        ("events", None, 1, "microseconds"),
+        ("events", "ns", 1000, ""),
+        ("camera/left", "Nanoseconds", 1000, ""),
+        ("camera/left", None, 1, "microseconds"),
+        ("prophesee/left", None, 1, ""),
+        ("", "us", 1, ""),
+    ):
+        with h5py.File(file, "w") as f:
+            for name, values in zip("txyp", (factor * T, X, Y, P)):
+                f[f"{group}/{name}"] = values
+            if unit:
+                f[f"{group}/t"].attrs["units"] = unit
+        with tides.EventReader(file) as reader:
+            assert np.array_equal(reader.read(N)["t"], 1000 * T)
+            assert (said in reader.facts["read_as"]) if said else not reader.facts["read_as"]
+    np.savez(tmp_path / "e.npz", t=1000 * T, x=X, y=Y, p=P)
+    with tides.EventReader(tmp_path / "e.npz") as reader:
+        assert "nanoseconds, as rpg_vid2e has them" in reader.facts["read_as"]
