@@ -40,9 +40,8 @@ typedef struct visit {
 
 /* -- the step -------------------------------------------------------------------------------------------------------------- */
 
-/* Of ideal pixels counts are all: the rest follows from them. */
 static uint64_t state_of(const visit *v) {
-    return v->state.words <= 2 ? v->state.word[0] : td_hash_words(0, v->state.word, (size_t)v->state.words * sizeof(uint64_t));
+    return td_hash_words(0, v->state.word, (size_t)v->state.words * sizeof(uint64_t));
 }
 
 /* What was found for another state is forgotten. */
