@@ -151,7 +151,7 @@ enum { TIDES_STAT_COUNT = 0 /* uint64_t */, TIDES_STAT_REAL = 1 /* double */, TI
 enum { TIDES_JOIN_DERIVED = 0, TIDES_JOIN_SUM = 1, TIDES_JOIN_LARGEST = 2 };
 
 /* One row of the table of statistics, from which --stats and checkpoints are made: a field of tides_stats. Rows "time_s.NAME"
- * are parts of run_time_s and add up to it. */
+ * are parts of run_time_s and add up to it; "settings.NAME" are what the run has where the stepping left it open. */
 typedef struct tides_stat {
     const char *name; /* "events_on" */
     const char *unit; /* "s", or "" */
@@ -162,6 +162,9 @@ typedef struct tides_stat {
 
 /* The table; static storage, `count` (nullable) receives its length. */
 TIDES_API const tides_stat *tides_stats_table(size_t *count);
+
+/* A row's field as a number, whatever its type; counts above 2^53 are rounded. Neither may be NULL. */
+TIDES_API double tides_stat_value(const tides_stats *stats, const tides_stat *row);
 
 /* Receives events in order; `count` may be 0. Non-zero stops the run: TIDES_CANCELLED, or the status it stored itself. */
 typedef int (*tides_event_sink)(void *user, const tides_event *events, size_t count);

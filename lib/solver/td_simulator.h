@@ -33,10 +33,9 @@ typedef struct td_asking {
 typedef struct td_undo {
     unsigned char *bytes; /* of each row of the table of state, one after the other */
     size_t capacity;
-    tides_stats stats;
-    td_sensor_counts counts;
+    tides_stats stats;       /* td_stats_take */
+    td_sensor_counts counts; /* also those that are no statistics */
     td_render_counts render;
-    uint64_t uncertain, solved, lookups;
 } td_undo;
 
 struct tides_simulator {
@@ -180,8 +179,11 @@ double td_simulator_extends_from(const tides_simulator *simulator, double until)
 void td_simulator_state(tides_simulator *simulator, td_state *state);
 void td_simulator_resume(tides_simulator *simulator, int64_t step, const tides_stats *before);
 
-/* One of the statistics as a number, and set to it (counts and reals). */
-double td_stat_value(const tides_stats *stats, const tides_stat *row);
+/* What is counted in the simulator itself, all but the renderer's; and put back, but for the time that was spent. */
+void td_stats_take(const tides_simulator *simulator, tides_stats *stats);
+void td_stats_put(tides_simulator *simulator, const tides_stats *stats);
+
+/* One of the statistics set to a number (counts and reals). */
 void td_stat_set(tides_stats *stats, const tides_stat *row, double value);
 
 /* tides_stats.worst_residual. */

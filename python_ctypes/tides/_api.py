@@ -4052,6 +4052,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
         P(tides_simulator), c_double, c_char_p, P(tides_event_file), P(tides_recording), tides_progress, c_void_p,
         P(tides_recorded), P(tides_error)
     ], "simulator stop path facts how progress user done error"),
+    # double tides_stat_value(const tides_stats *stats, const tides_stat *row)
+    "tides_stat_value": (c_double, [P(tides_stats), P(tides_stat)], "stats row"),
     # const tides_stat *tides_stats_table(size_t *count)
     "tides_stats_table": (P(tides_stat), [P(c_size_t)], "count"),
     # const char *tides_status_name(tides_status status)
