@@ -1,7 +1,7 @@
 /* The parameter table: every key of the run file, once. A row says where in tides_run_values its value goes, and everything
  * else is made from the rows: the JSON reader and --set, the values (run_values.c), the defaults as text (params.c, from the
  * structs' own), --help, man page and template, the run written into event files, Python's table, the files that a run reads
- * (inputs.c), and the settings of ideal pixels (lib/measure/ideal.c).
+ * (inputs.c), what a checkpoint compares (lib/checkpoint/facts.c), and the settings of ideal pixels (lib/measure/ideal.c).
  *
  * A new parameter is a field in its struct, its default in that struct's *_defaults where that isn't 0, and a row here. */
 #include "td_params.h"
@@ -115,7 +115,8 @@ const td_param td_params[] = {
 
     {NUMBER("time.start", start, "s", -LAST_SECOND, LAST_SECOND,
             "where the run begins; pixels rest at the signal of this moment")},
-    {NUMBER("time.stop", stop, "s", -LAST_SECOND, LAST_SECOND, "where the run ends; of frames, unless given, with the last")},
+    {NUMBER("time.stop", stop, "s", -LAST_SECOND, LAST_SECOND, "where the run ends; of frames, unless given, with the last"),
+     .no_event = 1}, /* of those before it */
 
     {CHOICE("image.rules", image.rules, "smooth|inria|gsplat", "whose cutoffs form the image; smooth has no jumps in time")},
     {CHOICE("image.antialias", image.antialias, "file|true|false",
@@ -210,8 +211,8 @@ const td_param td_params[] = {
             "what has its own steps: 16x16 tiles or 4x4 blocks; auto: blocks where events are looked up")},
     {NUMBER("stepping.budget", stepping.budget, "full frames", 0, 1e12,
             "renders that cuts may cost in the run; 0 sets no bound")},
-    {NUMBER("stepping.memory_mb", stepping.memory_mb, "MB", 1, 1e9,
-            "memory for the renders of a macro step; changes no event")},
+    {NUMBER("stepping.memory_mb", stepping.memory_mb, "MB", 1, 1e9, "memory for the renders of a macro step; changes no event"),
+     .no_event = 1},
     {NUMBER("stepping.risk.w_b", stepping.risk.w_b, "", 0, 1, "weight of coverage in the risk score")},
     {NUMBER("stepping.risk.w_c", stepping.risk.w_c, "", 0, 1, "weight of contributors in the risk score")},
     {NUMBER("stepping.risk.w_alpha", stepping.risk.w_alpha, "", 0, 1, "weight of |alpha_dot| in the risk score")},
@@ -377,7 +378,7 @@ const td_param td_params[] = {
     {NUMBER("dataset.pose_hz", dataset_pose_hz, "Hz", 1e-3, 1e6, "tides dataset: poses a second")},
 
     {STRING("device", device, "reference, cpu, gpu, an index or a part of a device's name; auto: TIDES_DEVICE, else the best"),
-     .fallback = "\"auto\""},
+     .fallback = "\"auto\"", .no_event = 1}, /* as far as it is as precise */
     {STRING("seed", seed, "whole number that all randomness comes from; above 2^53 in quotes"), .fallback = "\"0\""},
 };
 const size_t td_params_count = sizeof td_params / sizeof td_params[0];

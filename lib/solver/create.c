@@ -154,6 +154,11 @@ static void take_parameters(tides_simulator *s, const tides_sensor *sensor, cons
     if (stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED)
         s->interpolates = stepping->tolerance > 0 ? stepping->tolerance : model_tolerance; /* looking up doesn't undo it */
     s->paths = stepping->paths && stepping->mode != TIDES_STEPPING_FIXED;
+    s->stepping = *stepping;
+    s->stepping.local = s->local;
+    s->stepping.tolerance = s->tolerance;
+    s->stepping.unit = s->unit;
+    s->stepping.solve = s->solve.precision;
     td_refine_bound(s);
 }
 

@@ -48,6 +48,7 @@ struct tides_simulator {
     double length, step_s;      /* [s] up to `length` */
     int64_t epoch_ns;           /* the nearest nanosecond; event times are whole nanoseconds after it */
     td_grid grid;               /* where steps begin and end */
+    tides_stepping stepping;    /* as given, and what it left open as it was settled; for checkpoints */
     int mode, local;            /* TIDES_STEPPING_*; each tile has its own steps */
     double min_step_s, tolerance, time_tolerance_s, budget, memory_mb;
     double interpolates; /* rows of motions within macro steps, as far as that stays within so much [thresholds]; 0: not */
