@@ -121,7 +121,11 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_tracks(tides_session *sess
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_truth(tides_session *session, const char *path, tides_progress progress,
                                                             void *user, tides_error *error);
 
-/* How events go into a file; fill with tides_recording_defaults (the ending's format, from the start, 30 s). */
+/* [s] of wall time between checkpoints where nothing else is asked for: what a crash may cost at most, at well below a percent
+ * of a run's time. */
+#define TIDES_CHECKPOINT_S 30
+
+/* How events go into a file; fill with tides_recording_defaults (the ending's format, from the start, TIDES_CHECKPOINT_S). */
 typedef struct tides_recording {
     uint32_t size;
     int32_t resume;          /* 1: go on where PATH.checkpoint is, with the PATH.part beside it */

@@ -4,6 +4,7 @@
  * (inputs.c), what a checkpoint compares (lib/checkpoint/facts.c), and the settings of ideal pixels (lib/measure/ideal.c).
  *
  * A new parameter is a field in its struct, its default in that struct's *_defaults where that isn't 0, and a row here. */
+#include "td_base.h"
 #include "td_params.h"
 
 /* A row's value is a number, a whole number (int32_t), 0 or 1 (int32_t), the place in `choices` of what was chosen (int32_t; a
@@ -25,9 +26,6 @@
 #define TEXT(name, text) ROW(name, STRING, TD_NO_FIELD, text)
 #define OBJECTS(name, text) ROW(name, OBJECTS, TD_NO_FIELD, text)
 
-/* Events carry 64-bit nanoseconds: 9.2e9 s is the last second that fits (clocks that count from 1970 do). */
-#define LAST_SECOND 9.2e9
-
 /* In the order of stepping.model's choices. */
 static const int32_t models[] = {TIDES_MODEL_HERMITE, TIDES_MODEL_QUADRATIC, TIDES_MODEL_LINEAR, TIDES_MODEL_SECANT};
 
@@ -46,7 +44,7 @@ const td_param td_params[] = {
     {CHOICE("scene.invalid", scene_options.invalid, "error|drop",
             "Gaussians of files that are NaN or infinite: refuse the file, or leave them out")},
     {VECTOR3("scene.background", image.background, "", 0, 1e6, "linear colour behind everything")},
-    {NUMBER("scene.duration_s", scene_duration_s, "s", 1e-9, LAST_SECOND,
+    {NUMBER("scene.duration_s", scene_duration_s, "s", 1e-9, TD_FURTHEST_TIME,
             "seconds that motions last; null takes the scene's own"),
      .fallback = "null"},
     {BOOLEAN("scene.interpolate_motion", stepping.interpolate_motion,
@@ -62,7 +60,7 @@ const td_param td_params[] = {
      .is_file = 1},
     {ROW("camera.orbit_s", NUMBER, TD_NO_FIELD,
          "in place of camera.file: an orbit about what the scene holds, a turn in so long"),
-     .unit = "s", .lower = 1e-9, .upper = LAST_SECOND, .fallback = "null"},
+     .unit = "s", .lower = 1e-9, .upper = TD_FURTHEST_TIME, .fallback = "null"},
     {ROW("camera.up", VECTOR3, TD_NO_FIELD, "what is up for that orbit; null: as the scene says, or guessed, -y or z"),
      .lower = -1e6, .upper = 1e6, .fallback = "null"},
     {ROW("camera.scale", NUMBER, TD_NO_FIELD,
@@ -91,11 +89,12 @@ const td_param td_params[] = {
     {NUMBER("camera.k4", intrinsics.lens.k4, "", -1e3, 1e3, "the same, of equidistant")},
     {NUMBER("camera.p1", intrinsics.lens.p1, "", -1e3, 1e3, "the same, tangential, of radtan")},
     {NUMBER("camera.p2", intrinsics.lens.p2, "", -1e3, 1e3, "the same")},
-    {NUMBER("camera.duration_s", path.duration, "s", 1e-9, LAST_SECOND,
+    {NUMBER("camera.duration_s", path.duration, "s", 1e-9, TD_FURTHEST_TIME,
             "length of paths whose file has no times, or times in [0, 1]")},
     {CHOICE("camera.time_unit", path.time_unit, "auto|s|ms|us|ns|index",
             "of the path file's times; auto: as its header says, or what is plausible; index: no times")},
-    {NUMBER("camera.start_s", path.start, "s", -LAST_SECOND, LAST_SECOND, "subtracted from every time of the path file")},
+    {NUMBER("camera.start_s", path.start, "s", -TD_FURTHEST_TIME, TD_FURTHEST_TIME,
+            "subtracted from every time of the path file")},
     {BOOLEAN("camera.raw_positions", path.raw_positions,
              "nerfies: leave out scene.json's scale and center (as 4DGaussians does)")},
     {STRING("camera.views", path.views,
@@ -113,9 +112,10 @@ const td_param td_params[] = {
     {TEXT("rig.camera", "the camera of them that a run is of, by name; null: the first (tides dataset: all)"),
      .fallback = "null"},
 
-    {NUMBER("time.start", start, "s", -LAST_SECOND, LAST_SECOND,
+    {NUMBER("time.start", start, "s", -TD_FURTHEST_TIME, TD_FURTHEST_TIME,
             "where the run begins; pixels rest at the signal of this moment")},
-    {NUMBER("time.stop", stop, "s", -LAST_SECOND, LAST_SECOND, "where the run ends; of frames, unless given, with the last"),
+    {NUMBER("time.stop", stop, "s", -TD_FURTHEST_TIME, TD_FURTHEST_TIME,
+            "where the run ends; of frames, unless given, with the last"),
      .no_event = 1}, /* of those before it */
 
     {CHOICE("image.rules", image.rules, "smooth|inria|gsplat", "whose cutoffs form the image; smooth has no jumps in time")},

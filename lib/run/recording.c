@@ -13,15 +13,12 @@
 #include <string.h>
 #include <unistd.h>
 
-/* [s] of wall time: what a crash may cost at most, at well below a percent of a run's time. */
-static const double default_checkpoint_s = 30.0;
-
 /* A checkpoint that takes long, of a large image on a slow disk, comes less often: this much simulation per second of saving.
  * */
 static const double least_work = 50.0;
 
 void tides_recording_defaults(tides_recording *recording) {
-    *recording = (tides_recording){.size = sizeof *recording, .checkpoint_s = default_checkpoint_s};
+    *recording = (tides_recording){.size = sizeof *recording, .checkpoint_s = TIDES_CHECKPOINT_S};
 }
 
 /* -- begin  */
