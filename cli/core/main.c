@@ -46,9 +46,8 @@ static const cli_command commands[] = {
      "In place of a run file, a scene (.ply, .spz, a model's folder ...) is seen from an orbit that is found, for 0.1 s, and "
      "a\n"
      "video (.y4m; -: from a pipe) to its end; --set scene.file=SCENE and --set frames.file=VIDEO alone name them, too.\n"
-     "Events go to HDF5 in the DSEC layout, with nanosecond times in events/t_ns, or by the ending to another format (.raw, "
-     ".dat, .es,\n"
-     ".aedat4, .npy, .npz, .csv, .txt), most in microseconds. Ctrl-C leaves what was simulated in EVENTS.h5.part.",
+     "Events go to HDF5 in the DSEC layout, with nanosecond times in events/t_ns, or by the ending to another format\n"
+     "(tides convert --help lists them), most in microseconds. Ctrl-C leaves what was simulated in EVENTS.h5.part.",
      -1, cmd_simulate},
     {"dataset", "RUN.json -o DIR --layout ecd|dsec|mvsec|evimo|blinkflow|tum|ros2|kubric",
      "Make a dataset's folder: events, pictures, depth, flow, poses of every camera.",
@@ -70,9 +69,9 @@ static const cli_command commands[] = {
      "DIR/summary.json and .csv all results. The same command again goes on after an interruption and does again\n"
      "only what changed.",
      1, cmd_batch},
-    {"convert", "IN OUT", "Convert a scene to .ply, .spz, .splat, .glb or .h5, or an event file to another format.",
-     "A scene is .ply (compressed too), .spz, .splat, .ksplat, .sog (lod-meta.json too), .glb, .gltf or .h5. IN's format is\n"
-     "found from its content; OUT's ending says what is written. Labels of events (sensor.labels) aren't kept.\n"
+    {"convert", "IN OUT", "Convert a scene or an event file to another format.",
+     "IN's format is found from its content; OUT's ending says what is written: lists of both are below.\n"
+     "Labels of events (sensor.labels) aren't kept.\n"
      "IN may be a folder: of a trained model, or of event files (DSEC, EDS, HS-ERGB, BS-ERGB).",
      2, cmd_convert},
     {"cut", "IN OUT --start S --stop S", "Cut a stretch of time or a window out of an event file.",

@@ -36,7 +36,7 @@ static const int32_t antialiases[] = {TIDES_ANTIALIAS_FILE, TIDES_ANTIALIAS_TRUE
 static const int32_t lens_models[] = {TIDES_LENS_NONE, TIDES_LENS_NONE, TIDES_LENS_RADTAN, TIDES_LENS_EQUIDISTANT};
 
 const td_param td_params[] = {
-    {STRING("scene.file", scene_file, "splats (.ply, .h5, .spz, .splat, .ksplat, .sog, .glb); not needed with scene.objects"),
+    {STRING("scene.file", scene_file, "splats, in any format that tides convert --help lists; not needed with scene.objects"),
      .fallback = "null", .is_file = 1},
     {STRING("scene.part", scene_options.part,
             "a glTF's scene, an .h5's object, an iteration, a level of detail; null: what a file shows first"),

@@ -1300,6 +1300,24 @@ class tides_scene_options(Structure):
     ]
 
 
+class tides_scene_format(Structure):
+    """const char *endings, *summary;
+    int32_t writes, losses;
+    """
+
+    endings: bytes | None
+    summary: bytes | None
+    writes: int
+    losses: int
+
+    _fields_ = [
+        ("endings", c_char_p),
+        ("summary", c_char_p),
+        ("writes", c_int32),
+        ("losses", c_int32),
+    ]
+
+
 class tides_object(Structure):
     """tides_gaussians gaussians; /* views of its arrays */
     const tides_trajectory *trajectory; /* NULL: at rest */
@@ -3900,6 +3918,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_scene_destroy": (None, [P(tides_scene)], "scene"),
     # int64_t tides_scene_dropped(const tides_scene *scene)
     "tides_scene_dropped": (c_int64, [P(tides_scene)], "scene"),
+    # int32_t tides_scene_format_at(size_t index, tides_scene_format *format)
+    "tides_scene_format_at": (c_int32, [c_size_t, P(tides_scene_format)], "index format"),
     # int32_t tides_scene_is_file(const char *file)
     "tides_scene_is_file": (c_int32, [c_char_p], "file"),
     # int32_t tides_scene_losses(const tides_scene *scene, const char *file)
@@ -4162,13 +4182,14 @@ STRUCTS = (
     tides_event_reading, tides_event_summary, tides_event_conversion, tides_event_conversion_report, tides_readout,
     tides_readout_stats, tides_pose_sample, tides_pose, tides_orbit, tides_dolly, tides_handheld, tides_lens,
     tides_intrinsics, tides_path_options, tides_path, tides_device_info, tides_polynomial_motion, tides_rotor_motion,
-    tides_keyframes_motion, tides_theta, tides_callback_motion, tides_gaussians, tides_scene_options, tides_object,
-    tides_circuit, tides_sensor, tides_smoothing, tides_image_params, tides_frame, tides_render_stats, tides_risk,
-    tides_stepping, tides_stats, tides_stat, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params,
-    tides_baseline_params, tides_frame_supply, tides_exposure, tides_exposed, tides_imu, tides_imu_sample, tides_param,
-    tides_run_values, tides_rig_camera, tides_session_facts, tides_session_taken, tides_recording, tides_recorded,
-    tides_dataset_layout, tides_dataset_report, tides_generator, tides_generate_options, tides_world, tides_channel,
-    tides_truth, tides_material_point, tides_track, tides_event_truth, tides_match, tides_metrics_options,
-    tides_interval_fit, tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_page_options,
-    tides_page_report, tides_run_input, tides_fingerprint, tides_live_options, tides_exact_options, tides_exact,
+    tides_keyframes_motion, tides_theta, tides_callback_motion, tides_gaussians, tides_scene_options,
+    tides_scene_format, tides_object, tides_circuit, tides_sensor, tides_smoothing, tides_image_params, tides_frame,
+    tides_render_stats, tides_risk, tides_stepping, tides_stats, tides_stat, tides_esim, tides_v2e, tides_voltmeter,
+    tides_iebcs, tides_ldati_params, tides_baseline_params, tides_frame_supply, tides_exposure, tides_exposed,
+    tides_imu, tides_imu_sample, tides_param, tides_run_values, tides_rig_camera, tides_session_facts,
+    tides_session_taken, tides_recording, tides_recorded, tides_dataset_layout, tides_dataset_report, tides_generator,
+    tides_generate_options, tides_world, tides_channel, tides_truth, tides_material_point, tides_track,
+    tides_event_truth, tides_match, tides_metrics_options, tides_interval_fit, tides_stream_metrics, tides_metrics,
+    tides_voxel_options, tides_array_shape, tides_page_options, tides_page_report, tides_run_input, tides_fingerprint,
+    tides_live_options, tides_exact_options, tides_exact,
 )
