@@ -26,7 +26,7 @@ readme=$(dirname "${BASH_SOURCE[0]}")/../../README.md
 expect 0 tides convert --help
 out "^  .ply +3DGS"
 out "^  .sog .*read only"
-sed -n '/^formats of scenes/,/^$/p' out | awk '/^  [.l]/ { for (i = 1; $i ~ /^[.]|json$/; i++) print $i }' >endings
+sed -n '/^formats of scenes/,/^$/p' out | awk '/^  [.lm]/ { for (i = 1; $i ~ /^[.]|json$/; i++) print $i }' >endings
 [ "$(wc -l <endings)" -ge 10 ] || fail "help should list the endings of scenes"
 while read -r ending; do grep -qF -- "$ending" "$readme" || fail "README doesn't name $ending of scenes"; done <endings
 sed -n '/^formats of event files/,/^$/p' out | sed -n 's/^  [^ ]* *.*: \(\..*\)$/\1/p' | tr ' ' '\n' >endings
