@@ -238,7 +238,7 @@ int cli_job_run(const cli_job *job, const cli_common *common) {
     else if (!common->quiet)
         print_summary(&state.stats, &state.facts);
     if (code == CLI_OK && !common->quiet) cli_tell_collapsed(state.done.collapsed);
-    if (code == CLI_OK && !state.facts.frames && state.stats.render.pairs_evaluated == 0) cli_tell_unseen(common, "");
+    if (code == CLI_OK && !common->quiet) cli_tell_silence(state.session, &state.stats);
     tides_session_close(state.session);
     return code;
 }

@@ -5,6 +5,15 @@
 static const char UNFUSED[] =
     "this device has no fused multiply-add: its events are within some 20 ns of other devices', not the same";
 
+void cli_tell_silence(tides_session *session, const tides_stats *stats) {
+    char why[TIDES_SILENCE];
+    tides_error error = {TIDES_OK, ""};
+    if (tides_session_silence(session, stats, why, &error) != TIDES_OK)
+        fprintf(stderr, "tides: no events; why can't be said: %s\n", error.text);
+    else if (why[0])
+        fprintf(stderr, "tides: %s\n", why);
+}
+
 void cli_tell_unseen(const cli_common *common, const char *who) {
     if (!common->quiet)
         fprintf(stderr, "tides: nothing of the scene was in view%s, at any time: look at the path, or at camera.up\n", who);

@@ -74,6 +74,12 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_simulator(tides_session *s
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_renderer(tides_session *session, tides_progress progress, void *user,
                                                                tides_renderer **renderer, tides_error *error);
 
+/* Why the run fired nothing, by the statistics of a whole one: one line, or "" where it has events, or nothing can be said.
+ * Without events its image is looked at 17 times, which takes as long as so many frames. */
+enum { TIDES_SILENCE = 256 };
+TIDES_MUST_CHECK TIDES_API tides_status tides_session_silence(tides_session *session, const tides_stats *stats,
+                                                              char text[TIDES_SILENCE], tides_error *error);
+
 /* -- what else a camera's rig records ------------------------------------------------------------------------------------ */
 
 /* What was written. Plain value. */

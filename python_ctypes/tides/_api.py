@@ -175,6 +175,7 @@ TIDES_RIG_BOTH = 0
 TIDES_RIG_EVENT = 1
 TIDES_RIG_FRAME = 2
 TIDES_RIG_NAME = 32
+TIDES_SILENCE = 256
 TIDES_EXR_NONE = 0
 TIDES_EXR_ZIPS = 2
 TIDES_EXR_ZIP = 3
@@ -4001,6 +4002,11 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_session_run": (c_int32, [
         P(tides_session), tides_event_sink, c_void_p, tides_progress, c_void_p, P(tides_stats), P(tides_error)
     ], "session sink sink_user progress user stats error"),
+    # tides_status tides_session_silence(tides_session *session, const tides_stats *stats, char text[TIDES_SILENCE],
+    # tides_error *error)
+    "tides_session_silence": (c_int32, [
+        P(tides_session), P(tides_stats), c_char_p, P(tides_error)
+    ], "session stats text error"),
     # tides_status tides_session_simulator(tides_session *session, tides_progress progress, void *user, tides_simulator
     # **simulator, tides_error *error)
     "tides_session_simulator": (c_int32, [

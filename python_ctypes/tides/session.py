@@ -148,8 +148,11 @@ class Session(Handle):
         return self._done(stats)
 
     def _done(self, stats: Any) -> Facts:
-        if self.frames is None and not stats.render.pairs_evaluated:
-            warn_of_nothing()
+        why = ctypes.create_string_buffer(_api.TIDES_SILENCE)
+        if not stats.events_written:
+            call("tides_session_silence", self._pointer, byref(stats), why)
+        if why.value:
+            warn(text(why.value))
         return plain(stats)
 
     def simulate(self, progress: Progress = None) -> np.ndarray:

@@ -218,3 +218,13 @@ def test_texts_hash_as_published():
     assert tides.fingerprint_text() == tides.fingerprint_text("") == 0xCBF29CE484222325
     assert tides.fingerprint_text("a") == 0xAF63DC4C8601EC8C
     assert tides.fingerprint_text("foobar") == tides.fingerprint_text("foo", "", "bar") == 0x85944171F73967E8
+
+
+def test_a_session_without_events_says_why(tmp_path):
+    (tmp_path / "still.txt").write_text("0 0 0 -4 0 0 0 1\n")
+    still = tides.Run(RUN, {"camera.file": str(tmp_path / "still.txt"), "time.stop": 0.02}).session("reference")
+    with pytest.warns(UserWarning, match="no events: the image stays the same"):
+        assert len(still.simulate()) == 0
+    high = tides.Run(RUN, {"sensor.threshold_on": 9, "sensor.threshold_off": 9, "time.stop": 0.02}).session("reference")
+    with pytest.warns(UserWarning, match="no pixel's L changes by more than .* of the threshold of 9"):
+        high.write(tmp_path / "a.h5")
