@@ -10,11 +10,11 @@
 static const struct {
     cli_command command;
     const char *output;
-} kinds[] = {{{"frames", "", "", NULL, 1, cmd_frames}, "frames"},
-             {{"render", "", "", NULL, 1, cmd_render}, "render.exr"},
-             {{"imu", "", "", NULL, 1, cmd_imu}, "imu.csv"},
-             {{"tracks", "", "", NULL, 1, cmd_tracks}, "tracks.npz"},
-             {{"compare", "", "", NULL, 1, cmd_compare}, "compare"}};
+} kinds[] = {{{"frames", "", "", NULL, 1, cmd_frames, 0}, "frames"},
+             {{"render", "", "", NULL, 1, cmd_render, 0}, "render.exr"},
+             {{"imu", "", "", NULL, 1, cmd_imu, 0}, "imu.csv"},
+             {{"tracks", "", "", NULL, 1, cmd_tracks, 0}, "tracks.npz"},
+             {{"compare", "", "", NULL, 1, cmd_compare, 0}, "compare"}};
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
 static size_t kind_of(const char *name) {

@@ -54,6 +54,7 @@ struct cli_command {
     const char *details;   /* paragraphs below the options, or NULL */
     int32_t positionals;   /* how many it takes, exactly; below 0: at most so many, and what is missing is NULL */
     int (*run)(const cli_command *command, int argc, char **argv);
+    int32_t no_device; /* 1: it computes nothing on one, and says so where --device is given */
 };
 
 /* The commands (cmd_*.c): argv[0] is the command's name; the result is the exit code. */

@@ -33,6 +33,8 @@ tides_status cli_session_open(const char *file, const cli_list *sets, const cli_
     cli_tell_lines(common, tides_run_notes(s.run));
     cli_tell_lines(common, tides_session_notes(*session));
     if (s.frames) {
+        if (common->device && !common->quiet)
+            fprintf(stderr, "tides: --device %s changes nothing: a run on frames uses no device\n", common->device);
         cli_tell_lines(common, tides_frames_note(s.frames));
         cli_note(common, "%zu frames, %dx%d px", tides_frames_count(s.frames), s.intrinsics.width, s.intrinsics.height);
     } else {

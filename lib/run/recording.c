@@ -6,8 +6,10 @@
 #include "events/td_event_format.h"
 #include "solver/td_simulator.h"
 #include "td_base.h"
+#include "td_folder.h"
 #include "td_struct.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,6 +34,16 @@ static tides_status check_how(const td_record *r, const char *path, tides_error 
     return TIDES_OK;
 }
 
+/* Where the file's name fits and what stands beside it doesn't, the run would end in a riddle. */
+static tides_status check_name(const td_record *r, const char *path, tides_error *error) {
+    static const char longest[] = ".checkpoint.part", other[] = ".part";
+    const size_t room = NAME_MAX - (r->checkpoint ? sizeof longest : sizeof other) + 1, length = strlen(td_base_name(path));
+    if (length <= room) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_ARGUMENT,
+                   "%.40s...: the name has %zu bytes; give it at most %zu, for %s is added on the way", td_base_name(path),
+                   length, room, r->checkpoint ? longest : other);
+}
+
 tides_status td_record_begin(td_record *r, const char *path, const tides_event_file *facts, const tides_recording *how,
                              tides_progress progress, void *user, tides_recorded *done, tides_error *error) {
     memset(r, 0, sizeof *r);
@@ -47,7 +59,8 @@ tides_status td_record_begin(td_record *r, const char *path, const tides_event_f
     if (!r->how.format && tides_event_writer_can_resume(path) && !(r->checkpoint = td_format(error, "%s.checkpoint", path)))
         return TIDES_NO_MEMORY;
     r->due = td_now() + r->how.checkpoint_s;
-    return check_how(r, path, error);
+    status = check_name(r, path, error);
+    return status == TIDES_OK ? check_how(r, path, error) : status;
 }
 
 static tides_status remove_checkpoint(const td_record *r, tides_error *error) {
