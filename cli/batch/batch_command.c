@@ -35,6 +35,40 @@ tides_status batch_check_command(const batch *b, const char *name, tides_error *
                      nearest ? "; did you mean \"" : "", nearest ? nearest : "", nearest ? "\"?" : "");
 }
 
+/* Options of these commands that name a file to be written. */
+static const char *const writes[] = {"--png", "--output", "-o"};
+enum { WRITES = sizeof writes / sizeof writes[0] };
+
+/* Which of them `option` is, or begins with ("--png=x.png"); the file's name where it is in there. */
+static int32_t names_output(const char *option, const char **file) {
+    *file = NULL;
+    for (size_t k = 0; k < WRITES; k++) {
+        const size_t length = strlen(writes[k]);
+        if (strncmp(option, writes[k], length) != 0) continue;
+        const int32_t is_long = option[1] == '-';
+        if (option[length] && (!is_long || option[length] == '=')) *file = option + length + is_long;
+        if (!option[length] || *file) return 1;
+    }
+    return 0;
+}
+
+static int32_t leaves(const char *file) {
+    return file[0] == '/' || strncmp(file, "../", 3) == 0 || strcmp(file, "..") == 0 || strstr(file, "/../") != NULL;
+}
+
+tides_status batch_check_option(const batch *b, const cJSON *option, tides_error *error) {
+    const char *file, *before;
+    const int32_t is_output = names_output(option->valuestring, &file);
+    if (is_output && option->valuestring[1] != 'p' && strncmp(option->valuestring, "--png", 5) != 0)
+        return cli_error(error, TIDES_BAD_CONFIG, "%s: options: %.100s: a batch says itself where a run's output goes",
+                         b->manifest, option->valuestring);
+    if (!is_output && option->prev && option->prev->next && names_output(option->prev->valuestring, &before) && !before)
+        file = option->valuestring;
+    if (!file || !leaves(file)) return TIDES_OK;
+    return cli_error(error, TIDES_BAD_CONFIG, "%s: options: %.100s is outside of the run's folder, which its files go to",
+                     b->manifest, file);
+}
+
 static const char dataset[] = "dataset", events[] = "events.h5";
 
 const char *batch_output(const batch_run *run) {
@@ -72,12 +106,30 @@ static int give_arguments(const batch *b, const batch_run *run, const char *outp
     return count;
 }
 
+/* Files that options name go to the run's own folder. 0: out of memory. */
+static int32_t place_options(const batch_run *run) {
+    int32_t follows = 0;
+    for (size_t i = 0; i < run->options; i++) {
+        const char *file, *given = run->option[i];
+        const int32_t is_output = names_output(given, &file);
+        char *placed = NULL;
+        if (is_output && file) placed = batch_text("%.*s%s/%s", (int)(file - given), given, run->directory, file);
+        if (follows) placed = batch_text("%s/%s", run->directory, given);
+        if ((follows || (is_output && file)) && !placed) return 0;
+        follows = is_output && !file;
+        if (!placed) continue;
+        free(run->option[i]);
+        run->option[i] = placed;
+    }
+    return 1;
+}
+
 int batch_command(const batch *b, const batch_run *run) {
     const cli_command *command = &kinds[kind_of(run->command)].command;
     char *output = batch_text("%s/%s", run->directory, batch_output(run));
     const char **arguments = calloc(8 + 2 * run->count + run->options, sizeof *arguments);
     int code;
-    if (output && arguments) { /* commands leave them as they are */
+    if (output && arguments && place_options(run)) { /* commands leave them as they are */
         const int count = give_arguments(b, run, output, arguments);
         code = command->run(command, count, (char **)(uintptr_t)arguments);
     } else {

@@ -28,11 +28,12 @@ static int take_count(const cli_command *command, const char *option, const char
     return CLI_GO;
 }
 
-static void print_counts(const batch *b, size_t done, size_t earlier, size_t failed) {
+static void print_counts(const batch *b, size_t done, size_t earlier, size_t failed, int32_t written) {
     printf("runs              %zu done (%zu of them before), %zu failed", done, earlier, failed);
     if (done + failed < b->count) printf(", %zu waiting", b->count - done - failed);
     printf("\n");
-    if (b->only->count == 0) printf("summary           %s/summary%s\n", b->directory, b->shards == 1 ? ".json and .csv" : "-*");
+    if (written && b->only->count == 0)
+        printf("summary           %s/summary%s\n", b->directory, b->shards == 1 ? ".json and .csv" : "-*");
 }
 
 /* What came of it: the failures last, where nobody misses them. */
@@ -49,7 +50,7 @@ static int report(const batch *b) {
     if (b->stopped)
         return cli_failed("stopped on request; %zu of %zu runs are finished; the same command goes on from there", done,
                           b->count);
-    if (!b->common->quiet && !b->common->json) print_counts(b, done, earlier, failed);
+    if (!b->common->quiet && !b->common->json) print_counts(b, done, earlier, failed, code == CLI_OK);
     return failed && code == CLI_OK ? CLI_FAILED : code;
 }
 

@@ -60,7 +60,7 @@ static const cli_command commands[] = {
      "\"runs\": [{\"name\": NAME, \"file\": \"run.json\", \"set\": {KEY: VALUE}}, ...]}; grid and runs may stand alone,\n"
      "keys as for --set. \"draw\": {\"count\": N, \"seed\": \"S\", \"set\": {KEY: [LOWEST, HIGHEST] or [VALUES]}} draws runs "
      "at random,\n"
-     "each with a seed of its own where none is written.\n"
+     "each with a seed of its own where none is written; {\"of\": KEY, \"times\": [LOWEST, HIGHEST]} goes with another key.\n"
      "\"command\": \"frames\", \"render\", \"imu\", \"tracks\" or \"compare\", with \"options\": [\"--time\", \"0.1\"], there "
      "or in a\n"
      "run, makes that in place of events.\n"
