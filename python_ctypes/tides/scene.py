@@ -66,6 +66,8 @@ class Gaussians:
         """Gaussians of plain colours: mean (n x 3), scale [scene units] (n x 3, or one number), rgb (n x 3) linear, opacity in
         (0, 1) (n, or one number), quaternion (n x 4, or one)."""
         n = len(np.asarray(mean))
+        if np.asarray(rgb).dtype.kind in "iu" and np.max(rgb, initial=0) > 1:
+            raise ValueError(f"rgb: {np.asarray(rgb).dtype}, where linear light from 0 to 1 is needed; of sRGB's bytes: (rgb / 255) ** 2.2")
         opacity = np.broadcast_to(np.asarray(opacity, np.float64), (n,))
         band0 = 0.5 / np.sqrt(np.pi)  # of the spherical harmonics: 3DGS has colour = band0 sh_0 + 1/2
         return cls(

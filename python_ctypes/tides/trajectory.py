@@ -71,6 +71,12 @@ class Trajectory(Handle):
         call(how, first, len(samples), byref(made))
         Handle.__init__(self, made)
 
+    def __repr__(self) -> str:
+        if self.closed:
+            return "Trajectory, closed"
+        start, stop = self.range
+        return f"Trajectory of {len(self)} poses, {start:g} to {stop:g} s"
+
     @classmethod
     def _of(cls, pointer: Any) -> "Trajectory":
         made = cls.__new__(cls)
@@ -294,7 +300,10 @@ class Intrinsics(Value, _api.tides_intrinsics):
 
     @classmethod
     def from_fov(cls, width: int, height: int, fov_x: float) -> "Intrinsics":
-        """A centred lens with square pixels that sees `fov_x` [rad] across."""
+        """A centred lens with square pixels that sees `fov_x` [rad] across, above 0 and below pi."""
+        if not 0 < fov_x < math.pi:
+            hint = f": radians are needed; {fov_x:g} degrees are math.radians({fov_x:g})" if math.pi <= fov_x < 180 else ""
+            raise ValueError(f"fov_x: {fov_x:g} isn't between 0 and pi{hint}")
         f = 0.5 * width / math.tan(0.5 * fov_x)
         return cls(width=width, height=height, fx=f, fy=f, cx=0.5 * width, cy=0.5 * height)
 
