@@ -131,9 +131,18 @@ static const cli_command commands[] = {
 
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
+/* What most people want first. */
+static void print_start(void) {
+    printf("    tides demo -o demo                      a moving scene, its events and pictures of both\n"
+           "    tides simulate scene.ply -o events.h5   events of a splat file, seen from an orbit that is found\n"
+           "    tides view events.h5 -o events.png      what they look like; -o events.html: a page to turn and play\n");
+}
+
 static void print_help(void) {
-    printf(
-        "usage: tides COMMAND ...\n\nEvent cameras in continuous time, from dynamic Gaussian-splatting scenes.\n\ncommands:\n");
+    printf("usage: tides COMMAND ...\n\nEvent cameras in continuous time, from dynamic Gaussian-splatting scenes.\n\nto begin "
+           "with:\n");
+    print_start();
+    printf("\ncommands:\n");
     for (size_t i = 0; i < COMMANDS; i++) printf("  %-10s %s\n", commands[i].name, commands[i].summary);
     printf("\ntides COMMAND --help explains a command; tides --version prints the version.\n");
 }
@@ -148,6 +157,7 @@ static int unknown_command(const char *name) {
 
 static int run(int argc, char **argv) {
     const char *name = argc > 1 ? argv[1] : NULL;
+    if (!name) print_start();
     if (!name) return cli_usage(NULL, "a command is missing");
     if (strcmp(name, "--version") == 0) {
         printf("tides %s\n", tides_version());
