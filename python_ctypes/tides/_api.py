@@ -3760,6 +3760,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     ], "path width height planes bits values error"),
     # int32_t tides_preset_at(size_t index, char name[TIDES_PRESET_NAME])
     "tides_preset_at": (c_int32, [c_size_t, c_char_p], "index name"),
+    # tides_status tides_preset_read(const char *name, char **text, tides_error *error)
+    "tides_preset_read": (c_int32, [c_char_p, P(c_char_p), P(tides_error)], "name text error"),
     # void tides_readout_defaults(tides_readout *readout)
     "tides_readout_defaults": (None, [P(tides_readout)], "readout"),
     # void tides_recording_defaults(tides_recording *recording)
