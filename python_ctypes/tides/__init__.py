@@ -51,12 +51,12 @@ from .measure import ExactOptions, exact_stream, ideal_settings, image_is_contin
 from .motion import Motion
 from .names import nearest_name
 from .page import PageOptions, Shown, read_truth, show, write_page
-from .presets import preset_names
+from .presets import preset, preset_names
 from .readout import Arbiter, Readout
 from .render import CHANNELS, EVENT_TRUTH, MATERIAL_POINT, TRACK, TRUTHS, ImageParams, Renderer, colour_filter
 from .representations import ArrayWriter, VoxelOptions, event_frame, time_surface, voxel_grid
-from .run import Fingerprints, Run, fingerprint_text, parameters, run_template, statistics
-from .scene import Gaussians, Scene, SceneObject
+from .run import Fingerprints, Run, fingerprint_text, parameters, run_template, stat_values, statistics
+from .scene import Gaussians, Scene, SceneObject, scene_formats
 from .session import Session, dataset_layouts
 from .simulate import Recording, Sensor, Simulation, Stepping
 from .trajectory import IMU_SAMPLE, Camera, Imu, Intrinsics, Lens, PathOptions, Pose, Trajectory
@@ -129,6 +129,7 @@ __all__ = [
     "parameters",
     "PathOptions",
     "Pose",
+    "preset",
     "preset_names",
     "read_events",
     "read_labelled",
@@ -140,12 +141,14 @@ __all__ = [
     "Run",
     "run_template",
     "Scene",
+    "scene_formats",
     "SceneObject",
     "Sensor",
     "Session",
     "show",
     "Shown",
     "Simulation",
+    "stat_values",
     "statistics",
     "Stepping",
     "TidesError",

@@ -53,6 +53,13 @@ def statistics() -> list[Facts]:
     return [Facts(plain(row), type=_STATS[row.type]) for row in rows[: count.value]]
 
 
+def stat_values(stats: _api.tides_stats) -> Facts:
+    """The rows of the table by name ("events", "time_s.sort", "settings.unit"), of an api.tides_stats."""
+    count = c_size_t()
+    rows = lib.tides_stats_table(byref(count))
+    return Facts({text(row.name): lib.tides_stat_value(byref(stats), byref(row)) for row in rows[: count.value]})
+
+
 def run_template(scene_file: str, camera_file: str) -> str:
     """A run file with every key at its default, as JSON text."""
     made = c_char_p()

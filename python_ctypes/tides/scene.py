@@ -13,7 +13,7 @@ from . import _api
 from ._call import array, call, doubles, encoded, path, pointer, text
 from ._handle import Handle
 from ._library import lib
-from ._values import choice, constants
+from ._values import Facts, choice, constants, plain
 from ._warn import warn
 from .motion import Motion, give_means, means
 from .trajectory import Trajectory, _given
@@ -24,6 +24,14 @@ _TRAINED = constants("TIDES_TRAINED_")
 
 def _trained(number: int) -> str:
     return next(word for word, one in _TRAINED.items() if one == number)
+
+
+def scene_formats() -> list[Facts]:
+    """The formats of scene files: endings (separated by blanks), summary, writes, losses (TIDES_LOSES_*)."""
+    made, one = [], _api.tides_scene_format()
+    while lib.tides_scene_format_at(len(made), byref(one)):
+        made.append(plain(one))
+    return made
 
 
 @dataclass

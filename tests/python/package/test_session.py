@@ -207,6 +207,17 @@ def test_exact_streams_and_ideal_pixels(tmp_path, scene, camera):
         tides.exact_stream(scene, camera, 0, 0.001, tides.Sensor(threshold_on=50, threshold_off=50), long_renders=1)
 
 
+def test_tables_by_name():
+    stats = tides.api.tides_stats(events=7, unit=1)
+    values = tides.stat_values(stats)
+    assert values["events"] == 7 and values["settings.unit"] == 1 and len(values) == len(tides.statistics())
+    formats = {one.endings: one for one in tides.scene_formats()}
+    assert formats[".ply"].writes and not formats[".sog"].writes and ".glb .gltf" in formats
+    assert tides.preset("davis346")["about"] and "sensor" in tides.preset("davis346")
+    with pytest.raises(tides.TidesError, match="is no preset"):
+        tides.preset("davis")
+
+
 def test_the_table_of_statistics():
     rows = {row.name: row for row in tides.statistics()}
     assert rows["events"].type == "count" and rows["time_s.build"].unit == "s" and rows["tiles"].type == "whole"
