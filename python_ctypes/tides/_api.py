@@ -206,6 +206,16 @@ TIDES_PAIRS_SAME = 1
 TIDES_PAIRS_SPLIT = 2
 TIDES_PAIRS = 3
 TIDES_FANO_BINS = 3
+TIDES_OF_BOTH = 0
+TIDES_OF_STREAM = 1
+TIDES_REPEATS_ONCE = 0
+TIDES_REPEATS_PAIRS = 1
+TIDES_REPEATS_BINS = 2
+TIDES_BETTER_NEITHER = 0
+TIDES_BETTER_LOWER = 1
+TIDES_BETTER_HIGHER = 2
+TIDES_BETTER_ONE = 3
+TIDES_BETTER_ZERO = 4
 TIDES_NORMALISE_NONE = 0
 TIDES_NORMALISE_POPULATION = 1
 TIDES_NORMALISE_SAMPLE = 2
@@ -3022,6 +3032,44 @@ class tides_metrics(Structure):
     ]
 
 
+class tides_metric(Structure):
+    """const char *name; /* as the tool's JSON has it: "chamfer_px" */
+    const char *family; /* of --only: "chamfer" */
+    uint32_t wanted; /* TIDES_METRIC_* that it is computed with */
+    const char *unit, *sentence; /* "px", or "" */
+    int32_t better; /* TIDES_BETTER_* */
+    int32_t of, repeats; /* TIDES_OF_*; TIDES_REPEATS_* */
+    int32_t is_real; /* 1: double; 0: uint64_t */
+    size_t offset, stride; /* of its field, and from one of several to the next [bytes] */
+    """
+
+    name: bytes | None
+    family: bytes | None
+    wanted: int
+    unit: bytes | None
+    sentence: bytes | None
+    better: int
+    of: int
+    repeats: int
+    is_real: int
+    offset: int
+    stride: int
+
+    _fields_ = [
+        ("name", c_char_p),
+        ("family", c_char_p),
+        ("wanted", c_uint32),
+        ("unit", c_char_p),
+        ("sentence", c_char_p),
+        ("better", c_int32),
+        ("of", c_int32),
+        ("repeats", c_int32),
+        ("is_real", c_int32),
+        ("offset", c_size_t),
+        ("stride", c_size_t),
+    ]
+
+
 class tides_voxel_options(Structure):
     """uint32_t size; /* sizeof this struct */
     int32_t bins; /* 1 to 4096 */
@@ -3652,6 +3700,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     ], "reference reference_count simulated simulated_count options progress user metrics error"),
     # void tides_metrics_options_defaults(tides_metrics_options *options)
     "tides_metrics_options_defaults": (None, [P(tides_metrics_options)], "options"),
+    # const tides_metric *tides_metrics_table(size_t *count)
+    "tides_metrics_table": (P(tides_metric), [P(c_size_t)], "count"),
     # tides_status tides_motion_create_callback(const tides_callback_motion *callback, tides_motion **motion,
     # tides_error *error)
     "tides_motion_create_callback": (c_int32, [
@@ -4198,6 +4248,6 @@ STRUCTS = (
     tides_session_taken, tides_recording, tides_recorded, tides_dataset_layout, tides_dataset_report, tides_generator,
     tides_generate_options, tides_world, tides_channel, tides_truth, tides_material_point, tides_track,
     tides_event_truth, tides_match, tides_metrics_options, tides_interval_fit, tides_stream_metrics, tides_metrics,
-    tides_voxel_options, tides_array_shape, tides_page_options, tides_page_report, tides_run_input, tides_fingerprint,
-    tides_live_options, tides_exact_options, tides_exact,
+    tides_metric, tides_voxel_options, tides_array_shape, tides_page_options, tides_page_report, tides_run_input,
+    tides_fingerprint, tides_live_options, tides_exact_options, tides_exact,
 )

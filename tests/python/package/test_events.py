@@ -295,3 +295,9 @@ def test_labels_are_kept(tmp_path):
     assert np.array_equal(tides.read_labelled(tmp_path / "b.h5")[1], events["t"])
     with pytest.raises(tides.errors.Unsupported, match="no place for labels"):
         tides.EventWriter(tmp_path / "a.raw", *SIZE, labels=True)
+
+
+def test_the_table_of_metrics():
+    rows = {row.name: row for row in tides.metrics.table()}
+    assert rows["chamfer_px"].family == "chamfer" and rows["chamfer_px"].unit == "px" and rows["chamfer_px"].better == "lower"
+    assert rows["count_ratio"].better == "one" and rows["same_ts"].of_stream and not rows["matched"].of_stream
