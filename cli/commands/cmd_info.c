@@ -140,13 +140,12 @@ done:
 /* -- paths ---------------------------------------------------------------------------------------------------------- */
 
 static void lens_facts(const tides_lens *lens, cJSON *facts) {
-    static const char *const models[] = {"none", "radtan", "equidistant"};
     const struct {
         const char *name;
         double value;
     } all[] = {{"k1", lens->k1}, {"k2", lens->k2}, {"k3", lens->k3}, {"k4", lens->k4}, {"p1", lens->p1}, {"p2", lens->p2}};
     if (lens->model == TIDES_LENS_NONE) return;
-    cJSON_AddStringToObject(facts, "lens", models[lens->model]);
+    cJSON_AddStringToObject(facts, "lens", tides_lens_name(lens->model));
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
         if (all[i].value > 0 || all[i].value < 0) cJSON_AddNumberToObject(facts, all[i].name, all[i].value);
 }

@@ -59,7 +59,7 @@ from .run import Fingerprints, Run, fingerprint_text, parameters, run_template, 
 from .scene import Gaussians, Scene, SceneObject, scene_formats
 from .session import Session, dataset_layouts
 from .simulate import Recording, Sensor, Simulation, Stepping
-from .trajectory import IMU_SAMPLE, Camera, Imu, Intrinsics, Lens, PathOptions, Pose, Trajectory
+from .trajectory import IMU_SAMPLE, Camera, Imu, Intrinsics, Lens, PathOptions, Pose, Trajectory, lens_names
 
 for value in Value.__subclasses__():  # ctypes makes none while their classes are being made
     describe(value)
@@ -115,6 +115,7 @@ __all__ = [
     "Intrinsics",
     "LABELS",
     "ldati",
+    "lens_names",
     "Lens",
     "lib",
     "library_path",

@@ -3655,6 +3655,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
         P(c_double), c_int32, c_int32, c_double, c_double, c_uint64, c_uint64, tides_event_sink, c_void_p,
         P(tides_error)
     ], "voxels width height start stop seed frame sink user error"),
+    # const char *tides_lens_name(int32_t model)
+    "tides_lens_name": (c_char_p, [c_int32], "model"),
     # void tides_live_close(tides_live *live)
     "tides_live_close": (None, [P(tides_live)], "live"),
     # tides_status tides_live_open(tides_session *session, const tides_live_options *options, tides_progress progress,

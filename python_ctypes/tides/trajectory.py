@@ -269,6 +269,14 @@ def _samples(trajectory: Any) -> np.ndarray:
     return samples
 
 
+def lens_names() -> list[str]:
+    """The models of Lens and of camera.lens: "none", "radtan" ..."""
+    names: list[str] = []
+    while (name := lib.tides_lens_name(len(names))) is not None:
+        names.append(text(name))
+    return names
+
+
 class Lens(Value, _api.tides_lens):
     """How lines bend: model ("none", "radtan", "equidistant") and its coefficients k1, k2, k3, k4, p1, p2."""
 
