@@ -192,7 +192,7 @@ class Page {
 
     key(event) {
         if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT)$/.test(event.target.tagName)) return;
-        if (event.key === " " && event.target.tagName === "BUTTON") return; // presses it
+        if (event.key === " " && /^(BUTTON|SUMMARY|A)$/.test(event.target.tagName)) return; // presses or opens it
         const faster = (by) => this.setSpeed(SPEEDS[Math.max(0, Math.min(SPEEDS.length - 1, SPEEDS.indexOf(this.speed) + by))]);
         const part = event.shiftKey ? 0.1 : 1, move = (by) => this.show(this.from + by * part * this.length, this.length);
         const next = this.colourings[(this.colourings.indexOf(this.colouring) + 1) % this.colourings.length];

@@ -344,6 +344,10 @@ def test_keys(page):
     ):  # fmt: skip
         page.key(key)
         page.wait(condition)
+    page.do("document.querySelector('summary').focus()")  # Space opens it, and plays nothing
+    page.key(" ")
+    assert not page.do("page.playing")
+    page.do("document.activeElement.blur()")
     page.do("page.show(0, 1e8)")
     dark = page.do("page.dark")
     page.key("t")
