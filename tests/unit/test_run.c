@@ -246,9 +246,9 @@ static void wrong_values_name_key_value_and_range(void **state) {
                  {"seed=-1", "\"-1\"", "64-bit"},
                  {"seed=18446744073709551616", "18446744073709551616", "64-bit"},
                  {"seed=00000000000000000000000001", "0000", "64-bit"},
-                 {"seed=", "\"\"", "64-bit"},
-                 {"device=", "\"\"", "a text"},
-                 {"camera.file=", "\"\"", "a text"},
+                 {"seed=", "is empty", "64-bit"},
+                 {"device=", "is empty", "a text"},
+                 {"camera.file=", "is empty", "a text"},
                  {"time.stop=1e10", "10000000000", "[-9200000000, "}, /* before 0 there are times too */
                  {"stepping.step_s=0", "0", "[1e-09, 1000] s"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
