@@ -227,9 +227,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_save(const tides_simulat
 
 /* Puts a new simulator, which hasn't run yet, where a saved one was: tides_simulator_run goes on from there, and the statistics
  * count both. TIDES_BAD_CONFIG naming what differs where the checkpoint is of another run: `run` (nullable) in anything but
- * time.stop, device and stepping.memory_mb, the scene, the camera, the sensor, the stepping, the start, the device's precision. The stop may be
- * another one after the time of the checkpoint, unless that was the run's end (the step before it will do:
- * tides_recording.keep_checkpoint) or a budget is shared out over the run. TIDES_BAD_FILE where the file is
+ * time.stop, device and stepping.memory_mb, the scene, the camera, the sensor, the stepping, the start, the device's
+ * precision. The stop may be another one after the time of the checkpoint, unless that was the run's end (the step before it
+ * will do: tides_recording.keep_checkpoint) or a budget is shared out over the run. TIDES_BAD_FILE where the file is
  * damaged. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_restore(tides_simulator *simulator, const char *run, const char *path,
                                                                 tides_error *error);

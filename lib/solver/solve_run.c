@@ -40,9 +40,7 @@ typedef struct visit {
 
 /* -- the step -------------------------------------------------------------------------------------------------------------- */
 
-static uint64_t state_of(const visit *v) {
-    return td_hash_words(0, v->state.word, (size_t)v->state.words * sizeof(uint64_t));
-}
+static uint64_t state_of(const visit *v) { return td_hash_words(0, v->state.word, (size_t)v->state.words * sizeof(uint64_t)); }
 
 /* What was found for another state is forgotten. */
 static void enter(visit *v, int32_t number) {
