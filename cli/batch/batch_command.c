@@ -59,7 +59,7 @@ static int32_t leaves(const char *file) {
 tides_status batch_check_option(const batch *b, const cJSON *option, tides_error *error) {
     const char *file, *before;
     const int32_t is_output = names_output(option->valuestring, &file);
-    if (is_output && option->valuestring[1] != 'p' && strncmp(option->valuestring, "--png", 5) != 0)
+    if (is_output && strncmp(option->valuestring, "--png", strlen("--png")) != 0)
         return cli_error(error, TIDES_BAD_CONFIG, "%s: options: %.100s: a batch says itself where a run's output goes",
                          b->manifest, option->valuestring);
     if (!is_output && option->prev && option->prev->next && names_output(option->prev->valuestring, &before) && !before)
@@ -93,7 +93,8 @@ tides_status batch_clear(const batch_run *run, tides_error *error) {
     return status;
 }
 
-static int give_arguments(const batch *b, const batch_run *run, const char *output, const char **arguments) {
+static int give_arguments(const batch *b, const batch_run *run, const char *output, char *const *options,
+                          const char **arguments) {
     int count = 0;
     arguments[count++] = "tides";
     arguments[count++] = run->file;
@@ -102,24 +103,24 @@ static int give_arguments(const batch *b, const batch_run *run, const char *outp
     arguments[count++] = output;
     if (b->common->device) arguments[count++] = "--device", arguments[count++] = b->common->device;
     for (size_t i = 0; i < run->count; i++) arguments[count++] = "--set", arguments[count++] = run->sets[i];
-    for (size_t i = 0; i < run->options; i++) arguments[count++] = run->option[i];
+    for (size_t i = 0; i < run->options; i++) arguments[count++] = options[i];
     return count;
 }
 
-/* Files that options name go to the run's own folder. 0: out of memory. */
-static int32_t place_options(const batch_run *run) {
+/* The options, with the files that they name in the run's own folder. 0: out of memory. */
+static int32_t place_options(const batch_run *run, char **placed) {
     int32_t follows = 0;
     for (size_t i = 0; i < run->options; i++) {
         const char *file, *given = run->option[i];
         const int32_t is_output = names_output(given, &file);
-        char *placed = NULL;
-        if (is_output && file) placed = batch_text("%.*s%s/%s", (int)(file - given), given, run->directory, file);
-        if (follows) placed = batch_text("%s/%s", run->directory, given);
-        if ((follows || (is_output && file)) && !placed) return 0;
+        if (follows)
+            placed[i] = batch_text("%s/%s", run->directory, given);
+        else if (is_output && file)
+            placed[i] = batch_text("%.*s%s/%s", (int)(file - given), given, run->directory, file);
+        else
+            placed[i] = batch_text("%s", given);
+        if (!placed[i]) return 0;
         follows = is_output && !file;
-        if (!placed) continue;
-        free(run->option[i]);
-        run->option[i] = placed;
     }
     return 1;
 }
@@ -128,13 +129,16 @@ int batch_command(const batch *b, const batch_run *run) {
     const cli_command *command = &kinds[kind_of(run->command)].command;
     char *output = batch_text("%s/%s", run->directory, batch_output(run));
     const char **arguments = calloc(8 + 2 * run->count + run->options, sizeof *arguments);
+    char **options = calloc(run->options + 1, sizeof *options);
     int code;
-    if (output && arguments && place_options(run)) { /* commands leave them as they are */
-        const int count = give_arguments(b, run, output, arguments);
+    if (output && arguments && options && place_options(run, options)) { /* commands leave them as they are */
+        const int count = give_arguments(b, run, output, options, arguments);
         code = command->run(command, count, (char **)(uintptr_t)arguments);
     } else {
         code = cli_failed("out of memory");
     }
+    for (size_t i = 0; options && i < run->options; i++) free(options[i]);
+    free(options);
     free(arguments);
     free(output);
     return code;

@@ -74,7 +74,9 @@ static const cJSON *one_of(const cJSON *values, double u) {
 /* {"of": KEY, "times": RANGE}: the key, whose own draw is a range; NULL: it is something else. */
 static const cJSON *base_of(const cJSON *from, const cJSON *item) {
     const cJSON *of = cJSON_GetObjectItemCaseSensitive(item, "of");
-    const cJSON *base = cJSON_IsString(of) ? cJSON_GetObjectItemCaseSensitive(from, of->valuestring) : NULL;
+    const cJSON *base = cJSON_IsString(of) && strcmp(of->valuestring, "seed") != 0
+                            ? cJSON_GetObjectItemCaseSensitive(from, of->valuestring)
+                            : NULL;
     return base && is_range(base) && is_range(cJSON_GetObjectItemCaseSensitive(item, "times")) ? base : NULL;
 }
 
@@ -88,8 +90,7 @@ tides_status batch_check_draws(const batch *b, const cJSON *from, tides_error *e
         if (cJSON_IsObject(item) && !base_of(from, item))
             return cli_error(error, TIDES_BAD_CONFIG,
                              "%s: draw: %.100s: write { \"of\": KEY, \"times\": [LOWEST, HIGHEST] }, with a KEY that is drawn "
-                             "from "
-                             "a range",
+                             "from a range",
                              b->manifest, item->string);
         if (!cJSON_IsObject(item) && (!cJSON_IsArray(item) || !item->child))
             return cli_error(error, TIDES_BAD_CONFIG, "%s: draw: %.100s is no list; write [LOWEST, HIGHEST], or values",
