@@ -180,9 +180,11 @@ deps: ## Install the Debian packages that are missing (root or sudo), and print 
 	@sh scripts/deps.sh build
 deps-lint: ## The same, with the tools that lint, check-clang and check-valgrind need
 	@sh scripts/deps.sh lint
-demo: ## Install what is missing, build, and simulate the demo scene into build/demo
+demo: ## Install what is missing, build, and simulate the demo scene into build/demo; V=1 shows the compiler's commands
 	@sh scripts/deps.sh build -q
-	@$(AGAIN) all
+	@echo 'building the library and the tool: $(words $(LIB_OBJ) $(CLI_OBJ)) files (a minute or two the first time) ...'
+	@$(AGAIN) $(if $(V),,-s) all
+	@echo 'simulating the demo scene ...'
 	@$(AGAIN) demo-built
 demo-built:
 	build/tides demo -o build/demo
@@ -461,4 +463,4 @@ check-deb: deb ## As root: the packages in a chroot (debootstrap): apt installs 
 .PHONY: help
 help: ## Print this
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  %-16s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
-	@echo "Variables: CONFIG=release|debug|asan|clang  PREFIX DESTDIR  TIDES_SHARED=DIR  CC CFLAGS LDFLAGS  JOBS=N"
+	@echo "Variables: CONFIG=release|debug|asan|clang  PREFIX DESTDIR  TIDES_SHARED=DIR  CC CFLAGS LDFLAGS  JOBS=N  V=1 (demo)"

@@ -8,7 +8,7 @@ set -u
 build='build-essential pkg-config pocl-opencl-icd ocl-icd-opencl-dev opencl-headers libopenexr-dev libpng-dev libcjson-dev
 libhdf5-dev zlib1g-dev libdeflate-dev libzstd-dev liblz4-dev libwebp-dev libcairo2-dev fonts-dejavu-core libcmocka-dev cmake python3 python3-numpy python3-h5py python3-pytest
 python3-pip python3-setuptools python3-wheel python3-venv python3-distributed'
-lint='clang-14 libclang-rt-14-dev clang-tidy-14 clang-format-14 cppcheck valgrind oclgrind mesa-opencl-icd'
+lint='mypy clang-14 libclang-rt-14-dev clang-tidy-14 clang-format-14 cppcheck valgrind oclgrind mesa-opencl-icd'
 coverage='gcovr'
 docs='doxygen mandoc'
 

@@ -5,7 +5,7 @@
 set -u
 jobs=${JOBS:-2}
 failed=
-stages=${*:-format clang tidy cppcheck kernels sizes shell top arrows circles oracle cites openings guards words}
+stages=${*:-format clang tidy cppcheck kernels sizes shell top arrows circles oracle cites openings guards types words}
 
 # One process for many files: one for each took minutes on a busy machine.
 stage_format() {
@@ -95,6 +95,13 @@ stage_oracle() {
 stage_cites() { ${PYTHON:-python3} scripts/house.py cites; }
 stage_openings() { ${PYTHON:-python3} scripts/house.py openings; }
 stage_guards() { ${PYTHON:-python3} scripts/house.py guards; }
+# Whoever imports the package has checkers that read its types: its examples are such users. Without mypy only that is said.
+stage_types() {
+    ${PYTHON:-python3} -m mypy --version >/dev/null 2>&1 || { echo "no mypy: not checked (make deps-lint)"; return 0; }
+    MYPYPATH=python_ctypes ${PYTHON:-python3} -m mypy --strict --follow-imports=silent --cache-dir=/dev/null \
+        --disable-error-code=import-not-found --disable-error-code=import-untyped python_ctypes/examples/*.py
+}
+
 stage_words() { ${PYTHON:-python3} scripts/docs/header.py --check include/tides/*.h; }
 
 for stage in $stages; do

@@ -1,9 +1,9 @@
 /* tides batch: a manifest's runs, each in a folder of its own, several at a time, and gone on with after any interruption.
  *
- * A folder DIR/NAME holds job.json (what was started), events.h5 and stats.json or, with dataset.layout, dataset/, or what the
- * run's command makes, log.txt, and once the run has ended result.json, or failure.json (job.json and "error"). They carry a
- * hash of the resolved run, its command and the files that it reads: a result with the run's hash is skipped, a checkpoint
- * under a job with the run's hash is gone on with, anything else starts anew. */
+ * A folder DIR/NAME holds job.json (what was started), run.json (the run file with every value), events.h5 and stats.json or,
+ * with dataset.layout, dataset/, or what the run's command makes, log.txt, and once the run has ended result.json, or
+ * failure.json (job.json and "error"). They carry a hash of the resolved run, its command and the files that it reads: a result
+ * with the run's hash is skipped, a checkpoint under a job with the run's hash is gone on with, anything else starts anew. */
 #ifndef CLI_BATCH_H
 #define CLI_BATCH_H
 
@@ -70,6 +70,8 @@ tides_status batch_dataset(const batch *b, const batch_run *run, const char *sta
 /* batch_command.c: TIDES_BAD_CONFIG where a batch has no such command; what a run makes, in its folder; what it made, or would
  * have by another command, removed; and the command of one that has one, run: its exit code. */
 tides_status batch_check_command(const batch *b, const char *name, tides_error *error);
+/* An item of "options": what it writes must stay in the run's folder. */
+tides_status batch_check_option(const batch *b, const cJSON *option, tides_error *error);
 const char *batch_output(const batch_run *run);
 tides_status batch_clear(const batch_run *run, tides_error *error);
 int batch_command(const batch *b, const batch_run *run);
@@ -77,6 +79,9 @@ int batch_command(const batch *b, const batch_run *run);
 tides_status batch_remove(const char *path, tides_error *error);
 /* The last line that the run's process said, allocated; NULL: out of memory. */
 char *batch_last_words(const batch_run *run);
+
+/* batch_run_file.c: the run file with every value, as run.json in the folder: as it stands it gives the same run. */
+tides_status batch_write_run(const batch_run *run, tides_error *error);
 
 /* batch_folder.c: what a run's folder says. The run as JSON (name, hash, file, set), NULL: out of memory; whether a JSON file
  * carries the run's hash; whether what it makes is there, and the result of that. */

@@ -44,6 +44,7 @@ static tides_status write_stats(const batch_run *run, const tides_session *sessi
     cJSON_AddNumberToObject(stats, "pictures", report->pictures);
     cJSON_AddNumberToObject(stats, "truths", report->truths);
     cJSON_AddNumberToObject(stats, "poses", report->poses);
+    cJSON_AddNumberToObject(stats, "simulated_s", facts.values.stop - facts.values.start);
     cJSON_AddNumberToObject(stats, "width", facts.intrinsics.width);
     cJSON_AddNumberToObject(stats, "height", facts.intrinsics.height);
     cJSON_AddStringToObject(stats, "device", facts.info.name);

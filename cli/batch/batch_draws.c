@@ -1,6 +1,7 @@
 /* Random draws of a batch: "draw": {"count": N, "seed": "S", "set": {KEY: [LOWEST, HIGHEST] or [VALUE, ...]}}, N runs that have
- * for each key a number between two, or one of a list of other values; and a seed of its own, where nobody writes one: what
- * learns from many runs would learn a noise that they share.
+ * for each key a number between two, or one of a list of other values, or {"of": KEY, "times": [LOWEST, HIGHEST]}: what is
+ * drawn for another key, times a number between two, so that thresholds go together; and a seed of its own, where nobody writes
+ * one: what learns from many runs would learn a noise that they share.
  *
  * Each value is a function of (seed, number of the run, key): another key, or more runs, leave what there was as it is. */
 #include "batch.h"
@@ -56,17 +57,45 @@ static cJSON *between(const char *key, const cJSON *range, double u) {
     return cJSON_CreateString(text);
 }
 
+/* What was drawn for another key, times a number between two. */
+static cJSON *times(const cJSON *item, const cJSON *base, double u, double of_base) {
+    const cJSON *range = cJSON_GetObjectItemCaseSensitive(item, "times");
+    cJSON *first = between(base->string, base, of_base);
+    const double low = range->child->valuedouble, high = range->child->next->valuedouble;
+    cJSON *made = cJSON_IsNumber(first) ? cJSON_CreateNumber(first->valuedouble * (low + u * (high - low))) : NULL;
+    cJSON_Delete(first);
+    return made;
+}
+
 static const cJSON *one_of(const cJSON *values, double u) {
     return cJSON_GetArrayItem(values, (int)(u * cJSON_GetArraySize(values)));
+}
+
+/* {"of": KEY, "times": RANGE}: the key, whose own draw is a range; NULL: it is something else. */
+static const cJSON *base_of(const cJSON *from, const cJSON *item) {
+    const cJSON *of = cJSON_GetObjectItemCaseSensitive(item, "of");
+    const cJSON *base = cJSON_IsString(of) && strcmp(of->valuestring, "seed") != 0
+                            ? cJSON_GetObjectItemCaseSensitive(from, of->valuestring)
+                            : NULL;
+    return base && is_range(base) && is_range(cJSON_GetObjectItemCaseSensitive(item, "times")) ? base : NULL;
+}
+
+static int32_t is_reversed(const cJSON *range) {
+    return is_range(range) && !(range->child->valuedouble <= range->child->next->valuedouble);
 }
 
 tides_status batch_check_draws(const batch *b, const cJSON *from, tides_error *error) {
     const cJSON *item;
     cJSON_ArrayForEach(item, from) {
-        if (!cJSON_IsArray(item) || !item->child)
+        if (cJSON_IsObject(item) && !base_of(from, item))
+            return cli_error(error, TIDES_BAD_CONFIG,
+                             "%s: draw: %.100s: write { \"of\": KEY, \"times\": [LOWEST, HIGHEST] }, with a KEY that is drawn "
+                             "from a range",
+                             b->manifest, item->string);
+        if (!cJSON_IsObject(item) && (!cJSON_IsArray(item) || !item->child))
             return cli_error(error, TIDES_BAD_CONFIG, "%s: draw: %.100s is no list; write [LOWEST, HIGHEST], or values",
                              b->manifest, item->string);
-        if (is_range(item) && !(item->child->valuedouble <= item->child->next->valuedouble))
+        if (is_reversed(item) || is_reversed(cJSON_GetObjectItemCaseSensitive(item, "times")))
             return cli_error(error, TIDES_BAD_CONFIG, "%s: draw: %.100s: its lowest is above its highest", b->manifest,
                              item->string);
     }
@@ -78,7 +107,10 @@ cJSON *batch_draw(const cJSON *from, const char *seed, int index) {
     const cJSON *item;
     cJSON_ArrayForEach(item, from) {
         const double u = uniform(seed, index, item->string);
-        cJSON *value = is_range(item) ? between(item->string, item, u) : cJSON_Duplicate(one_of(item, u), 1);
+        const cJSON *base = base_of(from, item);
+        cJSON *value = base             ? times(item, base, u, uniform(seed, index, base->string))
+                       : is_range(item) ? between(item->string, item, u)
+                                        : cJSON_Duplicate(one_of(item, u), 1);
         if (!value || !cJSON_AddItemToObject(drawn, item->string, value)) {
             cJSON_Delete(value);
             cJSON_Delete(drawn);

@@ -55,7 +55,7 @@ static tides_status lock_folder(const batch_run *run, tides_error *error) {
 static tides_status write_result(const batch_run *run, const job_files *files, tides_error *error) {
     static const char *const of_events[] = {"events", "events_on", "events_off", "events_truncated", "simulated_s", "width",
                                             "height", "device",    "version",    "numerics",         "seed",        NULL};
-    static const char *const of_dataset[] = {"layout", "cameras", "events", "pictures", "truths", "poses",
+    static const char *const of_dataset[] = {"layout", "cameras", "events", "pictures", "truths", "poses", "simulated_s",
                                              "width",  "height",  "device", "version",  "seed",   NULL};
     const char *const *kept = run->layouts ? of_dataset : of_events;
     cJSON *result = batch_describe(run), *stats = run->command ? NULL : batch_read_json(files->stats);
@@ -88,7 +88,7 @@ static tides_status begin(const batch_run *run, const job_files *files, int32_t 
     cJSON *json = batch_describe(run);
     status = batch_write_json(files->job, json, error);
     cJSON_Delete(json);
-    return status;
+    return status == TIDES_OK ? batch_write_run(run, error) : status;
 }
 
 /* A link would lead the log, which is emptied, to where somebody else wants it. */

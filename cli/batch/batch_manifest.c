@@ -131,6 +131,8 @@ static tides_status add_command(const batch *b, batch_run *run, const cJSON *fro
     if (!run->command || !run->option) return batch_no_memory(error);
     cJSON_ArrayForEach(option, options) {
         if (!cJSON_IsString(option)) return wrong(b, error, "holds something else than texts", "options");
+        const tides_status status = batch_check_option(b, option, error);
+        if (status != TIDES_OK) return status;
         if (!(run->option[run->options++] = batch_text("%s", option->valuestring))) return batch_no_memory(error);
     }
     return TIDES_OK;
@@ -214,6 +216,8 @@ static tides_status add_listed(batch *b, const cJSON *base, const shared *common
     const int32_t says = cJSON_HasObjectItem(entry, "command") || cJSON_HasObjectItem(entry, "options");
     const shared own = {common->set, says ? entry : common->how};
     if (!name) return wrong(b, error, "holds a run without a name", "runs");
+    if (strncmp(name->valuestring, "summary", strlen("summary")) == 0 && strpbrk(name->valuestring, ".-"))
+        return wrong(b, error, "is a name that the batch's own files have: call the run otherwise", name->valuestring);
     if (!is_name(name->valuestring))
         return wrong(b, error, "is no name for a folder: use letters, digits and ._=,+-", name->valuestring);
     if (!file) file = base;

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/statvfs.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -18,6 +19,7 @@ typedef struct pool {
     batch *b;
     cli_progress quiet; /* asked whether the user wants to stop */
     int32_t jobs, running;
+    int32_t full;        /* a run found no room on the disk: no further one would */
     size_t ended;        /* finished, failed or skipped */
     double memory, used; /* [bytes]; memory 0: unknown, no bound */
     double correction;   /* measured memory over estimated, the largest so far */
@@ -99,6 +101,13 @@ static tides_status start(pool *p, batch_run *run, tides_error *error) {
     _exit(code);
 }
 
+/* What the reason of a run that failed may not say, for the disk was full. */
+static int32_t has_no_room(const batch *b) {
+    enum { LEAST = 1 << 16 }; /* [bytes] a folder with its first files */
+    struct statvfs disk;
+    return statvfs(b->directory, &disk) == 0 && (double)disk.f_bavail * (double)disk.f_frsize < LEAST;
+}
+
 /* A child that ended. */
 static tides_status reap(pool *p, batch_run *run, int how, tides_error *error) {
     p->running--;
@@ -115,6 +124,7 @@ static tides_status reap(pool *p, batch_run *run, int how, tides_error *error) {
                                                    WTERMSIG(how) == SIGKILL ? ", as for too much memory; try fewer --jobs" : "")
                                       : batch_last_words(run);
         if (!run->error) return batch_no_memory(error);
+        p->full = p->full || strstr(run->error, strerror(ENOSPC)) != NULL || has_no_room(p->b);
         if (!WIFEXITED(how) || WEXITSTATUS(how) != BATCH_BUSY) batch_leave_failure(run);
     }
     p->ended++;
@@ -175,19 +185,21 @@ tides_status batch_work(batch *b, tides_error *error) {
     size_t next = 0;
     tides_status status = TIDES_OK;
     cli_catch_interrupt();
-    while (p.running > 0 || (next < b->count && !b->stopped)) {
+    while (p.running > 0 || (next < b->count && !b->stopped && !p.full)) {
         if (!b->stopped && (status != TIDES_OK || cli_progress_step(&p.quiet, 0, "batch"))) {
             b->stopped = 1;
             stop_children(&p);
         }
         tides_error later = {TIDES_OK, ""};
         tides_status now = reap_ended(&p, &later);
-        if (now == TIDES_OK && !b->stopped) now = start_next(&p, &next, &later);
+        if (now == TIDES_OK && !b->stopped && !p.full) now = start_next(&p, &next, &later);
         if (status == TIDES_OK && now != TIDES_OK) {
             *error = later;
             status = now;
         }
         if (p.running > 0) nanosleep(&pause, NULL);
     }
+    if (p.full && status == TIDES_OK && next < b->count)
+        cli_failed("the disk of %s is full: no further run is started; %zu wait", b->directory, b->count - next);
     return status;
 }

@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const char *const columns[] = {"events", "events_on", "events_off", "events_truncated", "simulated_s", "width",
                                       "height", "seed",      "device"};
@@ -50,11 +51,45 @@ static void put_sets(FILE *file, const cJSON *sets) {
     free(joined);
 }
 
+/* The keys that runs set, in the order in which they come up: a column each. */
+static cJSON *keys_of(const cJSON *runs) {
+    cJSON *keys = cJSON_CreateObject();
+    const cJSON *row, *set;
+    cJSON_ArrayForEach(row, runs) {
+        cJSON_ArrayForEach(set, cJSON_GetObjectItemCaseSensitive(row, "set")) {
+            char key[96];
+            snprintf(key, sizeof key, "%.*s", (int)strcspn(set->valuestring, "="), set->valuestring);
+            if (!cJSON_HasObjectItem(keys, key)) cJSON_AddNullToObject(keys, key);
+        }
+    }
+    return keys;
+}
+
+/* The value that a run sets a key to, the last one where there are several; nothing where it sets none. */
+static void put_value(FILE *file, const cJSON *sets, const char *key) {
+    const cJSON *set, *found = NULL;
+    const size_t length = strlen(key);
+    cJSON_ArrayForEach(set, sets) {
+        if (strncmp(set->valuestring, key, length) == 0 && set->valuestring[length] == '=') found = set;
+    }
+    cJSON *value = found ? cJSON_Parse(found->valuestring + length + 1) : NULL;
+    if (cJSON_IsNumber(value) || cJSON_IsString(value)) {
+        cli_csv_value(file, value);
+    } else {
+        putc(',', file);
+        if (found) cli_csv_text(file, found->valuestring + length + 1);
+    }
+    cJSON_Delete(value);
+}
+
 static void put_csv(FILE *file, const void *root) {
     const cJSON *row = NULL;
     fputs("name,state", file);
     for (size_t i = 0; i < COLUMNS; i++) fprintf(file, ",%s", columns[i]);
-    fputs(",command,set,error\n", file);
+    fputs(",command,set,error", file);
+    cJSON *keys = keys_of(cJSON_GetObjectItemCaseSensitive(root, "runs"));
+    for (const cJSON *key = keys ? keys->child : NULL; key; key = key->next) fprintf(file, ",%s", key->string);
+    putc('\n', file);
     cJSON_ArrayForEach(row, cJSON_GetObjectItemCaseSensitive(root, "runs")) {
         cli_csv_text(file, cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(row, "name")));
         cli_csv_value(file, cJSON_GetObjectItemCaseSensitive(row, "state"));
@@ -64,8 +99,11 @@ static void put_csv(FILE *file, const void *root) {
         cli_csv_text(file, command ? command : "simulate");
         put_sets(file, cJSON_GetObjectItemCaseSensitive(row, "set"));
         cli_csv_value(file, cJSON_GetObjectItemCaseSensitive(row, "error"));
+        for (const cJSON *key = keys ? keys->child : NULL; key; key = key->next)
+            put_value(file, cJSON_GetObjectItemCaseSensitive(row, "set"), key->string);
         putc('\n', file);
     }
+    cJSON_Delete(keys);
 }
 
 static char *summary_path(const batch *b, const char *ending) {

@@ -5,9 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* [s] of wall time, as tides simulate has it. */
-#define DEFAULT_CHECKPOINT_S 30.0
-
 /* "I/N", I from 1. */
 static int take_shard(const cli_command *command, const char *text, batch *b) {
     char *end = NULL;
@@ -31,11 +28,12 @@ static int take_count(const cli_command *command, const char *option, const char
     return CLI_GO;
 }
 
-static void print_counts(const batch *b, size_t done, size_t earlier, size_t failed) {
+static void print_counts(const batch *b, size_t done, size_t earlier, size_t failed, int32_t written) {
     printf("runs              %zu done (%zu of them before), %zu failed", done, earlier, failed);
     if (done + failed < b->count) printf(", %zu waiting", b->count - done - failed);
     printf("\n");
-    if (b->only->count == 0) printf("summary           %s/summary%s\n", b->directory, b->shards == 1 ? ".json and .csv" : "-*");
+    if (written && b->only->count == 0)
+        printf("summary           %s/summary%s\n", b->directory, b->shards == 1 ? ".json and .csv" : "-*");
 }
 
 /* What came of it: the failures last, where nobody misses them. */
@@ -52,7 +50,7 @@ static int report(const batch *b) {
     if (b->stopped)
         return cli_failed("stopped on request; %zu of %zu runs are finished; the same command goes on from there", done,
                           b->count);
-    if (!b->common->quiet && !b->common->json) print_counts(b, done, earlier, failed);
+    if (!b->common->quiet && !b->common->json) print_counts(b, done, earlier, failed, code == CLI_OK);
     return failed && code == CLI_OK ? CLI_FAILED : code;
 }
 
@@ -69,7 +67,8 @@ int cmd_batch(const cli_command *command, int argc, char **argv) {
         {"--shard", 0, "I/N", "only every N-th run, from the I-th on: for N machines on one DIR", NULL, &shard, NULL},
         {"--only", 0, "NAME", "only this run, and no summary; repeatable", NULL, NULL, &only},
         {"--summary", 0, NULL, "run nothing: write the summary of what DIR holds by now", &look, NULL, NULL},
-        {"--checkpoint", 0, "SECONDS", "how often runs save what going on needs (30; 0: never)", NULL, &every, NULL},
+        {"--checkpoint", 0, "SECONDS",
+         "how often runs save what going on needs (" CLI_TEXT_OF(TIDES_CHECKPOINT_S) "; 0: never)", NULL, &every, NULL},
         {"--parent", 0, "PID", "the process that started this one: end, as if killed, when it ends", NULL, &starter, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
@@ -77,7 +76,7 @@ int cmd_batch(const cli_command *command, int argc, char **argv) {
     if (code != CLI_GO) return code;
     if (!directory) return cli_usage(command, "the output is missing: -o DIR");
     batch b = {.manifest = manifest, .directory = directory, .common = &common, .only = &only, .shards = 1};
-    b.checkpoint_s = DEFAULT_CHECKPOINT_S;
+    b.checkpoint_s = TIDES_CHECKPOINT_S;
     if (every && (code = cli_number(command, "--checkpoint", every, &b.checkpoint_s)) != CLI_GO) return code;
     if (b.checkpoint_s < 0) return cli_usage(command, "--checkpoint %s: give seconds, or 0 for none", every);
     if ((code = take_count(command, "--jobs", jobs, 4096, &b.jobs)) != CLI_GO) return code;

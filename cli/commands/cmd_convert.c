@@ -73,6 +73,7 @@ int cmd_convert(const cli_command *command, int argc, char **argv) {
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
     int code = cli_parse(command, options, argc, argv, &common, files);
+    if (code == CLI_OK) cli_help_scenes();
     if (code == CLI_OK) cli_help_formats();
     if (code == CLI_GO) code = cli_conversion_reading(command, &reading, &what);
     if (code == CLI_GO && width) code = cli_size(command, "--width", width, &what.width);

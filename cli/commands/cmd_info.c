@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 #include <sys/stat.h>
 
 /* -- scenes --------------------------------------------------------------------------------------------------------- */
@@ -139,13 +140,12 @@ done:
 /* -- paths ---------------------------------------------------------------------------------------------------------- */
 
 static void lens_facts(const tides_lens *lens, cJSON *facts) {
-    static const char *const models[] = {"none", "radtan", "equidistant"};
     const struct {
         const char *name;
         double value;
     } all[] = {{"k1", lens->k1}, {"k2", lens->k2}, {"k3", lens->k3}, {"k4", lens->k4}, {"p1", lens->p1}, {"p2", lens->p2}};
     if (lens->model == TIDES_LENS_NONE) return;
-    cJSON_AddStringToObject(facts, "lens", models[lens->model]);
+    cJSON_AddStringToObject(facts, "lens", tides_lens_name(lens->model));
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
         if (all[i].value > 0 || all[i].value < 0) cJSON_AddNumberToObject(facts, all[i].name, all[i].value);
 }
@@ -442,6 +442,11 @@ static tides_status facts_of(const char *file, cJSON *facts, tides_error *error)
     struct stat folder;
     if (stat(file, &folder) == 0 && S_ISDIR(folder.st_mode)) return folder_facts(file, facts, error);
     FILE *stream = fopen(file, "rb");
+    if (!stream && !strchr(file, '/') && access(file, F_OK) != 0) {
+        const tides_status named = info_named_preset(file, facts, error);
+        if (named != TIDES_FILE_NOT_FOUND) return named;
+        return cli_error(error, named, "%s: can't be opened: there is no such file, nor a preset of that name", file);
+    }
     if (!stream) return cli_error(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", file, strerror(errno));
     size_t got = fread(head, 1, sizeof head - 1, stream);
     const int32_t failed = ferror(stream);

@@ -8,18 +8,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct family {
-    const char *name;
-    uint32_t wanted;
-} families[] = {
-    {"counts", TIDES_METRIC_COUNTS},         {"isi", TIDES_METRIC_ISI},
-    {"same-ts", TIDES_METRIC_SAME_TIME},     {"fano", TIDES_METRIC_FANO},
-    {"chamfer", TIDES_METRIC_CHAMFER},       {"victor-purpura", TIDES_METRIC_VICTOR_PURPURA},
-    {"van-rossum", TIDES_METRIC_VAN_ROSSUM}, {"time-difference", TIDES_METRIC_TIME_DIFFERENCE},
-    {"kernel", TIDES_METRIC_KERNEL},         {"match", TIDES_METRIC_MATCH},
-};
-#define METRICS "counts,isi,same-ts,fano,chamfer,victor-purpura,van-rossum,time-difference,kernel,match"
-enum { FAMILIES = sizeof families / sizeof families[0] };
+/* Families of the library's table, each once, in its order. */
+enum { FAMILIES_MAX = 32 };
+typedef struct families {
+    const tides_metric *first[FAMILIES_MAX]; /* a row of each */
+    size_t count;
+    char list[256]; /* "counts,isi,..." */
+} families;
+
+static void find_families(families *f) {
+    size_t count, used = 0;
+    const tides_metric *table = tides_metrics_table(&count);
+    *f = (families){.count = 0};
+    for (uint32_t bit = 1; bit && bit <= TIDES_METRICS_ALL; bit <<= 1)
+        for (const tides_metric *row = table; row < table + count && f->count < FAMILIES_MAX; row++) {
+            if (row->wanted != bit) continue;
+            f->first[f->count++] = row;
+            used += (size_t)snprintf(f->list + used, sizeof f->list - used, "%s%s", used ? "," : "", row->family);
+            break;
+        }
+}
 
 /* The command line's texts; NULL where not given. */
 typedef struct arguments {
@@ -31,25 +39,27 @@ typedef struct arguments {
 
 /* ---- the command line ---- */
 
-static int unknown_family(const cli_command *command, const char *name) {
-    const char *names[FAMILIES + 1] = {NULL};
-    for (size_t i = 0; i < FAMILIES; i++) names[i] = families[i].name;
+static int unknown_family(const cli_command *command, const families *f, const char *name) {
+    const char *names[FAMILIES_MAX + 1] = {NULL};
+    for (size_t i = 0; i < f->count; i++) names[i] = f->first[i]->family;
     const char *nearest = tides_nearest_name(name, names);
     if (nearest) return cli_usage(command, "--only: no metric is called %s; did you mean %s?", name, nearest);
-    return cli_usage(command, "--only: no metric is called %s: there are " METRICS, name);
+    return cli_usage(command, "--only: no metric is called %s: there are %s", name, f->list);
 }
 
 /* "isi,chamfer" */
 static int parse_only(const cli_command *command, const char *text, uint32_t *wanted) {
+    families f;
+    find_families(&f);
     *wanted = 0;
     for (;;) {
         char name[32];
         const size_t length = strcspn(text, ",");
         size_t i = 0;
         snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : sizeof name - 1), text);
-        while (i < FAMILIES && strcmp(families[i].name, name) != 0) i++;
-        if (i == FAMILIES) return unknown_family(command, name);
-        *wanted |= families[i].wanted;
+        while (i < f.count && strcmp(f.first[i]->family, name) != 0) i++;
+        if (i == f.count) return unknown_family(command, &f, name);
+        *wanted |= f.first[i]->wanted;
         if (!text[length]) return CLI_GO;
         text += length + 1;
     }
@@ -196,8 +206,10 @@ static int report(const char *const files[2], const tides_metrics *metrics, cons
 int cmd_metrics(const cli_command *command, int argc, char **argv) {
     cli_common common;
     arguments given = {.files = {NULL, NULL}};
+    families known;
+    find_families(&known);
     const cli_option options[] = {
-        {"--only", 0, "LIST", METRICS, NULL, &given.only, NULL},
+        {"--only", 0, "LIST", known.list, NULL, &given.only, NULL},
         {"--exact", 0, NULL, "the reference is exact: also match its events one by one", &given.exact, NULL, NULL},
         {"--window", 0, "S", "Chamfer: length of a window in seconds (0.05)", NULL, &given.window, NULL},
         {"--speed", 0, "PX_PER_S", "Chamfer: how fast the image moves (found from the reference)", NULL, &given.speed, NULL},

@@ -4,9 +4,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* [s] of wall time: what a crash may cost at most, at well below a percent of a run's time. */
-#define DEFAULT_CHECKPOINT_S 30.0
-
 /* Without an operand: what --set names alone, frames or a scene, which leaves the list. NULL: nothing. */
 static const char *operand_of(cli_list *sets, int32_t *names_scene) {
     static const char *const keys[] = {"frames.file=", "scene.file="};
@@ -65,7 +62,8 @@ int cmd_simulate(const cli_command *command, int argc, char **argv) {
          NULL, NULL},
         {"--keep-checkpoint", 0, NULL, "leave EVENTS.h5.checkpoint beside the finished file, for a later time.stop", &keep,
          NULL, NULL},
-        {"--checkpoint", 0, "SECONDS", "how often to save what --resume needs (30; 0: never)", NULL, &every, NULL},
+        {"--checkpoint", 0, "SECONDS", "how often to save what --resume needs (" CLI_TEXT_OF(TIDES_CHECKPOINT_S) "; 0: never)",
+         NULL, &every, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
     int code = cli_parse(command, options, argc, argv, &common, &run);
@@ -76,7 +74,7 @@ int cmd_simulate(const cli_command *command, int argc, char **argv) {
         if ((code = names_scene ? check_scene(run) : check_frames(run)) != CLI_GO) return code;
     if (!run) return cli_usage(command, "too few arguments: tides %s %s", command->name, command->arguments);
     if (!output) return cli_usage(command, "the output is missing: -o EVENTS.h5");
-    double checkpoint_s = DEFAULT_CHECKPOINT_S;
+    double checkpoint_s = TIDES_CHECKPOINT_S;
     if (every && (code = cli_number(command, "--checkpoint", every, &checkpoint_s)) != CLI_GO) return code;
     if (checkpoint_s < 0) return cli_usage(command, "--checkpoint %s: give seconds, or 0 for none", every);
     if (!tides_event_writer_can_resume(output)) {

@@ -33,11 +33,11 @@ static int32_t is_preset(const cJSON *json) {
 }
 
 /* A run that names it says whether its keys and values are right. */
-static tides_status check(const char *file, tides_error *error) {
+static tides_status check(const char *file, int32_t is_file, tides_error *error) {
     char folder[PATH_MAX] = "", name[PATH_MAX];
     const char *slash = strrchr(file, '/');
     if (slash) snprintf(folder, sizeof folder, "%.*s", (int)(slash - file) + 1, file);
-    snprintf(name, sizeof name, "./%s", slash ? slash + 1 : file);
+    snprintf(name, sizeof name, "%s%s", is_file ? "./" : "", slash ? slash + 1 : file);
     cJSON *root = cJSON_Parse("{\"frames\": {\"file\": \"-\"}, \"sensor\": {}}");
     cJSON_AddStringToObject(cJSON_GetObjectItem(root, "sensor"), "preset", name);
     char *text = root ? cJSON_PrintUnformatted(root) : NULL;
@@ -63,16 +63,33 @@ static void add_values(const cJSON *json, cJSON *values) {
     }
 }
 
+static void add_facts(const cJSON *json, cJSON *facts) {
+    const cJSON *about = cJSON_GetObjectItemCaseSensitive(json, "about");
+    cJSON_AddStringToObject(facts, "kind", "preset");
+    if (cJSON_IsString(about)) cJSON_AddStringToObject(facts, "about", about->valuestring);
+    cJSON_AddStringToObject(facts, "use", "sensor.preset");
+    add_values(json, cJSON_AddObjectToObject(facts, "values"));
+}
+
+tides_status info_named_preset(const char *name, cJSON *facts, tides_error *error) {
+    char *text = NULL;
+    tides_status status = tides_preset_read(name, &text, error);
+    cJSON *json = status == TIDES_OK ? cJSON_Parse(text) : NULL;
+    tides_free(text);
+    if (status != TIDES_OK) return status;
+    if (is_preset(json))
+        status = check(name, 0, error);
+    else
+        status = cli_error(error, TIDES_BAD_FILE, "%s: isn't a preset: { \"about\": .., \"sensor\": {..} }", name);
+    if (status == TIDES_OK) add_facts(json, facts);
+    cJSON_Delete(json);
+    return status;
+}
+
 int32_t info_preset(const char *file, cJSON *facts, tides_status *status, tides_error *error) {
     cJSON *json = read_json(file);
     const int32_t found = is_preset(json);
-    if (found && (*status = check(file, error)) == TIDES_OK) {
-        const cJSON *about = cJSON_GetObjectItemCaseSensitive(json, "about");
-        cJSON_AddStringToObject(facts, "kind", "preset");
-        if (cJSON_IsString(about)) cJSON_AddStringToObject(facts, "about", about->valuestring);
-        cJSON_AddStringToObject(facts, "use", "sensor.preset");
-        add_values(json, cJSON_AddObjectToObject(facts, "values"));
-    }
+    if (found && (*status = check(file, 1, error)) == TIDES_OK) add_facts(json, facts);
     cJSON_Delete(json);
     return found;
 }

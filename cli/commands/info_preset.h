@@ -6,6 +6,9 @@
 
 /* 1 where the file is a preset: { "about": .., "sensor": {..}, "frontend": {..}, "readout": {..} } and nothing else. Then its
  * facts, or in `status` and `error` what is wrong with it. */
+/* The same of one that goes by its name; TIDES_FILE_NOT_FOUND: there is none. */
+tides_status info_named_preset(const char *name, cJSON *facts, tides_error *error);
+
 int32_t info_preset(const char *file, cJSON *facts, tides_status *status, tides_error *error);
 
 #endif

@@ -199,23 +199,25 @@ static void print_table(const cJSON *report, size_t reference) {
 }
 
 /* What a column means, and which way is better; NULL for one of a stream alone. */
-static const char *meaning_of(const column *c) {
+static const char *meaning_of(const column *c, char text[CLI_MEANING]) {
     static const char part[] = "comparison.";
     const size_t prefix = sizeof part - 1;
     if (strcmp(c->title, "Same-ts") == 0) return "events that share their time with another; the reference's value is best";
-    return strncmp(c->path, part, prefix) == 0 ? cli_metric_meaning(c->path + prefix) : NULL;
+    return strncmp(c->path, part, prefix) == 0 ? cli_metric_meaning(c->path + prefix, text) : NULL;
 }
 
 static void print_meanings(void) {
+    char text[CLI_MEANING];
     for (size_t i = 0; i < COLUMNS; i++)
-        if (meaning_of(&columns[i])) printf("%-*s %s\n", NAME_WIDTH, columns[i].title, meaning_of(&columns[i]));
+        if (meaning_of(&columns[i], text)) printf("%-*s %s\n", NAME_WIDTH, columns[i].title, meaning_of(&columns[i], text));
     putchar('\n');
 }
 
 void compare_put_meanings(FILE *file) {
     fputs("<table class=small>\n", file);
     for (size_t i = 0; i < COLUMNS; i++) {
-        const char *meaning = meaning_of(&columns[i]);
+        char text[CLI_MEANING];
+        const char *meaning = meaning_of(&columns[i], text);
         if (!meaning) continue;
         fprintf(file, "<tr><td class=text>%s</td><td class=text>", columns[i].title);
         html_text(file, meaning);

@@ -16,6 +16,10 @@
 
 /* Exit codes. Two aren't: CLI_GO says that parsing went well and the command should run, CLI_DESCRIBED that --help=KIND was
  * answered and nothing more is to be said. */
+/* A constant's number as text, for help. */
+#define CLI_TEXT_OF(constant) CLI_TEXT_AS_IS(constant)
+#define CLI_TEXT_AS_IS(text) #text
+
 enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_GO = -1, CLI_DESCRIBED = -2 };
 
 /* What every command takes. */
@@ -50,6 +54,7 @@ struct cli_command {
     const char *details;   /* paragraphs below the options, or NULL */
     int32_t positionals;   /* how many it takes, exactly; below 0: at most so many, and what is missing is NULL */
     int (*run)(const cli_command *command, int argc, char **argv);
+    int32_t no_device; /* 1: it computes nothing on one, and says so where --device is given */
 };
 
 /* The commands (cmd_*.c): argv[0] is the command's name; the result is the exit code. */

@@ -86,3 +86,11 @@ void cli_help_formats(void) {
         printf("  %-11s %s%s%s%s\n", format.name, format.summary, format.writes ? "" : "; read only",
                format.endings[0] ? ": " : "", format.endings);
 }
+
+void cli_help_scenes(void) {
+    tides_scene_format format;
+    printf("\nformats of scenes:\n");
+    for (size_t i = 0; tides_scene_format_at(i, &format); i++)
+        printf("  %-14s %s%s\n", format.endings, format.summary, format.writes ? "" : "; read only");
+    printf("  %-14s %s\n", "a folder", "of a trained model; read only");
+}

@@ -35,8 +35,4 @@ void cli_help_keys(void) {
         if (rows[i].choices) printf(": %s", rows[i].choices);
         putchar('\n');
     }
-    printf("\nkeys of later versions, which take only their default:\n ");
-    for (size_t i = 0; i < count; i++)
-        if (!rows[i].available) printf(" %s", rows[i].key);
-    putchar('\n');
 }

@@ -132,12 +132,8 @@ static void print_summary(const tides_stats *stats, const tides_session_facts *s
 
 /* -- the run  */
 
-/* What --resume, --keep-checkpoint and --preview can't be had with, before the run begins. */
+/* What --preview can't be had with, before the run begins. */
 static tides_status check_frames(const cli_job *job, const tides_session_facts *facts, tides_error *error) {
-    if (!facts->sees_frames) return TIDES_OK;
-    if (job->resume || job->keep_checkpoint)
-        return cli_error(error, TIDES_UNSUPPORTED, "%s: method %s on frames keeps no checkpoints; run it again without",
-                         job->resume ? "--resume" : "--keep-checkpoint", facts->values.method);
     if (facts->frames && (job->preview || job->exr))
         return cli_error(error, TIDES_UNSUPPORTED,
                          "--preview shows a rendered image, which a run with frames.file doesn't have");
@@ -191,7 +187,7 @@ static tides_status work(const cli_job *job, job_state *state, tides_error *erro
     if (status != TIDES_OK) return status;
     how.checkpoint_s = job->checkpoint_s;
     how.keep_checkpoint = job->keep_checkpoint;
-    how.resume = goes_on(job, state->common);
+    how.resume = state->facts.sees_frames ? job->resume : goes_on(job, state->common); /* of frames it is refused */
     status = tides_session_write(state->session, job->events, &how, step, state, &state->done, &state->stats, error);
     tell(state);
     cli_progress_end(&state->progress);
@@ -242,7 +238,7 @@ int cli_job_run(const cli_job *job, const cli_common *common) {
     else if (!common->quiet)
         print_summary(&state.stats, &state.facts);
     if (code == CLI_OK && !common->quiet) cli_tell_collapsed(state.done.collapsed);
-    if (code == CLI_OK && !state.facts.frames && state.stats.render.pairs_evaluated == 0) cli_tell_unseen(common, "");
+    if (code == CLI_OK && !common->quiet) cli_tell_silence(state.session, &state.stats);
     tides_session_close(state.session);
     return code;
 }

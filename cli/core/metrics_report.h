@@ -11,7 +11,8 @@ cJSON *cli_metrics_json(const tides_metrics *metrics, const tides_metrics_option
 /* The same as text: the streams' values side by side, then the comparison's. */
 void cli_metrics_print(const cJSON *report);
 
-/* What a number of the comparison means, and which way is better. */
-const char *cli_metric_meaning(const char *name);
+/* What a number of the comparison means, and which way is better, from the library's table; NULL: it is none. */
+enum { CLI_MEANING = 160 };
+const char *cli_metric_meaning(const char *name, char text[CLI_MEANING]);
 
 #endif

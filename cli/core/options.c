@@ -145,6 +145,8 @@ int cli_parse(const cli_command *command, const cli_option *options, int argc, c
         cli_help_command(command, options);
         return CLI_OK;
     }
+    if (common->device && command->no_device && !common->quiet)
+        fprintf(stderr, "tides: --device %s changes nothing: tides %s uses no device\n", common->device, command->name);
     if (given < command->positionals)
         return cli_usage(command, "too few arguments: tides %s %s", command->name, command->arguments);
     return CLI_GO;

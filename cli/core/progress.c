@@ -7,11 +7,22 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Signal handlers reach nothing but a flag of this type: the only writable global of the tool. */
+/* Signal handlers reach nothing but a flag of this type: the only writable globals of the tool. */
 static volatile sig_atomic_t interrupted;
 
+static time_t interrupted_at; /* written in the handler alone, while its signals wait */
+
+/* The first asks for an end. Another one within a second is the same: a terminal, a shell and `timeout` may each send it. A
+ * later one gets the default: end at once. */
 static void on_interrupt(int number) {
-    (void)number;
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    if (interrupted && now.tv_sec - interrupted_at > 1) {
+        signal(number, SIG_DFL);
+        raise(number);
+        return;
+    }
+    if (!interrupted) interrupted_at = now.tv_sec;
     interrupted = 1;
 }
 
@@ -20,8 +31,10 @@ static void catch_one(int number) {
     struct sigaction action, before;
     memset(&action, 0, sizeof action);
     action.sa_handler = on_interrupt;
-    action.sa_flags = (int)(SA_RESETHAND | SA_RESTART); /* the second Ctrl-C gets the default: end at once */
+    action.sa_flags = (int)SA_RESTART;
     sigemptyset(&action.sa_mask);
+    sigaddset(&action.sa_mask, SIGINT);
+    sigaddset(&action.sa_mask, SIGTERM);
     if (sigaction(number, NULL, &before) == 0 && before.sa_handler != SIG_IGN) sigaction(number, &action, NULL);
 }
 

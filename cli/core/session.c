@@ -5,6 +5,15 @@
 static const char UNFUSED[] =
     "this device has no fused multiply-add: its events are within some 20 ns of other devices', not the same";
 
+void cli_tell_silence(tides_session *session, const tides_stats *stats) {
+    char why[TIDES_SILENCE];
+    tides_error error = {TIDES_OK, ""};
+    if (tides_session_silence(session, stats, why, &error) != TIDES_OK)
+        fprintf(stderr, "tides: no events; why can't be said: %s\n", error.text);
+    else if (why[0])
+        fprintf(stderr, "tides: %s\n", why);
+}
+
 void cli_tell_unseen(const cli_common *common, const char *who) {
     if (!common->quiet)
         fprintf(stderr, "tides: nothing of the scene was in view%s, at any time: look at the path, or at camera.up\n", who);
@@ -24,6 +33,8 @@ tides_status cli_session_open(const char *file, const cli_list *sets, const cli_
     cli_tell_lines(common, tides_run_notes(s.run));
     cli_tell_lines(common, tides_session_notes(*session));
     if (s.frames) {
+        if (common->device && !common->quiet)
+            fprintf(stderr, "tides: --device %s changes nothing: a run on frames uses no device\n", common->device);
         cli_tell_lines(common, tides_frames_note(s.frames));
         cli_note(common, "%zu frames, %dx%d px", tides_frames_count(s.frames), s.intrinsics.width, s.intrinsics.height);
     } else {

@@ -9,6 +9,9 @@
 tides_status cli_session_open(const char *file, const cli_list *sets, const cli_common *common, const cli_output *outputs,
                               size_t count, tides_session **session, tides_error *error);
 
+/* Why a run has no events, where it has none. */
+void cli_tell_silence(tides_session *session, const tides_stats *stats);
+
 /* Whoever looks away should hear why all is empty; `who` follows "in view": "", or " of 1 of 2 cameras". */
 void cli_tell_unseen(const cli_common *common, const char *who);
 

@@ -3,20 +3,7 @@
 
 #include <string.h>
 
-/* A row's field as a number. */
-static double value_of(const tides_stat *row, const tides_stats *stats) {
-    const char *field = (const char *)stats + row->offset;
-    uint64_t count;
-    int32_t whole;
-    double real;
-    switch (row->type) {
-        case TIDES_STAT_COUNT: memcpy(&count, field, sizeof count); return (double)count;
-        case TIDES_STAT_WHOLE: memcpy(&whole, field, sizeof whole); return whole;
-        default: memcpy(&real, field, sizeof real); return real;
-    }
-}
-
-/* Every row of the table; "time_s.build" goes into the object time_s. */
+/* Every row of the table; "time_s.build" goes into the object time_s, "settings.unit" into settings. */
 static int32_t add_rows(cJSON *root, const tides_stats *stats) {
     size_t count;
     const tides_stat *rows = tides_stats_table(&count);
@@ -31,7 +18,7 @@ static int32_t add_rows(cJSON *root, const tides_stats *stats) {
             if (!group) group = cJSON_AddObjectToObject(root, key);
             name = dot + 1;
         }
-        ok = group && cJSON_AddNumberToObject(group, name, value_of(&rows[i], stats)) != NULL;
+        ok = group && cJSON_AddNumberToObject(group, name, tides_stat_value(stats, &rows[i])) != NULL;
     }
     return ok;
 }

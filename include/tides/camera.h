@@ -11,6 +11,9 @@ extern "C" {
 /* Models of tides_lens. */
 enum { TIDES_LENS_NONE = 0, TIDES_LENS_RADTAN, TIDES_LENS_EQUIDISTANT };
 
+/* The name of a model, as camera.lens has it ("radtan"); NULL: it is none of them. */
+TIDES_API const char *tides_lens_name(int32_t model);
+
 /* How lines bend: slopes (a, b) = (x/z, y/z), r^2 = a^2 + b^2, become (a', b'). All zeros is a pinhole.
  *   RADTAN (OpenCV's, COLMAP's OPENCV, ROS's plumb_bob), with k4 0:
  *     a' = a (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 a b + p2 (r^2 + 2 a^2),

@@ -151,6 +151,31 @@ typedef struct tides_metrics {
     tides_match match;             /* pairs of events */
 } tides_metrics;
 
+/* What a value of a comparison is: of each stream by itself (a field of tides_stream_metrics) or of both (of tides_metrics);
+ * one, or one for each kind of pairs (TIDES_PAIRS) or bin (TIDES_FANO_BINS); and which way is better. */
+enum { TIDES_OF_BOTH = 0, TIDES_OF_STREAM = 1 };
+enum { TIDES_REPEATS_ONCE = 0, TIDES_REPEATS_PAIRS = 1, TIDES_REPEATS_BINS = 2 };
+enum {
+    TIDES_BETTER_NEITHER = 0, /* it only says what was compared */
+    TIDES_BETTER_LOWER = 1,
+    TIDES_BETTER_HIGHER = 2,
+    TIDES_BETTER_ONE = 3, /* the nearer to 1 */
+    TIDES_BETTER_ZERO = 4 /* the nearer to 0 */
+};
+typedef struct tides_metric {
+    const char *name;            /* as the tool's JSON has it: "chamfer_px" */
+    const char *family;          /* of --only: "chamfer" */
+    uint32_t wanted;             /* TIDES_METRIC_* that it is computed with */
+    const char *unit, *sentence; /* "px", or "" */
+    int32_t better;              /* TIDES_BETTER_* */
+    int32_t of, repeats;         /* TIDES_OF_*; TIDES_REPEATS_* */
+    int32_t is_real;             /* 1: double; 0: uint64_t */
+    size_t offset, stride;       /* of its field, and from one of several to the next [bytes] */
+} tides_metric;
+
+/* The table of all values; static storage, `count` (nullable) receives its length. */
+TIDES_API const tides_metric *tides_metrics_table(size_t *count);
+
 /* Compares two streams, each in order of time (else TIDES_BAD_ARGUMENT, as for events outside the sensor). 0 events are
  * fine. Pure: touches nothing but `metrics`, so that several threads may compare at once, the same streams too. `progress`
  * (nullable) may cancel. Memory beside the streams: about 40 bytes per event and 50 per pixel.

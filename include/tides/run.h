@@ -106,6 +106,11 @@ TIDES_API void tides_run_get(const tides_run *run, tides_run_values *values);
 enum { TIDES_PRESET_NAME = 32 };
 TIDES_API int32_t tides_preset_at(size_t index, char name[TIDES_PRESET_NAME]);
 
+/* The JSON text of a preset by its name: the library's, or one's own, NAME.json in $XDG_CONFIG_HOME/tides/presets (else
+ * ~/.config/tides/presets), which sensor.preset finds there too. The caller frees it with tides_free. TIDES_FILE_NOT_FOUND:
+ * there is none. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_preset_read(const char *name, char **text, tides_error *error);
+
 /* What a reader of the run file may not expect of it, a line each, such as which values a preset didn't get to set; "" where
  * there is nothing. The run's, and lives as long. */
 TIDES_API const char *tides_run_notes(const tides_run *run);

@@ -119,6 +119,16 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_read(tides_scene *scene, con
 /* How many Gaussians of the scene's files were left out (TIDES_INVALID_DROP). */
 TIDES_API int64_t tides_scene_dropped(const tides_scene *scene);
 
+/* The formats of scene files and of folders in their place: endings, or names of what is in a folder, separated by blanks, and
+ * a few words, both static; whether the library writes it; and what a file of it loses (TIDES_LOSES_*, below). */
+typedef struct tides_scene_format {
+    const char *endings, *summary;
+    int32_t writes, losses;
+} tides_scene_format;
+
+/* Format number `index` from 0 on; 1, or 0 behind the last. Models that trainers left in folders aren't among them. */
+TIDES_API int32_t tides_scene_format_at(size_t index, tides_scene_format *format);
+
 /* 1 where tides_scene_add_file would take `file` for a scene, by the same signs; whether it can be read is another matter: a
  * glTF may hold no splats, and a pointer of Git LFS stand in a scene's place, which that says. 0 also where it can't be
  * opened. */

@@ -74,6 +74,12 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_simulator(tides_session *s
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_renderer(tides_session *session, tides_progress progress, void *user,
                                                                tides_renderer **renderer, tides_error *error);
 
+/* Why the run fired nothing, by the statistics of a whole one: one line, or "" where it has events, or nothing can be said.
+ * Without events its image is looked at 17 times, which takes as long as so many frames. */
+enum { TIDES_SILENCE = 256 };
+TIDES_MUST_CHECK TIDES_API tides_status tides_session_silence(tides_session *session, const tides_stats *stats,
+                                                              char text[TIDES_SILENCE], tides_error *error);
+
 /* -- what else a camera's rig records ------------------------------------------------------------------------------------ */
 
 /* What was written. Plain value. */
@@ -121,7 +127,11 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_tracks(tides_session *sess
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_truth(tides_session *session, const char *path, tides_progress progress,
                                                             void *user, tides_error *error);
 
-/* How events go into a file; fill with tides_recording_defaults (the ending's format, from the start, 30 s). */
+/* [s] of wall time between checkpoints where nothing else is asked for: what a crash may cost at most, at well below a percent
+ * of a run's time. */
+#define TIDES_CHECKPOINT_S 30
+
+/* How events go into a file; fill with tides_recording_defaults (the ending's format, from the start, TIDES_CHECKPOINT_S). */
 typedef struct tides_recording {
     uint32_t size;
     int32_t resume;          /* 1: go on where PATH.checkpoint is, with the PATH.part beside it */

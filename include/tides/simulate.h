@@ -144,7 +144,7 @@ enum { TIDES_STAT_COUNT = 0 /* uint64_t */, TIDES_STAT_REAL = 1 /* double */, TI
 enum { TIDES_JOIN_DERIVED = 0, TIDES_JOIN_SUM = 1, TIDES_JOIN_LARGEST = 2 };
 
 /* One row of the table of statistics, from which --stats and checkpoints are made: a field of tides_stats. Rows "time_s.NAME"
- * are parts of run_time_s and add up to it. */
+ * are parts of run_time_s and add up to it; "settings.NAME" are what the run has where the stepping left it open. */
 typedef struct tides_stat {
     const char *name; /* "events_on" */
     const char *unit; /* "s", or "" */
@@ -155,6 +155,9 @@ typedef struct tides_stat {
 
 /* The table; static storage, `count` (nullable) receives its length. */
 TIDES_API const tides_stat *tides_stats_table(size_t *count);
+
+/* A row's field as a number, whatever its type; counts above 2^53 are rounded. Neither may be NULL. */
+TIDES_API double tides_stat_value(const tides_stats *stats, const tides_stat *row);
 
 /* Receives events in order; `count` may be 0. Non-zero stops the run: TIDES_CANCELLED, or the status it stored itself. */
 typedef int (*tides_event_sink)(void *user, const tides_event *events, size_t count);
@@ -217,9 +220,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_save(const tides_simulat
 
 /* Puts a new simulator, which hasn't run yet, where a saved one was: tides_simulator_run goes on from there, and the statistics
  * count both. TIDES_BAD_CONFIG naming what differs where the checkpoint is of another run: `run` (nullable) in anything but
- * time.stop and device, the scene, the camera, the sensor, the stepping, the start, the device's precision. The stop may be
- * another one after the time of the checkpoint, unless that was the run's end (the step before it will do:
- * tides_recording.keep_checkpoint). TIDES_BAD_FILE where the file is damaged. */
+ * time.stop, device and stepping.memory_mb, the scene, the camera, the sensor, the stepping, the start, the device's
+ * precision. The stop may be another one after the time of the checkpoint, unless that was the run's end (the step before it
+ * will do: tides_recording.keep_checkpoint). TIDES_BAD_FILE where the file is damaged. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_restore(tides_simulator *simulator, const char *run, const char *path,
                                                                 tides_error *error);
 

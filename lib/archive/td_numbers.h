@@ -1,5 +1,4 @@
-/* Internal: numbers as files store them, and shapes as messages show them; for the readers of archives and for events'
- * labels. */
+/* Internal: numbers as files store them, and shapes as messages show them; for the readers of archives. */
 #ifndef TD_NUMBERS_H
 #define TD_NUMBERS_H
 
@@ -7,9 +6,6 @@
 
 /* The IEEE 754 number of `bytes` = 2, 4 or 8 bytes that these bits are. */
 double td_float_bits(uint64_t bits, size_t bytes);
-
-/* The binary16 number that is nearest to `value`, of two the even one; NaN and what is too large stay so. */
-uint16_t td_half_bits(double value);
 
 /* "[3, any]" for {3, -1}; the buffer lives as long as the caller's block. At most 8 extents. */
 enum { TD_SHAPE_BYTES = 192 };

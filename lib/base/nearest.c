@@ -10,15 +10,19 @@ enum { LONGEST = 128, ROW = LONGEST + 1 };
 /* A start of two letters or fewer may be of anything. */
 enum { LEAST_START = 3 };
 
+/* Capital letters are no slip: people write a sensor's name as its maker does. */
+static char small(char c) { return (char)(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); }
+
 static size_t lesser(size_t a, size_t b) { return a < b ? a : b; }
 
 /* The row of the i-th letter of `a` from the two before it. */
 static void next_row(const char *a, const char *b, size_t i, const size_t *before, const size_t *last, size_t *row) {
     row[0] = i;
     for (size_t j = 1; b[j - 1]; j++) {
-        size_t cost = last[j - 1] + (a[i - 1] != b[j - 1]);
+        size_t cost = last[j - 1] + (small(a[i - 1]) != small(b[j - 1]));
         cost = lesser(cost, lesser(last[j], row[j - 1]) + 1);
-        if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) cost = lesser(cost, before[j - 2] + 1);
+        if (i > 1 && j > 1 && small(a[i - 1]) == small(b[j - 2]) && small(a[i - 2]) == small(b[j - 1]))
+            cost = lesser(cost, before[j - 2] + 1);
         row[j] = cost;
     }
 }

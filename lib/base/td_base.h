@@ -13,6 +13,10 @@
 #define TD_PRINTF(text, first)
 #endif
 
+/* Events carry 64-bit nanoseconds, which end at 9.22e9 s: no time is further from 0 than this [s]. Clocks that count from 1970
+ * fit. */
+#define TD_FURTHEST_TIME 9.2e9
+
 /* Fills a nullable error and returns `status`, so that a failure is `return td_fail(error, TIDES_BAD_FILE, "...", ...)`.
  * One line: what, where, how to fix. */
 tides_status td_fail(tides_error *error, tides_status status, const char *format, ...) TD_PRINTF(3, 4);

@@ -1,5 +1,6 @@
 /* V2CE's second stage (Zhang et al., ICRA 2024), LDATI: from the voxels of a frame interval to events, with a debt of fractions
  * that goes from bin to bin, and times from a density that is linear within a bin. */
+#include "td_base.h"
 #include "td_baseline.h"
 
 #include "td_random.h"
@@ -99,7 +100,7 @@ tides_status tides_ldati(const double *voxels, int32_t width, int32_t height, do
     if (!voxels || !sink) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_ldati: voxels or sink is NULL");
     if (width < 1 || height < 1 || width > 16384 || height > 16384)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_ldati: %d x %d px; each side must lie in [1, 16384]", width, height);
-    if (!(fabs(start) < 9.2e9 && fabs(stop) < 9.2e9 && start < stop))
+    if (!(fabs(start) < TD_FURTHEST_TIME && fabs(stop) < TD_FURTHEST_TIME && start < stop))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_ldati: [%.9g, %.9g) s is no interval", start, stop);
     tides_baseline out = {.width = width, .height = height, .pixels = (size_t)width * (size_t)height};
     out.params.seed = seed;

@@ -14,6 +14,7 @@
  *
  * libyaml would read all of YAML into events, of which as many lines as these would have to make the same sense. */
 #include "td_camchain.h"
+#include "camera/td_lens_models.h"
 
 #include "camera/td_path_reader.h"
 #include "camera/td_rotation.h"
@@ -171,15 +172,13 @@ static tides_status take_key(reading *r, const char *name, char *value) {
 
 /* Models come first: others have other numbers of coefficients. */
 static tides_status check_models(const reading *r) {
-    static const char *const bent[] = {"none", "radtan", "plumb_bob", "equidistant",
-                                       "equi"}; /* ROS's and Kalibr's other names */
     char word[TD_QUOTE];
     if (r->pinhole && strcmp(r->pinhole, "pinhole") != 0)
         return td_fail(r->error, TIDES_UNSUPPORTED,
                        "%s: cam%d: camera_model %s isn't supported: calibrate as pinhole, with radtan or equidistant", r->file,
                        r->chain->count, td_path_quote(r->pinhole, strlen(r->pinhole), word));
-    for (int k = 0; k < 5; k++)
-        if (!r->bent || strcmp(r->bent, bent[k]) == 0) return TIDES_OK;
+    if (!r->bent || td_lens_named(r->bent) >= 0) return TIDES_OK;
+    if (strcmp(r->bent, "plumb_bob") == 0 || strcmp(r->bent, "equi") == 0) return TIDES_OK; /* ROS's and Kalibr's other names */
     return td_fail(r->error, TIDES_UNSUPPORTED, "%s: cam%d: distortion_model %s isn't supported: radtan, equidistant or none",
                    r->file, r->chain->count, td_path_quote(r->bent, strlen(r->bent), word));
 }

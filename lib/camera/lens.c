@@ -5,6 +5,7 @@
  * equidistant. G' = 0 is where a lens folds over: within the image it is refused, beyond the corner d goes on straight from
  * half way to it (kernels/lens.h). */
 #include "camera/td_lens.h"
+#include "camera/td_lens_models.h"
 
 #include <math.h>
 #include <string.h>
@@ -28,10 +29,8 @@ static const double undone_px = 1e-6;
 typedef struct ranged {
     const char *name;
     double value, lower, upper;
-    int lenses;
+    int of_lens; /* 1: a coefficient, which not every model has */
 } ranged;
-
-static const char *const lens_names[] = {"none", "radtan", "equidistant"};
 
 static tides_status check_numbers(const ranged *numbers, size_t count, int model, tides_error *error) {
     for (size_t i = 0; i < count; i++) {
@@ -39,28 +38,25 @@ static tides_status check_numbers(const ranged *numbers, size_t count, int model
         if (!(n->value >= n->lower && n->value <= n->upper))
             return td_fail(error, TIDES_BAD_ARGUMENT, "%s: %g is out of range; it must lie in [%.10g, %.10g]", n->name,
                            n->value, n->lower, n->upper);
-        if (!(n->lenses >> model & 1) && (n->value < 0 || n->value > 0))
+        char keys[TD_LENS_WORDS];
+        if (n->of_lens && !td_lens_has(model, n->name + strlen("camera.")) && (n->value < 0 || n->value > 0))
             return td_fail(error, TIDES_BAD_ARGUMENT, "%s: %g, but camera.lens is %s, which has %s", n->name, n->value,
-                           lens_names[model],
-                           model == TD_LENS_RADTAN        ? "k1, k2, p1, p2 and k3"
-                           : model == TD_LENS_EQUIDISTANT ? "k1, k2, k3 and k4"
-                                                          : "no coefficients: set camera.lens");
+                           tides_lens_name(model), td_lens_keys(model, keys));
     }
     return TIDES_OK;
 }
 
 static tides_status check_camera(const tides_intrinsics *c, tides_error *error) {
-    enum { ALL = 7, BENT = 6, RADTAN = 2, EQUIDISTANT = 4 };
     if (c->width < 1 || c->width > MAX_PIXELS || c->height < 1 || c->height > MAX_PIXELS)
         return td_fail(error, TIDES_BAD_ARGUMENT, "camera: %d x %d pixels; width and height must be 1 to %d", (int)c->width,
                        (int)c->height, MAX_PIXELS);
-    if (c->lens.model < TIDES_LENS_NONE || c->lens.model > TIDES_LENS_EQUIDISTANT)
+    if (!td_lens_model_of(c->lens.model))
         return td_fail(error, TIDES_BAD_ARGUMENT, "camera.lens: %d is none of TIDES_LENS_*", (int)c->lens.model);
-    const ranged numbers[] = {{"camera.fx", c->fx, 1e-3, 1e9, ALL},         {"camera.fy", c->fy, 1e-3, 1e9, ALL},
-                              {"camera.cx", c->cx, -1e6, 1e6, ALL},         {"camera.cy", c->cy, -1e6, 1e6, ALL},
-                              {"camera.k1", c->lens.k1, -1e3, 1e3, BENT},   {"camera.k2", c->lens.k2, -1e3, 1e3, BENT},
-                              {"camera.k3", c->lens.k3, -1e3, 1e3, BENT},   {"camera.k4", c->lens.k4, -1e3, 1e3, EQUIDISTANT},
-                              {"camera.p1", c->lens.p1, -1e3, 1e3, RADTAN}, {"camera.p2", c->lens.p2, -1e3, 1e3, RADTAN}};
+    const ranged numbers[] = {{"camera.fx", c->fx, 1e-3, 1e9, 0},      {"camera.fy", c->fy, 1e-3, 1e9, 0},
+                              {"camera.cx", c->cx, -1e6, 1e6, 0},      {"camera.cy", c->cy, -1e6, 1e6, 0},
+                              {"camera.k1", c->lens.k1, -1e3, 1e3, 1}, {"camera.k2", c->lens.k2, -1e3, 1e3, 1},
+                              {"camera.k3", c->lens.k3, -1e3, 1e3, 1}, {"camera.k4", c->lens.k4, -1e3, 1e3, 1},
+                              {"camera.p1", c->lens.p1, -1e3, 1e3, 1}, {"camera.p2", c->lens.p2, -1e3, 1e3, 1}};
     return check_numbers(numbers, sizeof numbers / sizeof *numbers, c->lens.model, error);
 }
 
@@ -105,7 +101,7 @@ static tides_status find_radius(const td_image *image, radius *found, tides_erro
                        "camera.lens: %s folds over %.1f px from the principal point, within the image, whose farthest corner "
                        "is "
                        "at %.1f px: its coefficients don't hold out there; take a smaller image, or calibrate to its corners",
-                       lens_names[image->lens_model], g * px, lens->corner * px);
+                       tides_lens_name(image->lens_model), g * px, lens->corner * px);
     found->corner = s;
     found->end = beyond_corner * s;
     for (int i = 0; i <= STEPS && s < found->end; i++) {
@@ -184,7 +180,7 @@ static tides_status check_undone(const td_image *image, tides_error *error) {
             if (!(off < undone_px && det > 0))
                 return td_fail(error, TIDES_BAD_ARGUMENT,
                                "camera.lens: %s can't be undone at (%.1f, %.1f) px: its coefficients fold the image over there",
-                               lens_names[image->lens_model], u, v);
+                               tides_lens_name(image->lens_model), u, v);
         }
     return TIDES_OK;
 }

@@ -17,7 +17,6 @@ static void write_vector(FILE *out, const char *key, const double *values, int c
 }
 
 static void write_camera(FILE *out, const tides_intrinsics *camera) {
-    static const char *const models[] = {"none", "radtan", "equidistant"};
     const tides_lens *lens = &camera->lens;
     fprintf(out, "  \"intrinsics\": {\"width\": %d, \"height\": %d, \"fx\": %s, \"fy\": %s, \"cx\": %s, \"cy\": %s",
             (int)camera->width, (int)camera->height, TD_SHORT(camera->fx), TD_SHORT(camera->fy), TD_SHORT(camera->cx),
@@ -26,7 +25,7 @@ static void write_camera(FILE *out, const tides_intrinsics *camera) {
         fprintf(out,
                 ",\n    \"lens\": {\"model\": \"%s\", \"k1\": %s, \"k2\": %s, \"k3\": %s, \"k4\": %s, \"p1\": "
                 "%s, \"p2\": %s}",
-                models[lens->model], TD_SHORT(lens->k1), TD_SHORT(lens->k2), TD_SHORT(lens->k3), TD_SHORT(lens->k4),
+                tides_lens_name(lens->model), TD_SHORT(lens->k1), TD_SHORT(lens->k2), TD_SHORT(lens->k3), TD_SHORT(lens->k4),
                 TD_SHORT(lens->p1), TD_SHORT(lens->p2));
     fputs("},\n", out);
 }
@@ -57,7 +56,7 @@ static tides_status check_intrinsics(const tides_intrinsics *camera, tides_error
     const tides_lens *lens = &camera->lens;
     const double numbers[] = {camera->fx, camera->fy, camera->cx, camera->cy, lens->k1,
                               lens->k2,   lens->k3,   lens->k4,   lens->p1,   lens->p2};
-    int known = lens->model >= TIDES_LENS_NONE && lens->model <= TIDES_LENS_EQUIDISTANT;
+    int known = tides_lens_name(lens->model) != NULL;
     int positive = camera->width >= 1 && camera->height >= 1 && camera->fx > 0.0 && camera->fy > 0.0;
     if (positive && known && td_all_finite(numbers, 10)) return TIDES_OK;
     return td_fail(error, TIDES_BAD_ARGUMENT,

@@ -23,6 +23,7 @@
  * Values in brackets are what a missing key means. A seed above 2^53 must be a string of digits, since JSON numbers are
  * doubles. Unknown and repeated keys are errors. */
 #include "camera/td_path_reader.h"
+#include "camera/td_lens_models.h"
 
 #include "td_base.h"
 
@@ -162,9 +163,8 @@ static tides_status read_lens(td_path_reader *reader, const cJSON *object, tides
     tides_status status = td_json_check_keys(reader, object, where, keys);
     if (status != TIDES_OK) return status;
     const char *name = cJSON_IsString(model) ? model->valuestring : "";
-    lens->model = strcmp(name, "radtan") == 0 ? TIDES_LENS_RADTAN : TIDES_LENS_EQUIDISTANT;
-    if (lens->model == TIDES_LENS_EQUIDISTANT && strcmp(name, "equidistant") != 0)
-        return td_json_fail(reader, where, "model", "must be \"radtan\" or \"equidistant\"");
+    lens->model = td_lens_named(name);
+    if (lens->model <= TIDES_LENS_NONE) return td_json_fail(reader, where, "model", "must be \"radtan\" or \"equidistant\"");
     for (int k = 0; k < 6 && status == TIDES_OK; k++)
         if (td_json_has(object, keys[k])) status = td_json_number(reader, object, where, keys[k], values[k]);
     return status;

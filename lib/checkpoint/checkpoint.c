@@ -1,11 +1,12 @@
 /* Saving a simulator and restoring it: a run cut between two steps goes on as if it had never stopped, to the bit.
  *
  * The state at the end of a step is what the next one begins with: S and S_dot there, and per pixel where it began and how
- * often it has fired; the reference follows from these (td_reference). Layout of the file, HDF5, version 5 (1 lacked the totals
- * of motion; in 2 `time` was absolute; 3 lacked those of probes; 4 named some totals otherwise):
+ * often it has fired; the reference follows from these (td_reference). Layout of the file, HDF5, version 6 (1 lacked the totals
+ * of motion; in 2 `time` was absolute; 3 lacked those of probes; 4 named some totals otherwise; 5
+ * had fewer keys in /run_is):
  *
  *     /                    attributes  format           text    "tides-checkpoint"
- *                                      version          int     5
+ *                                      version          int     6
  *                                      tides_version    text    of the writer; for people
  *                                      run              text    the run file as JSON, or ""
  *                                      step             double  number of the grid point reached (td_grid.h)
@@ -34,13 +35,14 @@
 
 static void print_checksum(uint64_t checksum, char text[17]) { snprintf(text, 17, "%016" PRIx64, checksum); }
 
-static tides_status write_facts(const td_place *place, const td_fact *facts) {
+static tides_status write_facts(const td_place *place, const td_facts *facts) {
     tides_status status = TIDES_OK;
-    for (int i = 0; i < TD_FACTS && status == TIDES_OK; i++) {
+    for (int i = 0; i < facts->count && status == TIDES_OK; i++) {
         char text[17];
-        print_checksum(facts[i].checksum, text);
-        status = facts[i].is_checksum ? td_place_write_text(place, facts[i].key, text)
-                                      : td_place_write_double(place, facts[i].key, facts[i].number);
+        const td_fact *fact = &facts->fact[i];
+        print_checksum(fact->checksum, text);
+        status = fact->is_checksum ? td_place_write_text(place, fact->key, text)
+                                   : td_place_write_double(place, fact->key, fact->number);
     }
     return status;
 }
@@ -64,9 +66,9 @@ static tides_status check_fact(const td_place *place, const td_fact *fact) {
     return status;
 }
 
-static tides_status check_facts(const td_place *place, const td_fact *facts) {
+static tides_status check_facts(const td_place *place, const td_facts *facts) {
     tides_status status = TIDES_OK;
-    for (int i = 0; i < TD_FACTS && status == TIDES_OK; i++) status = check_fact(place, &facts[i]);
+    for (int i = 0; i < facts->count && status == TIDES_OK; i++) status = check_fact(place, &facts->fact[i]);
     return status;
 }
 
@@ -89,7 +91,7 @@ static tides_status write_root(const td_place *root, const tides_simulator *s, c
     return status == TIDES_OK ? write_last(root, &s->packet.last) : status;
 }
 
-static tides_status write_all(const td_place *root, const tides_simulator *s, const char *run, const td_fact *facts,
+static tides_status write_all(const td_place *root, const tides_simulator *s, const char *run, const td_facts *facts,
                               const td_saved *saved) {
     td_place group;
     tides_stats totals;
@@ -107,7 +109,7 @@ static tides_status write_all(const td_place *root, const tides_simulator *s, co
     return status == TIDES_OK ? td_saved_write(saved, s, root) : status;
 }
 
-static tides_status save(const tides_simulator *s, const char *run, const char *path, const td_fact *facts,
+static tides_status save(const tides_simulator *s, const char *run, const char *path, const td_facts *facts,
                          const td_saved *saved, tides_error *error) {
     td_place root = {.id = td_checkpoint_image_create(), .file = path, .where = "/", .error = error};
     if (root.id < 0) return td_fail(error, TIDES_NO_MEMORY, "%s: a file in memory can't be made", path);
@@ -125,13 +127,13 @@ tides_status tides_simulator_save(const tides_simulator *simulator, const char *
                        path);
     if (!simulator->started)
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: the run hasn't begun: call tides_simulator_run first", path);
-    td_fact facts[TD_FACTS];
+    td_facts facts;
     td_saved saved;
-    tides_status status = td_facts_gather(simulator, facts, error);
+    tides_status status = td_facts_gather(simulator, &facts, error);
     if (status == TIDES_OK) status = td_saved_create(&saved, simulator, error);
     if (status != TIDES_OK) return status;
     td_saved_take(&saved, simulator);
-    H5E_BEGIN_TRY { status = save(simulator, run, path, facts, &saved, error); }
+    H5E_BEGIN_TRY { status = save(simulator, run, path, &facts, &saved, error); }
     H5E_END_TRY
     td_saved_free(&saved);
     return status;
@@ -208,7 +210,7 @@ static tides_status read_last(const td_place *root, tides_event *last) {
     return status;
 }
 
-static tides_status check_is_same(const td_place *root, const char *run, const td_fact *facts) {
+static tides_status check_is_same(const td_place *root, const char *run, const td_facts *facts) {
     td_place group;
     tides_status status = check_version(root);
     if (status == TIDES_OK) status = check_run(root, run);
@@ -219,7 +221,7 @@ static tides_status check_is_same(const td_place *root, const char *run, const t
     return status;
 }
 
-static tides_status read_all(const td_place *root, const tides_simulator *s, const char *run, const td_fact *facts,
+static tides_status read_all(const td_place *root, const tides_simulator *s, const char *run, const td_facts *facts,
                              contents *got) {
     td_place group;
     tides_status status = check_is_same(root, run, facts);
@@ -233,7 +235,7 @@ static tides_status read_all(const td_place *root, const tides_simulator *s, con
     return status == TIDES_OK ? td_saved_read(&got->saved, s, root) : status;
 }
 
-static tides_status read_file(const tides_simulator *s, const char *run, const char *path, const td_fact *facts, contents *got,
+static tides_status read_file(const tides_simulator *s, const char *run, const char *path, const td_facts *facts, contents *got,
                               tides_error *error) {
     td_place root = {.id = -1, .file = path, .where = "/", .error = error};
     tides_status status = td_checkpoint_image_read(path, &root.id, error);
@@ -248,12 +250,12 @@ tides_status tides_simulator_restore(tides_simulator *simulator, const char *run
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_restore: simulator and path must be given");
     if (simulator->started || simulator->broken)
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: the simulator has run already: restore into a new one", path);
-    td_fact facts[TD_FACTS];
+    td_facts facts;
     contents got = {.arbiter = NULL};
-    tides_status status = td_facts_gather(simulator, facts, error);
+    tides_status status = td_facts_gather(simulator, &facts, error);
     if (status == TIDES_OK) status = td_saved_create(&got.saved, simulator, error);
     if (status != TIDES_OK) return status;
-    H5E_BEGIN_TRY { status = read_file(simulator, run, path, facts, &got, error); }
+    H5E_BEGIN_TRY { status = read_file(simulator, run, path, &facts, &got, error); }
     H5E_END_TRY
     if (status == TIDES_OK) {
         td_saved_give(&got.saved, simulator);

@@ -1,7 +1,8 @@
 /* What makes two simulators parts of one run: everything that decides events, as numbers, and where it is too much for that, as
  * checksums. Left out is what doesn't: the stop (a run may be extended), tiles, batches, and the device as far as it computes
- * in the same precision. */
+ * in the same precision. Which keys of a run file are which, the parameter table says (lib/run/params_table.c). */
 #include "motion/td_motion.h"
+#include "run/td_params.h"
 #include "td_checkpoint.h"
 #include "td_hash.h"
 
@@ -82,49 +83,68 @@ static uint64_t image_checksum(const tides_renderer *renderer) {
 
 /* -- the facts -- */
 
-tides_status td_facts_gather(const tides_simulator *s, td_fact facts[TD_FACTS], tides_error *error) {
+static void add(td_facts *facts, const char *key, double number) {
+    if (facts->count < TD_FACTS_MAX) facts->fact[facts->count] = (td_fact){key, 0, number, 0};
+    facts->count++;
+}
+
+static void add_checksum(td_facts *facts, const char *key, uint64_t checksum) {
+    if (facts->count < TD_FACTS_MAX) facts->fact[facts->count] = (td_fact){key, 1, 0, checksum};
+    facts->count++;
+}
+
+/* The keys of a struct of tides_run_values which the simulator has as `values`, by the table of parameters. Choices, whole
+ * numbers and what is true or not are int32_t there. */
+static void add_keys(td_facts *facts, const void *values, size_t from, size_t size) {
+    for (size_t i = 0; i < td_params_count; i++) {
+        const td_param *row = &td_params[i];
+        if (row->no_event || row->field < from || row->field - from >= size) continue;
+        const char *at = (const char *)values + (row->field - from);
+        const int numbers = row->type == TIDES_PARAM_VECTOR3 ? 3 : row->type == TIDES_PARAM_VECTOR2 ? 2 : 1;
+        double number;
+        int32_t whole;
+        memcpy(&whole, at, sizeof whole);
+        memcpy(&number, at, row->type == TIDES_PARAM_NUMBER ? sizeof number : sizeof whole);
+        if (numbers > 1)
+            add_checksum(facts, row->key, td_hash_words(0, at, (size_t)numbers * sizeof number));
+        else
+            add(facts, row->key, row->type == TIDES_PARAM_NUMBER ? number : whole);
+    }
+}
+
+#define ADD_KEYS(facts, values, member) add_keys(facts, values, offsetof(tides_run_values, member), sizeof *(values))
+
+tides_status td_facts_gather(const tides_simulator *s, td_facts *facts, tides_error *error) {
     uint64_t scene = 0, path = 0;
     tides_status status = add_scene(&scene, s->scene, error);
     if (status == TIDES_OK) status = add_trajectory(&path, s->camera, error);
     if (status != TIDES_OK) return status;
-    const td_fact gathered[TD_FACTS] = {
-        {"numerics of the library", 0, TIDES_NUMERICS, 0},
-        {"precision of the device in bits", 0, td_renderer_is_double(s->renderer) ? 64 : 32, 0},
-        {"camera.width", 0, s->layout.width, 0},
-        {"camera.height", 0, s->layout.height, 0},
-        {"sensor.threshold_on", 0, s->sensor.sensor.threshold_on, 0},
-        {"sensor.threshold_off", 0, s->sensor.sensor.threshold_off, 0},
-        {"sensor.max_events_per_step", 0, s->sensor.sensor.max_events_per_step, 0},
-        {"time.start", 0, s->epoch, 0},
-        {"stepping.mode", 0, s->given.mode, 0},
-        {"stepping.model", 0, s->sensor.model, 0},
-        {"stepping.local", 0, s->given.local, 0},
-        {"stepping.unit", 0, s->given.unit, 0},
-        {"stepping.step_s", 0, s->given.step_s, 0},
-        {"stepping.min_step_s", 0, s->given.min_step_s, 0},
-        {"stepping.tolerance", 0, s->given.tolerance, 0},
-        {"stepping.time_tolerance_s", 0, s->given.time_tolerance_s, 0},
-        {"stepping.risk.w_b", 0, s->given.risk.w_b, 0},
-        {"stepping.risk.w_c", 0, s->given.risk.w_c, 0},
-        {"stepping.risk.w_alpha", 0, s->given.risk.w_alpha, 0},
-        {"stepping.slope", 0, s->given.slope, 0},
-        {"sensor's other parameters or seed", 1, 0, td_hash_words(0, &s->sensor.sensor, sizeof s->sensor.sensor)},
-        {"readout", 1, 0, td_hash_words(0, &s->readout.params, sizeof s->readout.params)},
-        {"stepping.interpolate_motion", 0, s->given.interpolates, 0},
-        {"stepping.solve", 0, s->solve.on, 0},
-        {"scene", 1, 0, scene},
-        {"camera path", 1, 0, path},
-        {"image parameters or intrinsics", 1, 0, image_checksum(s->renderer)},
-    };
-    memcpy(facts, gathered, sizeof gathered);
-    return TIDES_OK;
+    facts->count = 0;
+    add(facts, "numerics of the library", TIDES_NUMERICS);
+    add(facts, "precision of the device in bits", td_renderer_is_double(s->renderer) ? 64 : 32);
+    add(facts, "camera.width", s->layout.width);
+    add(facts, "camera.height", s->layout.height);
+    add(facts, "time.start", s->epoch);
+    ADD_KEYS(facts, &s->stepping, stepping);
+    ADD_KEYS(facts, &s->sensor.sensor, sensor);
+    add_checksum(facts, "sensor's seed or labels", td_hash_words(0, &s->sensor.sensor, sizeof s->sensor.sensor));
+    ADD_KEYS(facts, &s->readout.params, readout);
+    add_checksum(facts, "scene", scene);
+    add_checksum(facts, "camera path", path);
+    add_checksum(facts, "image parameters or intrinsics", image_checksum(s->renderer));
+    if (facts->count <= TD_FACTS_MAX) return TIDES_OK;
+    return td_fail(error, TIDES_UNSUPPORTED, "a run has %d facts: raise TD_FACTS_MAX", facts->count);
 }
 
 /* -- run files -- */
 
 enum { KEY_MAX = 128, VALUE_MAX = 100 };
 
-static int may_differ(const char *key) { return strcmp(key, "time.stop") == 0 || strcmp(key, "device") == 0; }
+static int may_differ(const char *key) {
+    for (size_t i = 0; i < td_params_count; i++)
+        if (td_params[i].no_event && strcmp(td_params[i].key, key) == 0) return 1;
+    return 0;
+}
 
 /* A value as short text. */
 static void print_value(const cJSON *value, char text[VALUE_MAX]) {

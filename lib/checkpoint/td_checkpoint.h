@@ -9,7 +9,7 @@
 
 /* Raised when a reader of the version before couldn't make sense of the file. */
 #define TD_CHECKPOINT_FORMAT "tides-checkpoint"
-enum { TD_CHECKPOINT_VERSION = 5 };
+enum { TD_CHECKPOINT_VERSION = 6 };
 
 /* -- the file (file.c) -- */
 
@@ -32,11 +32,16 @@ typedef struct td_fact {
     uint64_t checksum;
 } td_fact;
 
-enum { TD_FACTS = 27 };
-tides_status td_facts_gather(const tides_simulator *simulator, td_fact facts[TD_FACTS], tides_error *error);
+/* Room for twice what there is (63): a new key needs no thought, and one that finds no room is refused. */
+enum { TD_FACTS_MAX = 128 };
+typedef struct td_facts {
+    td_fact fact[TD_FACTS_MAX];
+    int count;
+} td_facts;
+tides_status td_facts_gather(const tides_simulator *simulator, td_facts *facts, tides_error *error);
 
-/* TIDES_BAD_CONFIG naming the first key that two run files (JSON) have different values of, other than those that don't change
- * the events so far: time.stop, device. */
+/* TIDES_BAD_CONFIG naming the first key that two run files (JSON) have different values of, other than those whose row of the
+ * parameter table says that they change no event. */
 tides_status td_facts_compare_runs(const char *path, const char *saved, const char *given, tides_error *error);
 
 /* -- the arrays (state.c) -- */

@@ -14,7 +14,7 @@ tides_status td_totals_write(const tides_stats *stats, const td_place *place) {
     const tides_stat *row;
     tides_status status = TIDES_OK;
     for (size_t i = 0; status == TIDES_OK && (row = next(&i)) != NULL;)
-        status = td_place_write_double(place, row->name, td_stat_value(stats, row));
+        status = td_place_write_double(place, row->name, tides_stat_value(stats, row));
     return status;
 }
 

@@ -22,8 +22,8 @@ static tides_status put_size(td_text *yaml, const tides_intrinsics *k, tides_err
 
 /* As Kalibr says it. */
 static tides_status put_camera(td_text *yaml, const numbered *one, int number, tides_error *error) {
-    double l[5];
-    const char *model = td_lens_numbers(one->camera, l) == 4 ? "equidistant" : "radtan";
+    double l[TD_COEFFICIENTS_MAX];
+    const char *model = td_lens_numbers(one->camera, l)->name;
     const tides_intrinsics *raw = &one->camera->facts.intrinsics, *view = &one->view->intrinsics;
     tides_status status = put_matrix_of(yaml, "cam", number, raw, error);
     if (status == TIDES_OK)

@@ -176,7 +176,7 @@ tides_status td_evimo_end(td_evimo_meta *m, const td_writer *w, td_npy_writer *n
             td_pickler_integer(p, (int32_t)values[i]);
     }
     td_pickler_text(p, "dist_model");
-    td_pickler_text(p, l->model == TIDES_LENS_EQUIDISTANT ? "equidistant" : "radtan");
+    td_pickler_text(p, tides_lens_name(l->model ? l->model : TIDES_LENS_RADTAN));
     td_pickler_dict_end(p);
     td_pickler_dict_end(p);
     return td_pickler_end(p, npy, "meta");

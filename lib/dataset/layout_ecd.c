@@ -15,7 +15,7 @@ typedef struct ecd {
 static tides_status write_calibration(const td_writer *w, tides_error *error) {
     const tides_intrinsics *k = &w->camera->facts.intrinsics;
     td_text lines = {0};
-    double l[5];
+    double l[TD_COEFFICIENTS_MAX];
     td_lens_numbers(w->camera, l);
     tides_status status = td_text_in_folder(&lines, w->folder, "calib.txt", error);
     if (status == TIDES_OK)

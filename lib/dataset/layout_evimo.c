@@ -134,8 +134,8 @@ static tides_status imu(td_writer *w, const tides_imu_sample *sample, tides_erro
 static tides_status write_info(td_writer *w, tides_error *error) {
     const tides_intrinsics *k = &w->camera->facts.intrinsics;
     const double matrix[9] = {k->fx, 0, td_whole_cx(w->camera), 0, k->fy, td_whole_cy(w->camera), 0, 0, 1};
-    double lens[5];
-    const int count = td_lens_numbers(w->camera, lens);
+    double lens[TD_COEFFICIENTS_MAX];
+    const int count = td_lens_numbers(w->camera, lens)->count;
     const size_t three = 3;
     char *path = td_in_folder(w->folder, error, "dataset_info.npz");
     td_npy_writer *npy = NULL;

@@ -114,14 +114,14 @@ static tides_status begin_arrays(td_writer *w, tides_error *error) {
 static tides_status put_camera(td_writer *w, tides_error *error) {
     td_text *yaml = &files_of(w)->chain;
     const tides_intrinsics *k = &w->camera->facts.intrinsics;
-    double l[5];
-    const int fisheye = td_lens_numbers(w->camera, l) == 4;
+    double l[TD_COEFFICIENTS_MAX];
+    const char *model = td_lens_numbers(w->camera, l)->name;
     tides_status status =
         td_text_put(yaml, error,
                     "cam%d:\n  camera_model: pinhole\n  intrinsics: [%.17g, %.17g, %.17g, %.17g]\n"
                     "  distortion_model: %s\n  distortion_coeffs: [%.17g, %.17g, %.17g, %.17g]\n  resolution: [%d, %d]\n",
-                    (int)w->camera->event, k->fx, k->fy, td_whole_cx(w->camera), td_whole_cy(w->camera),
-                    fisheye ? "equidistant" : "radtan", l[0], l[1], l[2], l[3], (int)k->width, (int)k->height);
+                    (int)w->camera->event, k->fx, k->fy, td_whole_cx(w->camera), td_whole_cy(w->camera), model, l[0], l[1],
+                    l[2], l[3], (int)k->width, (int)k->height);
     if (w->camera->event == 0) return status;
     double t[16];
     td_between(w->set, &w->set->cameras[0], w->camera, t);

@@ -140,16 +140,16 @@ void td_ros_image(td_buffer *b, const td_member *camera, int64_t ns, const char 
 void td_ros_info(td_buffer *b, const td_member *camera, int64_t ns) {
     const tides_intrinsics *k = &camera->facts.intrinsics;
     const double cx = td_whole_cx(camera), cy = td_whole_cy(camera);
-    double lens[5];
-    const int count = td_lens_numbers(camera, lens);
+    double lens[TD_COEFFICIENTS_MAX];
+    const td_lens_model *model = td_lens_numbers(camera, lens);
     const double matrix[9] = {k->fx, 0, cx, 0, k->fy, cy, 0, 0, 1}, same[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     const double projection[12] = {k->fx, 0, cx, 0, 0, k->fy, cy, 0, 0, 0, 1, 0};
     begin(b, ns, camera->name);
     put(b, (uint64_t)k->height, 4);
     put(b, (uint64_t)k->width, 4);
-    put_text(b, count == 4 ? "equidistant" : "plumb_bob");
-    put(b, (uint64_t)count, 4);
-    put_doubles(b, lens, count);
+    put_text(b, model->ros);
+    put(b, (uint64_t)model->count, 4);
+    put_doubles(b, lens, model->count);
     put_doubles(b, matrix, 9);
     put_doubles(b, same, 9);
     put_doubles(b, projection, 12);

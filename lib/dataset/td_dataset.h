@@ -4,6 +4,7 @@
 #define TD_DATASET_H
 
 #include "td_base.h"
+#include "camera/td_lens_models.h"
 #include "td_text.h"
 #include "tides/dataset.h"
 #include "tides/image.h"
@@ -162,8 +163,8 @@ size_t td_pixels(const td_member *camera);
 /* cx and cy where pixel centres are whole numbers, as OpenCV, ROS and all these layouts have them: ours are at 0.5. */
 double td_whole_cx(const td_member *camera);
 double td_whole_cy(const td_member *camera);
-/* The lens as files have it: k1 k2 p1 p2 k3 of radtan (zeros without a lens), or k1 k2 k3 k4 of equidistant; how many. */
-int td_lens_numbers(const td_member *camera, double numbers[5]);
+/* The lens as files have it: its coefficients, and its model; a pinhole is a radtan of zeros. */
+const td_lens_model *td_lens_numbers(const td_member *camera, double numbers[TD_COEFFICIENTS_MAX]);
 /* TIDES_BAD_CONFIG, naming the layout and the camera, where a camera's lens is another one than up to `most`: TIDES_LENS_*.
  * `least`: radtan without k3. */
 tides_status td_check_lens(const td_dataset *set, const char *layout, int32_t most, int least, tides_error *error);

@@ -40,12 +40,11 @@ tides_status td_events_end(const td_writer *w, tides_event_writer **events, tide
     return writer ? tides_event_writer_finish(writer, td_time_ns(w->camera->facts.values.stop), error) : TIDES_OK;
 }
 
-int td_lens_numbers(const td_member *camera, double numbers[5]) {
-    const tides_lens *l = &camera->facts.intrinsics.lens;
-    const int fisheye = l->model == TIDES_LENS_EQUIDISTANT;
-    const double radtan[5] = {l->k1, l->k2, l->p1, l->p2, l->k3}, equidistant[5] = {l->k1, l->k2, l->k3, l->k4};
-    memcpy(numbers, fisheye ? equidistant : radtan, sizeof radtan);
-    return fisheye ? 4 : 5;
+const td_lens_model *td_lens_numbers(const td_member *camera, double numbers[TD_COEFFICIENTS_MAX]) {
+    tides_lens lens = camera->facts.intrinsics.lens;
+    if (lens.model == TIDES_LENS_NONE) lens.model = TIDES_LENS_RADTAN;
+    td_lens_list(&lens, numbers);
+    return td_lens_model_of(lens.model);
 }
 
 tides_status td_check_lens(const td_dataset *set, const char *layout, int32_t most, int least, tides_error *error) {

@@ -1,6 +1,7 @@
 /* From one event file to another (tides convert, tides cut): events kept by time and place, put in order, moved, written.
  * Formats are read and written by their own files. */
 #include "td_base.h"
+#include "td_event_order.h"
 #include "td_event_format.h"
 
 #include <inttypes.h>
@@ -32,18 +33,11 @@ void tides_event_conversion_defaults(tides_event_conversion *conversion) {
 
 /* ---- order ---- */
 
-static int in_order(const tides_event *a, const tides_event *b) {
-    if (a->t != b->t) return a->t < b->t;
-    if (a->y != b->y) return a->y < b->y;
-    if (a->x != b->x) return a->x < b->x;
-    return a->polarity <= b->polarity;
-}
-
-static int compare(const void *a, const void *b) { return in_order(a, b) ? in_order(b, a) ? 0 : -1 : 1; }
+static int compare(const void *a, const void *b) { return td_event_compare(a, b); }
 
 static void sort_events(tides_event *events, size_t count) {
     for (size_t i = 1; i < count; i++) {
-        if (in_order(&events[i - 1], &events[i])) continue;
+        if (td_event_compare(&events[i - 1], &events[i]) <= 0) continue;
         qsort(events, count, sizeof *events, compare);
         return;
     }

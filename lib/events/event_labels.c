@@ -10,6 +10,7 @@
 
 #include "archive/td_h5_driver.h"
 #include "archive/td_numbers.h"
+#include "td_half.h"
 #include "td_base.h"
 #include "tides/sensor.h"
 

@@ -65,7 +65,9 @@ static tides_status open_source(tides_frames *frames, tides_error *error) {
     const int32_t is_pipe = strcmp(path, "-") == 0;
     if (!is_pipe && stat(path, &facts) != 0)
         return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: there is no such file or folder", path);
-    if (is_pipe || td_ends_in(path, ".y4m") || S_ISFIFO(facts.st_mode) || S_ISCHR(facts.st_mode)) {
+    if (!is_pipe && S_ISCHR(facts.st_mode))
+        return td_fail(error, TIDES_BAD_FILE, "%s: is a device, which has no end: give a file, a folder, or a pipe (-)", path);
+    if (is_pipe || td_ends_in(path, ".y4m") || S_ISFIFO(facts.st_mode)) {
         if (frames->options.planes == 1) return td_frames_y4m(frames, error);
         return td_fail(error, TIDES_BAD_FILE, "%s: is a video; voxel grids come from .npy, .npz, .h5 or .hdf5", path);
     }

@@ -4,6 +4,7 @@
 #include "td_struct.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <string.h>
 
 #define LONGEST_S 600.0 /* paths of a minute and more are for files, not for generators */
@@ -13,31 +14,58 @@
 #define FOCAL_PER_WIDTH (300.0 / 346.0) /* of the image's width: 60 degrees across */
 
 typedef struct kind {
+    tides_generator shown;
     tides_status (*make)(const tides_generate_options *options, tides_world *world, tides_error *error);
     double background[3];
     double up; /* along y; 0: walls alone, which may as well lie */
 } kind;
 
-static const tides_generator generators[] = {
-    {"fan", "a patterned fan that spins behind its guard, in a room; handheld camera", NULL, 0, 0, TD_FAN_GAUSSIANS, 0.3},
-    {"pendulum", "pendulums with patterned bobs that swing past each other; handheld camera", "pendulums", 5, 100, 1800, 0.5},
-    {"balls", "balls that spin and bounce on a table; handheld camera", "balls", 7, 1000, TD_BALL_GAUSSIANS, 0.5},
-    {"plane", "a textured plane at rest (one object, so .ply will do); the camera slides past it", NULL, 0, 0,
-     2 * TD_PLANE_GAUSSIANS, 0.3},
-    {"crowd", "things that fly about, a third each rigid, polynomial (some fade) and keyframed; camera at rest", "things", 200,
-     10000, 300, 0.5},
-    {"disc", "discs with sectors that turn before a wall; camera at rest", "discs", 1, 100, 4 * TD_DISC_GAUSSIANS, 0.3},
-    {"room", "a brick wall, posters, a table and balls at rest; handheld camera", NULL, 0, 0, 0, 0.3},
-};
+#define DARK \
+    { 0.02, 0.02, 0.03 }
+
 static const kind kinds[] = {
-    {td_generate_fan, {0.02, 0.02, 0.03}, 1},   {td_generate_pendulum, {0.02, 0.02, 0.03}, 1},
-    {td_generate_balls, {0.02, 0.02, 0.03}, 1}, {td_generate_plane, {0.05, 0.05, 0.05}, 0},
-    {td_generate_crowd, {0.02, 0.02, 0.03}, 1}, {td_generate_disc, {0.02, 0.02, 0.03}, 0},
-    {td_generate_room, {0.02, 0.02, 0.03}, 1},
+    {{"fan", "a patterned fan that spins behind its guard, in a room; handheld camera", NULL, 0, 0, TD_FAN_GAUSSIANS, 0.3},
+     td_generate_fan,
+     DARK,
+     1},
+    {{"pendulum", "pendulums with patterned bobs that swing past each other; handheld camera", "pendulums", 5, 100, 1800, 0.5},
+     td_generate_pendulum,
+     DARK,
+     1},
+    {{"balls", "balls that spin and bounce on a table; handheld camera", "balls", 7, 1000, TD_BALL_GAUSSIANS, 0.5},
+     td_generate_balls,
+     DARK,
+     1},
+    {{"plane", "a textured plane at rest (one object, so .ply will do); the camera slides past it", NULL, 0, 0,
+      2 * TD_PLANE_GAUSSIANS, 0.3},
+     td_generate_plane,
+     {0.05, 0.05, 0.05},
+     0},
+    {{"crowd", "things that fly about, a third each rigid, polynomial (some fade) and keyframed; camera at rest", "things", 200,
+      10000, 300, 0.5},
+     td_generate_crowd,
+     DARK,
+     1},
+    {{"disc", "discs with sectors that turn before a wall; camera at rest", "discs", 1, 100, 4 * TD_DISC_GAUSSIANS, 0.3},
+     td_generate_disc,
+     DARK,
+     0},
+    {{"room", "a brick wall, posters, a table and balls at rest; handheld camera", NULL, 0, 0, 0, 0.3},
+     td_generate_room,
+     DARK,
+     1},
 };
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
+static tides_generator generators[KINDS];
+static pthread_once_t made_list = PTHREAD_ONCE_INIT;
+
+static void make_list(void) {
+    for (size_t i = 0; i < KINDS; i++) generators[i] = kinds[i].shown;
+}
+
 const tides_generator *tides_generators(size_t *count) {
+    pthread_once(&made_list, make_list);
     if (count) *count = KINDS;
     return generators;
 }
@@ -50,19 +78,19 @@ double td_generate_detail(const tides_generate_options *options, int64_t made) {
     return sqrt((double)options->gaussians / (double)made);
 }
 
-static tides_status find(const char *name, size_t *index, tides_error *error) {
+static tides_status find(const char *name, const kind **found, tides_error *error) {
     const char *names[KINDS + 1] = {NULL};
+    char list[256] = "";
     for (size_t i = 0; i < KINDS; i++) {
-        names[i] = generators[i].name;
-        if (strcmp(name, names[i]) == 0) {
-            *index = i;
-            return TIDES_OK;
-        }
+        names[i] = kinds[i].shown.name;
+        *found = &kinds[i];
+        if (strcmp(name, names[i]) == 0) return TIDES_OK;
+        const size_t used = strlen(list);
+        snprintf(list + used, sizeof list - used, "%s%s", i == 0 ? "" : i + 1 == KINDS ? " or " : ", ", names[i]);
     }
     const char *nearest = tides_nearest_name(name, names);
     return nearest ? td_fail(error, TIDES_BAD_ARGUMENT, "unknown kind of scene '%.80s'; did you mean '%s'?", name, nearest)
-                   : td_fail(error, TIDES_BAD_ARGUMENT,
-                             "unknown kind of scene '%.80s': must be fan, pendulum, balls, plane, crowd, disc or room", name);
+                   : td_fail(error, TIDES_BAD_ARGUMENT, "unknown kind of scene '%.80s': must be %s", name, list);
 }
 
 /* Numbers of objects and Gaussians, defaults put in. */
@@ -100,21 +128,21 @@ static tides_status settle(const tides_generator *g, tides_generate_options *o, 
 tides_status tides_generate(const char *name, const tides_generate_options *options, tides_world *world, tides_error *error) {
     if (!name || !options || !world)
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_generate: %s is NULL", !name ? "kind" : options ? "world" : "options");
-    size_t index = 0;
-    tides_status status = find(name, &index, error);
+    const kind *k = NULL;
+    tides_status status = find(name, &k, error);
     if (status != TIDES_OK) return status;
     tides_generate_options own;
     tides_generate_options_defaults(&own);
     status = TD_TAKE_STRUCT(tides_generate_options, &own, options, error);
-    if (status == TIDES_OK) status = settle(&generators[index], &own, error);
+    if (status == TIDES_OK) status = settle(&k->shown, &own, error);
     if (status != TIDES_OK) return td_fail_within(error, status, "%s", name);
     tides_world made = {.duration_s = own.duration_s};
     const double focal = FOCAL_PER_WIDTH * own.width;
     made.intrinsics = (tides_intrinsics){own.width, own.height, focal, focal, 0.5 * own.width, 0.5 * own.height, {0}};
-    memcpy(made.background, kinds[index].background, sizeof made.background);
+    memcpy(made.background, k->background, sizeof made.background);
     status = tides_scene_create(&made.scene, error);
-    if (status == TIDES_OK) status = kinds[index].make(&own, &made, error);
-    if (status == TIDES_OK) status = tides_scene_set_up(made.scene, (const double[]){0, kinds[index].up, 0}, error);
+    if (status == TIDES_OK) status = k->make(&own, &made, error);
+    if (status == TIDES_OK) status = tides_scene_set_up(made.scene, (const double[]){0, k->up, 0}, error);
     if (status == TIDES_OK)
         *world = made;
     else

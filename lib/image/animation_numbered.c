@@ -2,6 +2,7 @@
 #include "td_animation.h"
 
 #include <ctype.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,17 +22,34 @@ int td_animation_is_numbered(const char *path) {
     return find_number(path, &length) != NULL;
 }
 
-/* The width is the digit ahead of the d; numbers that are shorter get zeros, since spaces in names help nobody. */
-static tides_status append(tides_animation *animation, const uint8_t *rgb, tides_error *error) {
+/* The name of picture `index`, allocated. The width is the digit ahead of the d; numbers that are shorter get zeros, since
+ * spaces in names help nobody. */
+static char *name_of(const tides_animation *animation, uint64_t index, tides_error *error) {
     size_t length = 2; /* what finding it sets */
     const char *number = find_number(animation->path, &length);
     const int width = isdigit((unsigned char)number[length - 2]) ? number[length - 2] - '0' : 1;
-    char *name = td_format(error, "%.*s%0*llu%s", (int)(number - animation->path), animation->path, width,
-                           (unsigned long long)animation->count, number + length);
+    return td_format(error, "%.*s%0*llu%s", (int)(number - animation->path), animation->path, width, (unsigned long long)index,
+                     number + length);
+}
+
+static tides_status append(tides_animation *animation, const uint8_t *rgb, tides_error *error) {
+    char *name = name_of(animation, animation->count, error);
     if (!name) return TIDES_NO_MEMORY;
     const tides_status status = tides_png_write(name, animation->width, animation->height, rgb, error);
     free(name);
     return status;
 }
 
-const td_animation_format td_animation_numbered = {NULL, append, NULL};
+/* Pictures of an earlier, longer animation that follow would be taken for this one's end. */
+static tides_status end(tides_animation *animation, tides_error *error) {
+    int removed = 1;
+    for (uint64_t index = animation->count; removed; index++) {
+        char *name = name_of(animation, index, error);
+        if (!name) return TIDES_NO_MEMORY;
+        removed = remove(name) == 0;
+        free(name);
+    }
+    return TIDES_OK;
+}
+
+const td_animation_format td_animation_numbered = {NULL, append, end};

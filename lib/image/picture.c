@@ -106,15 +106,17 @@ static void count_events(const tides_event *events, size_t count, int32_t width,
     }
 }
 
-/* Greys stay between 40 and 160, so that neither dark nor bright surroundings swallow the colours. */
-static double dimmed_grey(double value) { return isnan(value) ? 100.0 : 40.0 + 120.0 / 255.0 * td_srgb(value); }
+/* Greys stay between 120 and 180: an event alone is darker than any of them, and many are brighter, so that they are told from
+ * what is around them by lightness, too, not by their hue alone. */
+enum { GREY = 140 };
+static double dimmed_grey(double value) { return isnan(value) ? GREY : 120.0 + 60.0 / 255.0 * td_srgb(value); }
 
-/* One event covers 65 % of the base, and its colour is dark; each further one takes it closer to the bright end. A pixel that
+/* One event covers 85 % of the base, and its colour is dark; each further one takes it closer to the bright end. A pixel that
  * fired both ways lies between red and blue by its shares: violet. */
 static void event_colour(unsigned on, unsigned off, double grey, uint8_t rgb[3]) {
     static const double dark[2][3] = {{175, 20, 20}, {20, 60, 185}}, bright[2][3] = {{255, 85, 60}, {90, 175, 255}};
     double total = on + off, share = on / total;
-    double cover = 1.0 - 0.35 * pow(0.5, total - 1.0), brightness = 1.0 - pow(0.7, total - 1.0);
+    double cover = 1.0 - 0.15 * pow(0.5, total - 1.0), brightness = 1.0 - pow(0.7, total - 1.0);
     for (int c = 0; c < 3; c++) {
         double red = dark[0][c] + brightness * (bright[0][c] - dark[0][c]);
         double blue = dark[1][c] + brightness * (bright[1][c] - dark[1][c]);
@@ -128,7 +130,7 @@ void tides_picture_events(const tides_event *events, size_t count, const double 
     count_events(events, count, width, height, rgb);
     for (size_t i = 0; i < pixels; i++) {
         uint8_t *pixel = rgb + 3 * i;
-        double grey = base ? dimmed_grey(base[i]) : 100.0;
+        double grey = base ? dimmed_grey(base[i]) : GREY;
         if (pixel[SEEN_ON] || pixel[SEEN_OFF])
             event_colour(pixel[SEEN_ON], pixel[SEEN_OFF], grey, pixel);
         else

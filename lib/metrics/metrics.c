@@ -64,57 +64,24 @@ static void set_interval(td_compare *c, const td_extent *a, size_t count_a, cons
 
 /* NaN everywhere, but for what is counted. */
 static void clear(tides_metrics *m, uint32_t wanted) {
+    static const int repeats[] =
+        {[TIDES_REPEATS_ONCE] = 1, [TIDES_REPEATS_PAIRS] = TIDES_PAIRS, [TIDES_REPEATS_BINS] = TIDES_FANO_BINS};
+    const double nothing = NAN;
+    size_t count;
+    const tides_metric *table = tides_metrics_table(&count);
     *m = (tides_metrics){.computed = wanted};
-    double *const values[] = {&m->count_ratio,
-                              &m->count_correlation,
-                              &m->isi_w1,
-                              &m->speed_px_per_s,
-                              &m->chamfer_px,
-                              &m->chamfer_fraction,
-                              &m->chamfer_limit_px,
-                              &m->chamfer_to_simulated_px,
-                              &m->chamfer_to_reference_px,
-                              &m->victor_purpura,
-                              &m->victor_purpura_fraction,
-                              &m->van_rossum,
-                              &m->van_rossum_fraction,
-                              &m->time_difference_us,
-                              &m->kernel_distance};
-    for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) *values[i] = NAN;
-    for (int i = 0; i < TIDES_PAIRS; i++) m->ig_nll[i] = m->ig_nll_self[i] = m->ig_nll_excess[i] = NAN;
-    for (int i = 0; i < TIDES_FANO_BINS; i++) m->fano_error[i] = m->fano_coverage[i] = NAN;
-    tides_stream_metrics *const streams[] = {&m->reference, &m->simulated};
-    for (int s = 0; s < 2; s++) {
-        tides_stream_metrics *out = streams[s];
-        out->on_fraction = out->isi_spike = out->same_time = out->same_time_tile = out->van_rossum_norm = NAN;
-        for (int i = 0; i < TIDES_FANO_BINS; i++) out->fano[i] = NAN;
-        for (int i = 0; i < TIDES_PAIRS; i++) out->intervals[i].mean_s = out->intervals[i].shape_s = NAN;
+    for (const tides_metric *row = table; row < table + count; row++) {
+        for (int i = 0; row->is_real && i < repeats[row->repeats]; i++) {
+            const size_t at = row->offset + (size_t)i * row->stride;
+            char *const both = (char *)m;
+            if (row->of == TIDES_OF_BOTH) memcpy(both + at, &nothing, sizeof nothing);
+            if (row->of == TIDES_OF_STREAM) memcpy((char *)&m->reference + at, &nothing, sizeof nothing);
+            if (row->of == TIDES_OF_STREAM) memcpy((char *)&m->simulated + at, &nothing, sizeof nothing);
+        }
     }
-    m->match.dt_median_us = m->match.dt_p95_us = m->match.dt_p99_us = m->match.dt_max_us = m->match.dt_mean_us = NAN;
-    m->match.mismatch_percent = NAN;
 }
 
 /* -- the parts ------------------------------------------------------------------------------------------------------ */
-
-static const struct part {
-    uint32_t wanted; /* any of these */
-    const char *stage;
-    tides_status (*compute)(td_compare *);
-} parts[] = {
-    {TIDES_METRIC_COUNTS, "counts", td_compare_counts},
-    {TIDES_METRIC_SAME_TIME, "Same-ts", td_compare_same_time},
-    {TIDES_METRIC_FANO, "Fano factors", td_compare_fano},
-    {TIDES_METRIC_ISI, "intervals", td_compare_isi},
-    {TIDES_METRIC_VICTOR_PURPURA | TIDES_METRIC_VAN_ROSSUM | TIDES_METRIC_TIME_DIFFERENCE, "spike trains", td_compare_trains},
-    {TIDES_METRIC_KERNEL, "kernel distance", td_compare_kernel},
-    {TIDES_METRIC_CHAMFER, "Chamfer", td_compare_chamfer},
-};
-
-/* Parts that go through the events pixel by pixel. */
-enum {
-    NEED_TRAINS = TIDES_METRIC_COUNTS | TIDES_METRIC_ISI | TIDES_METRIC_VICTOR_PURPURA | TIDES_METRIC_VAN_ROSSUM |
-                  TIDES_METRIC_TIME_DIFFERENCE
-};
 
 /* Exact times are matched as they are, without a clock. Before anything else: matching makes copies of its own. */
 static tides_status match(td_compare *c, const tides_event *reference, size_t reference_count, const tides_event *simulated,
@@ -133,16 +100,18 @@ static tides_status match(td_compare *c, const tides_event *reference, size_t re
 
 static tides_status compute(td_compare *c, const tides_event *reference, size_t reference_count, const tides_event *simulated,
                             size_t simulated_count) {
-    const int with_trains = (c->options->wanted & NEED_TRAINS) != 0;
+    int with_trains = 0;
+    for (const td_metric_part *part = td_metric_parts; part->compute; part++)
+        with_trains |= part->by_pixel && (c->options->wanted & part->wanted);
     const int64_t tick = c->options->tick_ns;
     tides_status status = td_stream_make(reference, reference_count, c, tick, with_trains, &c->reference);
     if (status == TIDES_OK) status = td_stream_make(simulated, simulated_count, c, tick, with_trains, &c->simulated);
     c->metrics->reference.events = c->reference.count;
     c->metrics->simulated.events = c->simulated.count;
-    for (size_t i = 0; i < sizeof parts / sizeof parts[0] && status == TIDES_OK; i++) {
-        if (!(c->options->wanted & parts[i].wanted)) continue;
-        status = td_compare_report(c, 0.0, parts[i].stage);
-        if (status == TIDES_OK) status = parts[i].compute(c);
+    for (const td_metric_part *part = td_metric_parts; part->compute && status == TIDES_OK; part++) {
+        if (!(c->options->wanted & part->wanted)) continue;
+        status = td_compare_report(c, 0.0, part->stage);
+        if (status == TIDES_OK) status = part->compute(c);
     }
     td_stream_release(&c->reference);
     td_stream_release(&c->simulated);

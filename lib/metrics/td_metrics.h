@@ -86,4 +86,13 @@ tides_status td_compare_chamfer(td_compare *c);
 tides_status td_compare_trains(td_compare *c);
 tides_status td_compare_kernel(td_compare *c);
 
+/* metrics_table.c: what computes values, one after the other, up to a row without a function. */
+typedef struct td_metric_part {
+    uint32_t wanted; /* any of these */
+    const char *stage;
+    tides_status (*compute)(td_compare *);
+    int by_pixel; /* 1: goes through the trains of td_stream */
+} td_metric_part;
+extern const td_metric_part td_metric_parts[];
+
 #endif

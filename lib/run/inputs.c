@@ -192,9 +192,11 @@ static tides_status add_all(list *l, const tides_run *run) {
             status = td_run_find_frame(run, &frame, l->error);
             if (frame) status = add(l, row->key, frame);
         }
-        if (strcmp(row->key, "sensor.preset") == 0 && cJSON_IsString(run->values[i]) &&
-            td_preset_is_file(run->values[i]->valuestring))
-            status = add(l, row->key, td_run_resolve(run, run->values[i]->valuestring, l->error));
+        if (status == TIDES_OK && strcmp(row->key, "sensor.preset") == 0 && cJSON_IsString(run->values[i])) {
+            const char *name = run->values[i]->valuestring;
+            char *file = td_preset_file(run, name, l->error);
+            if (file || td_preset_is_file(name)) status = add(l, row->key, file);
+        }
     }
     return status;
 }

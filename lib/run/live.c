@@ -38,7 +38,7 @@ static double slack_of(const tides_live *live, double time) {
 }
 
 /* Steps that a run may have (lib/solver/run/create.c), and what a run without an end has of them. */
-static const double most_steps = 0.999e12, furthest_s = 9.2e9;
+static const double most_steps = 0.999e12;
 
 void tides_live_options_defaults(tides_live_options *options) {
     *options = (tides_live_options){.size = sizeof *options, .camera = 1, .stop = NAN};
@@ -108,7 +108,7 @@ static tides_status open_paths(tides_live *live, const tides_live_options *o, ti
 /* Where the first thing ends that isn't told, and a run of so many steps. */
 static tides_status find_end(tides_live *live, const tides_live_options *o, tides_error *error) {
     const tides_session_facts *f = &live->session->facts;
-    double stop = fmin(furthest_s, live->start + most_steps * f->values.stepping.step_s), last;
+    double stop = fmin(TD_FURTHEST_TIME, live->start + most_steps * f->values.stepping.step_s), last;
     tides_trajectory_range(f->camera, NULL, &last);
     if (!live->camera) stop = fmin(stop, last);
     for (int32_t i = 0; i < tides_scene_objects(live->scene); i++) {

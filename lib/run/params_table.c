@@ -1,9 +1,10 @@
 /* The parameter table: every key of the run file, once. A row says where in tides_run_values its value goes, and everything
  * else is made from the rows: the JSON reader and --set, the values (run_values.c), the defaults as text (params.c, from the
  * structs' own), --help, man page and template, the run written into event files, Python's table, the files that a run reads
- * (inputs.c), and the settings of ideal pixels (lib/measure/ideal.c).
+ * (inputs.c), what a checkpoint compares (lib/checkpoint/facts.c), and the settings of ideal pixels (lib/measure/ideal.c).
  *
  * A new parameter is a field in its struct, its default in that struct's *_defaults where that isn't 0, and a row here. */
+#include "td_base.h"
 #include "td_params.h"
 
 /* A row's value is a number, a whole number (int32_t), 0 or 1 (int32_t), the place in `choices` of what was chosen (int32_t; a
@@ -25,9 +26,6 @@
 #define TEXT(name, text) ROW(name, STRING, TD_NO_FIELD, text)
 #define OBJECTS(name, text) ROW(name, OBJECTS, TD_NO_FIELD, text)
 
-/* Events carry 64-bit nanoseconds: 9.2e9 s is the last second that fits (clocks that count from 1970 do). */
-#define LAST_SECOND 9.2e9
-
 /* In the order of stepping.model's choices. */
 static const int32_t models[] = {TIDES_MODEL_HERMITE, TIDES_MODEL_QUADRATIC, TIDES_MODEL_LINEAR, TIDES_MODEL_SECANT};
 
@@ -38,7 +36,7 @@ static const int32_t antialiases[] = {TIDES_ANTIALIAS_FILE, TIDES_ANTIALIAS_TRUE
 static const int32_t lens_models[] = {TIDES_LENS_NONE, TIDES_LENS_NONE, TIDES_LENS_RADTAN, TIDES_LENS_EQUIDISTANT};
 
 const td_param td_params[] = {
-    {STRING("scene.file", scene_file, "splats (.ply, .h5, .spz, .splat, .ksplat, .sog, .glb); not needed with scene.objects"),
+    {STRING("scene.file", scene_file, "splats, in any format that tides convert --help lists; not needed with scene.objects"),
      .fallback = "null", .is_file = 1},
     {STRING("scene.part", scene_options.part,
             "a glTF's scene, an .h5's object, an iteration, a level of detail; null: what a file shows first"),
@@ -46,7 +44,7 @@ const td_param td_params[] = {
     {CHOICE("scene.invalid", scene_options.invalid, "error|drop",
             "Gaussians of files that are NaN or infinite: refuse the file, or leave them out")},
     {VECTOR3("scene.background", image.background, "", 0, 1e6, "linear colour behind everything")},
-    {NUMBER("scene.duration_s", scene_duration_s, "s", 1e-9, LAST_SECOND,
+    {NUMBER("scene.duration_s", scene_duration_s, "s", 1e-9, TD_FURTHEST_TIME,
             "seconds that motions last; null takes the scene's own"),
      .fallback = "null"},
     {BOOLEAN("scene.interpolate_motion", stepping.interpolate_motion,
@@ -62,7 +60,7 @@ const td_param td_params[] = {
      .is_file = 1},
     {ROW("camera.orbit_s", NUMBER, TD_NO_FIELD,
          "in place of camera.file: an orbit about what the scene holds, a turn in so long"),
-     .unit = "s", .lower = 1e-9, .upper = LAST_SECOND, .fallback = "null"},
+     .unit = "s", .lower = 1e-9, .upper = TD_FURTHEST_TIME, .fallback = "null"},
     {ROW("camera.up", VECTOR3, TD_NO_FIELD, "what is up for that orbit; null: as the scene says, or guessed, -y or z"),
      .lower = -1e6, .upper = 1e6, .fallback = "null"},
     {ROW("camera.scale", NUMBER, TD_NO_FIELD,
@@ -91,11 +89,12 @@ const td_param td_params[] = {
     {NUMBER("camera.k4", intrinsics.lens.k4, "", -1e3, 1e3, "the same, of equidistant")},
     {NUMBER("camera.p1", intrinsics.lens.p1, "", -1e3, 1e3, "the same, tangential, of radtan")},
     {NUMBER("camera.p2", intrinsics.lens.p2, "", -1e3, 1e3, "the same")},
-    {NUMBER("camera.duration_s", path.duration, "s", 1e-9, LAST_SECOND,
+    {NUMBER("camera.duration_s", path.duration, "s", 1e-9, TD_FURTHEST_TIME,
             "length of paths whose file has no times, or times in [0, 1]")},
     {CHOICE("camera.time_unit", path.time_unit, "auto|s|ms|us|ns|index",
             "of the path file's times; auto: as its header says, or what is plausible; index: no times")},
-    {NUMBER("camera.start_s", path.start, "s", -LAST_SECOND, LAST_SECOND, "subtracted from every time of the path file")},
+    {NUMBER("camera.start_s", path.start, "s", -TD_FURTHEST_TIME, TD_FURTHEST_TIME,
+            "subtracted from every time of the path file")},
     {BOOLEAN("camera.raw_positions", path.raw_positions,
              "nerfies: leave out scene.json's scale and center (as 4DGaussians does)")},
     {STRING("camera.views", path.views,
@@ -113,9 +112,11 @@ const td_param td_params[] = {
     {TEXT("rig.camera", "the camera of them that a run is of, by name; null: the first (tides dataset: all)"),
      .fallback = "null"},
 
-    {NUMBER("time.start", start, "s", -LAST_SECOND, LAST_SECOND,
+    {NUMBER("time.start", start, "s", -TD_FURTHEST_TIME, TD_FURTHEST_TIME,
             "where the run begins; pixels rest at the signal of this moment")},
-    {NUMBER("time.stop", stop, "s", -LAST_SECOND, LAST_SECOND, "where the run ends; of frames, unless given, with the last")},
+    {NUMBER("time.stop", stop, "s", -TD_FURTHEST_TIME, TD_FURTHEST_TIME,
+            "where the run ends; of frames, unless given, with the last"),
+     .no_event = 1}, /* of those before it */
 
     {CHOICE("image.rules", image.rules, "smooth|inria|gsplat", "whose cutoffs form the image; smooth has no jumps in time")},
     {CHOICE("image.antialias", image.antialias, "file|true|false",
@@ -130,7 +131,7 @@ const td_param td_params[] = {
             "what pixels see through: each one channel of light, by its place in cells of 2x2 (R, G / G, B)")},
     {NUMBER("sensor.threshold_on", sensor.threshold_on, "log units", 1e-4, 100, "C+: rise of L that fires an ON event")},
     {NUMBER("sensor.threshold_off", sensor.threshold_off, "log units", 1e-4, 100, "C-: fall of L that fires an OFF event")},
-    {TEXT("sensor.preset", "values for keys that aren't given: a sensor's name, or a JSON file like share/presets'"),
+    {TEXT("sensor.preset", "values for keys that aren't given: a sensor's name (~/.config/tides/presets too), or a JSON file"),
      .fallback = "null", .ideal = "null"},
     {NUMBER("sensor.threshold_sigma", sensor.threshold_sigma, "log units", 0, 100,
             "spread of the thresholds from pixel to pixel"),
@@ -206,8 +207,8 @@ const td_param td_params[] = {
     {BOOLEAN("stepping.local", stepping.local, "each 16x16 tile has its own steps, and none where nothing moves")},
     {CHOICE("stepping.unit", stepping.unit, "tile|block|auto",
             "what has its own steps: 16x16 tiles or 4x4 blocks; auto: blocks where events are looked up")},
-    {NUMBER("stepping.memory_mb", stepping.memory_mb, "MB", 1, 1e9,
-            "memory for the renders of a macro step; changes no event")},
+    {NUMBER("stepping.memory_mb", stepping.memory_mb, "MB", 1, 1e9, "memory for the renders of a macro step; changes no event"),
+     .no_event = 1},
     {NUMBER("stepping.risk.w_b", stepping.risk.w_b, "", 0, 1, "weight of coverage in the risk score")},
     {NUMBER("stepping.risk.w_c", stepping.risk.w_c, "", 0, 1, "weight of contributors in the risk score")},
     {NUMBER("stepping.risk.w_alpha", stepping.risk.w_alpha, "", 0, 1, "weight of |alpha_dot| in the risk score")},
@@ -373,7 +374,7 @@ const td_param td_params[] = {
     {NUMBER("dataset.pose_hz", dataset_pose_hz, "Hz", 1e-3, 1e6, "tides dataset: poses a second")},
 
     {STRING("device", device, "reference, cpu, gpu, an index or a part of a device's name; auto: TIDES_DEVICE, else the best"),
-     .fallback = "\"auto\""},
+     .fallback = "\"auto\"", .no_event = 1}, /* as far as it is as precise */
     {STRING("seed", seed, "whole number that all randomness comes from; above 2^53 in quotes"), .fallback = "\"0\""},
 };
 const size_t td_params_count = sizeof td_params / sizeof td_params[0];

@@ -3,8 +3,9 @@
  *
  * A preset is a JSON object { "about": text, group: { name: value, ... } } with the names of the run file's groups sensor,
  * frontend and readout; a value may be { "value": value, "source": text } to say where it comes from. Those of share/presets
- * are in the library, by the names of their files. */
+ * are in the library, by the names of their files; one's own are found by name in ~/.config/tides/presets. */
 #include "device/td_kernel_source.h"
+#include "td_folder.h"
 #include "td_kinds.h"
 #include "td_run.h"
 
@@ -35,7 +36,9 @@ static tides_status unknown(const tides_run *run, const char *name, tides_error 
         used += (size_t)snprintf(all + used, sizeof all - used, "%s%.*s", used ? ", " : "", (int)name_length(p->name), p->name);
     snprintf(shown, sizeof shown, "%.40s", name);
     td_one_line(shown);
-    return td_fail(error, TIDES_BAD_CONFIG, "%s: sensor.preset = \"%s\" is none of %s, nor the path of a .json file%s",
+    return td_fail(error, TIDES_BAD_CONFIG,
+                   "%s: sensor.preset = \"%s\" is none of %s, nor one of ~/.config/tides/presets, nor the path of a .json "
+                   "file%s",
                    run->origin, shown, all, td_suggest(shown, all, ", ", suggestion));
 }
 
@@ -56,15 +59,56 @@ int32_t td_preset_is_file(const char *name) {
     return strchr(name, '/') || (length > 5 && strcmp(name + length - 5, ".json") == 0);
 }
 
+/* Where one's own preset of that name is: NAME.json in $XDG_CONFIG_HOME/tides/presets, else ~/.config/tides/presets. Allocated;
+ * NULL: there is none. */
+static char *own_file(const char *name) {
+    static const char signs[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.+";
+    const char *config = getenv("XDG_CONFIG_HOME"), *home = getenv("HOME");
+    const int32_t given = config && config[0] == '/';
+    if (name[0] == '.' || name[strspn(name, signs)] || (!given && !home)) return NULL;
+    char *path = td_format(NULL, "%s%s/tides/presets/%s.json", given ? config : home, given ? "" : "/.config", name);
+    if (path && td_is_file(path)) return path;
+    free(path);
+    return NULL;
+}
+
+/* The library's own; NULL: it has none of that name. */
+static const td_kernel_source *embedded_as(const char *name) {
+    const td_kernel_source *p = td_preset_sources;
+    while (p->name && (name_length(p->name) != strlen(name) || memcmp(p->name, name, strlen(name)) != 0)) p++;
+    return p->name ? p : NULL;
+}
+
+char *td_preset_file(const tides_run *run, const char *name, tides_error *error) {
+    if (td_preset_is_file(name)) return td_run_resolve(run, name, error);
+    return embedded_as(name) ? NULL : own_file(name);
+}
+
+/* NULL where the library has none of that name, or memory ran out. */
+static char *embedded(const char *name, tides_error *error) {
+    const td_kernel_source *found = embedded_as(name);
+    return found ? join_lines(found->lines, error) : NULL;
+}
+
+tides_status tides_preset_read(const char *name, char **text, tides_error *error) {
+    if (!name || !text) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_preset_read: name or text is NULL");
+    size_t bytes = 0;
+    char *path = NULL;
+    if ((*text = embedded(name, error)) != NULL) return TIDES_OK;
+    tides_status status =
+        (path = own_file(name)) != NULL
+            ? td_read_file(path, PRESET_LIMIT, text, &bytes, error)
+            : td_fail(error, TIDES_FILE_NOT_FOUND, "%.40s: is no preset, neither the library's nor one's own", name);
+    free(path);
+    return status;
+}
+
 /* `text` is the caller's. */
 static tides_status load(const tides_run *run, const char *name, char **text, tides_error *error) {
-    size_t length = strlen(name), bytes = 0;
-    const int32_t is_file = td_preset_is_file(name);
-    for (const td_kernel_source *p = td_preset_sources; p->name && !is_file; p++)
-        if (name_length(p->name) == length && memcmp(p->name, name, length) == 0)
-            return (*text = join_lines(p->lines, error)) != NULL ? TIDES_OK : TIDES_NO_MEMORY;
-    if (!is_file) return unknown(run, name, error);
-    char *path = td_run_resolve(run, name, error);
+    size_t bytes = 0;
+    if (!td_preset_is_file(name) && (*text = embedded(name, error)) != NULL) return TIDES_OK;
+    char *path = td_preset_file(run, name, error);
+    if (!path && !td_preset_is_file(name)) return unknown(run, name, error);
     tides_status status = path ? td_kind_refuse(path, TD_WANTS_TEXT, error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK) status = td_read_file(path, PRESET_LIMIT, text, &bytes, error);
     if (path && status != TIDES_OK) status = td_fail_within(error, status, "%s: sensor.preset", run->origin);

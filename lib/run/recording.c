@@ -6,22 +6,21 @@
 #include "events/td_event_format.h"
 #include "solver/td_reached.h"
 #include "td_base.h"
+#include "td_folder.h"
 #include "td_struct.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-/* [s] of wall time: what a crash may cost at most, at well below a percent of a run's time. */
-static const double default_checkpoint_s = 30.0;
 
 /* A checkpoint that takes long, of a large image on a slow disk, comes less often: this much simulation per second of saving.
  * */
 static const double least_work = 50.0;
 
 void tides_recording_defaults(tides_recording *recording) {
-    *recording = (tides_recording){.size = sizeof *recording, .checkpoint_s = default_checkpoint_s};
+    *recording = (tides_recording){.size = sizeof *recording, .checkpoint_s = TIDES_CHECKPOINT_S};
 }
 
 /* -- begin  */
@@ -33,6 +32,16 @@ static tides_status check_how(const td_record *r, const char *path, tides_error 
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: only an HDF5 file (.h5) can be gone on with; leave %s at 0", path,
                        r->how.resume ? "resume" : "keep_checkpoint");
     return TIDES_OK;
+}
+
+/* Where the file's name fits and what stands beside it doesn't, the run would end in a riddle. */
+static tides_status check_name(const td_record *r, const char *path, tides_error *error) {
+    static const char longest[] = ".checkpoint.part", other[] = ".part";
+    const size_t room = NAME_MAX - (r->checkpoint ? sizeof longest : sizeof other) + 1, length = strlen(td_base_name(path));
+    if (length <= room) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_ARGUMENT,
+                   "%.40s...: the name has %zu bytes; give it at most %zu, for %s is added on the way", td_base_name(path),
+                   length, room, r->checkpoint ? longest : other);
 }
 
 tides_status td_record_begin(td_record *r, const char *path, const tides_event_file *facts, const tides_recording *how,
@@ -50,7 +59,8 @@ tides_status td_record_begin(td_record *r, const char *path, const tides_event_f
     if (!r->how.format && tides_event_writer_can_resume(path) && !(r->checkpoint = td_format(error, "%s.checkpoint", path)))
         return TIDES_NO_MEMORY;
     r->due = td_now() + r->how.checkpoint_s;
-    return check_how(r, path, error);
+    status = check_name(r, path, error);
+    return status == TIDES_OK ? check_how(r, path, error) : status;
 }
 
 static tides_status remove_checkpoint(const td_record *r, tides_error *error) {

@@ -2,6 +2,7 @@
  * place. Its places are in metres, so scene.metres_per_unit must be known where they aren't 0. What rig.cameras says of a
  * camera of that name wins: its kind, its sensor; a name that the file hasn't is refused. */
 #include "camera/td_camchain.h"
+#include "camera/td_lens_models.h"
 #include "td_kinds.h"
 #include "td_run.h"
 
@@ -16,30 +17,16 @@ static int put_number(cJSON *object, const char *name, double value) {
 
 /* "camera": size, focal lengths, principal point, lens. */
 static int put_intrinsics(cJSON *camera, const tides_intrinsics *k) {
-    static const char *const models[] = {"none", "radtan", "equidistant"}; /* in the order of TIDES_LENS_* */
-    const tides_lens *l = &k->lens;
-    const struct {
-        const char *name;
-        double value;
-        int model; /* 0: of any */
-    } numbers[] = {{"fx", k->fx, 0},
-                   {"fy", k->fy, 0},
-                   {"cx", k->cx, 0},
-                   {"cy", k->cy, 0},
-                   {"k1", l->k1, -1},
-                   {"k2", l->k2, -1},
-                   {"k3", l->k3, TIDES_LENS_EQUIDISTANT},
-                   {"k4", l->k4, TIDES_LENS_EQUIDISTANT},
-                   {"p1", l->p1, TIDES_LENS_RADTAN},
-                   {"p2", l->p2, TIDES_LENS_RADTAN}};
+    const td_lens_model *model = td_lens_model_of(k->lens.model);
+    const double plain[] = {k->fx, k->fy, k->cx, k->cy};
+    static const char *const names[] = {"fx", "fy", "cx", "cy"};
+    double bent[TD_COEFFICIENTS_MAX];
+    td_lens_list(&k->lens, bent);
     cJSON *object = cJSON_AddObjectToObject(camera, "camera");
     int ok = put_number(object, "width", k->width) && put_number(object, "height", k->height) &&
-             cJSON_AddStringToObject(object, "lens", models[l->model]) != NULL;
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers && ok; i++) {
-        const int wanted = numbers[i].model;
-        if (wanted == 0 || wanted == l->model || (wanted < 0 && l->model != TIDES_LENS_NONE))
-            ok = put_number(object, numbers[i].name, numbers[i].value);
-    }
+             cJSON_AddStringToObject(object, "lens", model->name) != NULL;
+    for (int i = 0; i < 4 && ok; i++) ok = put_number(object, names[i], plain[i]);
+    for (int i = 0; i < model->count && ok; i++) ok = put_number(object, model->key[i], bent[i]);
     return ok;
 }
 

@@ -45,7 +45,8 @@ static tides_status check_whole(const tides_run *run, tides_error *error) {
     const int32_t orbit = cJSON_IsNumber(td_run_value(run, "camera.orbit_s"));
     for (size_t i = 0; i < count; i++)
         if (!run->values[i] && !((frames || orbit) && strcmp(rows[i].key, "camera.file") == 0))
-            return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is missing: %s", run->origin, rows[i].key, rows[i].sentence);
+            return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is missing: %s%s", run->origin, rows[i].key, rows[i].sentence,
+                           strcmp(rows[i].key, "camera.file") == 0 ? "; or camera.orbit_s, for an orbit without a file" : "");
     if (orbit && run_text(run, "camera.file"))
         return td_fail(error, TIDES_BAD_CONFIG, "%s: camera.file and camera.orbit_s are both given; keep one", run->origin);
     if (frames && run_text(run, "scene.file"))

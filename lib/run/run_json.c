@@ -33,10 +33,10 @@ static tides_status read_object(tides_run *run, const cJSON *object, const char 
         int length = snprintf(key, sizeof key, "%s%s%s", group, group[0] ? "." : "", item->string);
         const tides_param *row = td_param_find(key);
         int32_t is_group = td_param_is_group(key);
-        /* A dot inside a name would make a second way to write a key. */
-        if (length < 0 || (size_t)length >= sizeof key || !(row || is_group) || strchr(item->string, '.'))
-            return td_param_unknown(run->origin, key, error);
-        if (is_repeated(item)) return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is given twice; keep one", run->origin, key);
+        if (length < 0 || (size_t)length >= sizeof key || !(row || is_group)) return td_param_unknown(run->origin, key, error);
+        /* As --set and manifests write it, "sensor.b_min" is the name b_min in the group sensor: twice in two ways, too. */
+        if (is_repeated(item) || (row && run->given[row - tides_params(NULL)] == TD_GIVEN_FILE))
+            return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is given twice; keep one", run->origin, key);
         if (is_group && !cJSON_IsObject(item))
             return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is not an object; write \"%s\": { ... }", run->origin, key,
                            item->string);

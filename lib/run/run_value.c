@@ -20,6 +20,8 @@ static value_text show(const cJSON *value) {
 }
 
 static tides_status wrong_type(const char *where, const char *key, const cJSON *value, const char *wanted, tides_error *error) {
+    if (cJSON_IsString(value) && !value->valuestring[0])
+        return td_fail(error, TIDES_BAD_CONFIG, "%s: %s is empty: give %s", where, key, wanted);
     return td_fail(error, TIDES_BAD_CONFIG, "%s: %s = %s is not %s", where, key, show(value).text, wanted);
 }
 

@@ -66,15 +66,32 @@ static tides_status write_times(const frame_job *job, const char *name, size_t c
 
 /* -- the run --------------------------------------------------------------------------------------------------------- */
 
+/* What an earlier run of more frames has left: its times before anything is written, its further frames at the end. */
+static tides_status remove_older(const frame_job *job, size_t from, tides_error *error) {
+    static const char *const times[] = {"timestamps.txt", "exposure_timestamps.txt"};
+    int removed = 1;
+    for (size_t i = 0; removed; i++) {
+        char *path = from > 0 ? td_format(error, "%s/frame_%06zu.png", job->folder, from + i)
+                     : i < 2  ? td_format(error, "%s/%s", job->folder, times[i])
+                              : NULL;
+        if (!path) return from > 0 ? TIDES_NO_MEMORY : TIDES_OK;
+        removed = remove(path) == 0 || from == 0;
+        free(path);
+    }
+    return TIDES_OK;
+}
+
 static tides_status make_frames(frame_job *job, size_t count, tides_progress progress, void *user, tides_error *error) {
     const tides_run_values *v = &job->facts->values;
     tides_status status = tides_renderer_set_progress(job->renderer, td_share_step, &job->share, error);
+    if (status == TIDES_OK) status = remove_older(job, 0, error);
     for (size_t i = 0; i < count && status == TIDES_OK; i++) {
         job->share = (td_share){progress, user, (double)i / (double)count, 1 / (double)count, "frames"};
         status = make_frame(job, i, tides_exposure_time(&v->exposure, job->facts->intrinsics.height, v->start, i), error);
         if (status == TIDES_CANCELLED)
             return td_fail(error, TIDES_CANCELLED, "stopped on request after %zu of %zu frames", i, count);
     }
+    if (status == TIDES_OK) status = remove_older(job, count, error);
     if (status == TIDES_OK) status = write_times(job, "exposure_timestamps.txt", count, 1, error);
     return status == TIDES_OK ? write_times(job, "timestamps.txt", count, 0, error) : status;
 }

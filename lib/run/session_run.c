@@ -102,13 +102,14 @@ static tides_status check_truth(const tides_session_facts *f, const char *path, 
                    "%s: only HDF5 has columns for ground truth: write .h5, or set sensor.truth to false", path);
 }
 
-/* A new file is opened first, for that may fail at once, and a simulator takes seconds. */
+/* Whether the file can be written is asked first, for that may fail at once, and a simulator takes seconds; it is made last, so
+ * that a run which is refused leaves no .part, nor takes what an interrupted one has left there. */
 static tides_status write_simulator(tides_session *session, td_record *record, tides_stats *stats, tides_error *error) {
     const int32_t resume = record->how.resume;
-    tides_status status = resume ? TIDES_OK : td_record_anew(record, error);
+    tides_status status = resume ? TIDES_OK : tides_file_check(record->path, 1, error);
     if (status == TIDES_OK)
         status = tides_session_simulator(session, record->progress, record->user, &record->simulator, error);
-    if (status == TIDES_OK && resume) status = td_record_again(record, error);
+    if (status == TIDES_OK) status = resume ? td_record_again(record, error) : td_record_anew(record, error);
     if (status == TIDES_OK) status = td_record_simulate(record, session->facts.values.stop, error);
     if (record->simulator && stats) tides_simulator_stats(record->simulator, stats);
     tides_simulator_destroy(record->simulator);

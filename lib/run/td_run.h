@@ -74,6 +74,8 @@ int32_t td_run_is_video(const char *file);
 tides_status td_run_preset(tides_run *run, tides_error *error);
 /* 1 where it is a path, and not the name of one of ours. */
 int32_t td_preset_is_file(const char *name);
+/* The file that a preset is read from, given by its path or found by its name, allocated; NULL: none, or out of memory. */
+char *td_preset_file(const tides_run *run, const char *name, tides_error *error);
 
 /* run_write.c: the table's defaults as JSON values, NULL when out of memory; nested JSON text of one value per row (NULL rows
  * are left out). */

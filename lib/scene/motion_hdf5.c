@@ -1,5 +1,6 @@
 /* An object's motion in a scene file, read and written; scene_hdf5.c documents the layout. One reader and one writer serve all
  * models: what a model's arrays and settings must be, its class checks (td_motion.h). */
+#include "td_base.h"
 #include "motion/td_motion.h"
 #include "archive/td_h5_place.h"
 #include "td_scene_hdf5.h"
@@ -108,7 +109,7 @@ static tides_status read_motion(const td_place *place, tides_motion **motion, do
     if (!status) status = td_place_read_double(place, "start", &start);
     if (!status) status = td_place_read_double(place, "stop", &stop);
     if (!status) status = td_place_read_double(place, "duration_s", duration_s);
-    if (!status && !(*duration_s > 0 && *duration_s <= 9.2e9)) /* the last second of an event's time */
+    if (!status && !(*duration_s > 0 && *duration_s <= TD_FURTHEST_TIME))
         status = td_fail(place->error, TIDES_BAD_FILE, "%s: duration_s of %s is %g: should be a number of seconds above 0",
                          place->file, place->where, *duration_s);
     if (!status) status = td_motion_create(type, start, stop, motion, place->error);

@@ -245,16 +245,14 @@ static tides_status note_activated(td_gaussians *g, tides_error *error) {
     tides_status status = TIDES_OK;
     if (count < ENOUGH) return TIDES_OK;
     if (lie_within(g->opacity_logit, count, 0, 1))
-        status = td_note(&g->notes,
+        status = td_note(&g->notes, error,
                          "its opacities all lie from 0 to 1, as opacities do and logits hardly ever: 3DGS writes logits, and "
-                         "they are taken as that",
-                         error);
+                         "they are taken as that");
     if (status == TIDES_OK && lie_within(g->log_scale, 3 * count, 0, 1))
         status =
-            td_note(&g->notes,
+            td_note(&g->notes, error,
                     "its scales all lie from 0 to 1, as lengths do and logarithms hardly ever: 3DGS writes logarithms, and "
-                    "they are taken as that",
-                    error);
+                    "they are taken as that");
     return status;
 }
 

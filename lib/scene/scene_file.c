@@ -147,23 +147,69 @@ static tides_status refuse_pointer(const char *path, td_gaussians *gaussians, ti
     return td_kind_refuse(path, TD_WANTS_SCENE, error);
 }
 
-/* One line per format, surest first. The first is none, but stands in the place of all of them. */
-static const struct {
+/* Writes the Gaussians of one object at rest. */
+typedef tides_status (*writer)(const char *path, const td_gaussians *gaussians, double scale, tides_error *error);
+
+/* One row per format, surest sign first: all that lists them is made of it. Without a summary it is none, but stands in the
+ * place of all of them; without a reader it is TIDES's own, which holds everything. */
+static const struct format {
     int (*is)(const beginning *b);
     reader with;
+    writer write;
+    const char *endings, *summary;
+    int32_t losses; /* TIDES_LOSES_* */
 } formats[] = {
-    {is_pointer, {.read = refuse_pointer}},
-    {is_ply, {.parse = td_ply_parse}},
-    {is_spz, {.parse = td_spz_parse}},
-    {is_sog, {.parse = td_sog_parse}},
-    {is_gltf, {.choose = td_gltf_read}},
-    {is_sog_lod, {.choose = td_sog_read_lod}},
-    {is_sog_folder, {.read = td_sog_read_folder}},
-    {is_hdf5, {NULL, NULL, NULL}},
-    {is_ksplat, {.parse = td_ksplat_parse}},
-    {is_splat, {.parse = td_splat_parse}},
+    {is_pointer, {.read = refuse_pointer}, NULL, "", NULL, 0},
+    {is_ply, {.parse = td_ply_parse}, td_ply_write, ".ply", "3DGS by property name; compressed too", 0},
+    {is_spz, {.parse = td_spz_parse}, td_spz_write, ".spz", "Niantic's, versions 1 to 4", TIDES_LOSES_UP},
+    {is_sog, {.parse = td_sog_parse}, NULL, ".sog", "PlayCanvas's, versions 1 and 2", 0},
+    {is_gltf,
+     {.choose = td_gltf_read},
+     td_gltf_write,
+     ".glb .gltf",
+     "glTF with KHR_gaussian_splatting",
+     TIDES_LOSES_TRAINED | TIDES_LOSES_UP},
+    {is_sog_lod, {.choose = td_sog_read_lod}, NULL, "lod-meta.json", "streamed SOG, or its folder", 0},
+    {is_sog_folder, {.read = td_sog_read_folder}, NULL, "meta.json", "unpacked SOG, or its folder", 0},
+    {is_hdf5, {NULL, NULL, NULL}, NULL, ".h5", "TIDES's own, which holds everything", 0},
+    {is_ksplat, {.parse = td_ksplat_parse}, NULL, ".ksplat", "mkkellogg's", 0},
+    {is_splat,
+     {.parse = td_splat_parse},
+     td_splat_write,
+     ".splat",
+     "antimatter15's",
+     TIDES_LOSES_HARMONICS | TIDES_LOSES_TRAINED | TIDES_LOSES_UP},
 };
 enum { FORMATS = sizeof formats / sizeof formats[0] };
+
+static int is_own(const struct format *format) { return !format->with.parse && !format->with.read && !format->with.choose; }
+
+int32_t tides_scene_format_at(size_t index, tides_scene_format *format) {
+    for (size_t i = 0; i < FORMATS; i++) {
+        const struct format *row = &formats[i];
+        if (!row->summary || index-- > 0) continue;
+        *format = (tides_scene_format){row->endings, row->summary, row->write != NULL || is_own(row), row->losses};
+        return 1;
+    }
+    return 0;
+}
+
+/* "a, b or c": the first endings of all formats, or of those that are written. */
+enum { LIST = 256 };
+static const char *list_formats(int written, char text[LIST]) {
+    size_t used = 0, last = 0;
+    tides_scene_format format;
+    for (size_t i = 0; tides_scene_format_at(i, &format) && used < LIST; i++) {
+        if (written && !format.writes) continue;
+        last = used;
+        used += (size_t)snprintf(text + used, LIST - used, "%s%.*s", used ? ", " : "", (int)strcspn(format.endings, " "),
+                                 format.endings);
+    }
+    char tail[64];
+    snprintf(tail, sizeof tail, " or %s", text + last + 2);
+    snprintf(text + last, LIST - last, "%s", tail);
+    return text;
+}
 
 /* Index into `formats`; FORMATS where the content is none of them. */
 static size_t format_of(const beginning *b) {
@@ -204,13 +250,11 @@ static tides_status add_file(tides_scene *scene, const char *file, const tides_t
     size_t format = format_of(&start);
     if (start.folder ? format == FORMATS : td_model_dir_is(file)) return add_model(scene, file, trajectory, scale, error);
     if (format == FORMATS && (status = td_kind_refuse(file, TD_WANTS_SCENE, error)) != TIDES_OK) return status;
+    char list[LIST];
     if (format == FORMATS)
-        return td_fail(error, TIDES_BAD_FILE,
-                       "%s: is no scene: neither a PLY file (no 'ply' at byte 0), nor .spz, .sog, .glb, .gltf, .ksplat, "
-                       ".splat or an HDF5 one: convert it to a 3DGS .ply first",
-                       file);
-    reader with = formats[format].with;
-    if (with.parse || with.read || with.choose) return add_gaussians(scene, file, with, NULL, trajectory, scale, error);
+        return td_fail(error, TIDES_BAD_FILE, "%s: is no scene, neither %s: convert it to a 3DGS .ply first", file,
+                       list_formats(0, list));
+    if (!is_own(&formats[format])) return add_gaussians(scene, file, formats[format].with, NULL, trajectory, scale, error);
     return td_scene_hdf5_read(scene, file, trajectory, scale, error);
 }
 
@@ -240,15 +284,17 @@ tides_status tides_scene_add_file(tides_scene *scene, const char *file, const ti
     return tides_scene_read(scene, file, NULL, trajectory, scale, error);
 }
 
-/* Formats that hold the Gaussians of one object at rest. */
-static const struct {
-    const char *ending;
-    tides_status (*write)(const char *path, const td_gaussians *gaussians, double scale, tides_error *error);
-} writers[] = {{".ply", td_ply_write}, {".spz", td_spz_write}, {".splat", td_splat_write}, {".glb", td_gltf_write}};
-enum { WRITERS = sizeof writers / sizeof writers[0] };
+/* The ending, of those that a format has, which the name has; NULL: none. */
+static const char *ending_of(const char *file, const struct format *format, char ending[32]) {
+    for (const char *at = format->endings; *at; at += strcspn(at, " "), at += *at == ' ') {
+        snprintf(ending, 32, "%.*s", (int)strcspn(at, " "), at);
+        if (ending[0] == '.' && td_ends_in(file, ending)) return ending;
+    }
+    return NULL;
+}
 
-static tides_status save_one(const tides_scene *scene, const char *file, size_t format, tides_error *error) {
-    const char *ending = writers[format].ending;
+/* A format that holds the Gaussians of one object at rest. */
+static tides_status save_one(const tides_scene *scene, const char *file, writer write, const char *ending, tides_error *error) {
     if (scene->count > 1)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: a %s holds one object and the scene has %zu: save it as .h5", file,
                        ending, scene->count);
@@ -261,15 +307,20 @@ static tides_status save_one(const tides_scene *scene, const char *file, size_t 
                        ending, object->name);
     td_gaussians gaussians = object->gaussians; /* the arrays stay the object's */
     tides_scene_up(scene, gaussians.up);
-    return writers[format].write(file, &gaussians, object->scale, error);
+    return write(file, &gaussians, object->scale, error);
 }
 
 tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_error *error) {
     if (!scene || !file) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_scene_save: %s is NULL", scene ? "file" : "scene");
     if (scene->count == 0) return td_fail(error, TIDES_BAD_ARGUMENT, "%s: the scene is empty: add an object first", file);
-    for (size_t i = 0; i < WRITERS; i++)
-        if (td_ends_in(file, writers[i].ending)) return save_one(scene, file, i, error);
-    if (td_ends_in(file, ".h5")) return td_scene_hdf5_write(scene, file, error);
-    return td_fail(error, TIDES_BAD_ARGUMENT,
-                   "%s: a scene is saved as .h5, .ply, .spz, .splat or .glb: the name should end in one of them", file);
+    char ending[32], list[LIST];
+    for (size_t i = 0; i < FORMATS; i++) {
+        const int written = formats[i].summary && (formats[i].write || is_own(&formats[i]));
+        if (!written || !ending_of(file, &formats[i], ending)) continue;
+        if (formats[i].write && strncmp(formats[i].endings, ending, strlen(ending)) == 0) /* .gltf is only read */
+            return save_one(scene, file, formats[i].write, ending, error);
+        if (is_own(&formats[i])) return td_scene_hdf5_write(scene, file, error);
+    }
+    return td_fail(error, TIDES_BAD_ARGUMENT, "%s: a scene is saved as %s: the name should end in one of them", file,
+                   list_formats(1, list));
 }

@@ -24,19 +24,15 @@ const char *tides_scene_notes(const tides_scene *scene) { return scene && scene-
 
 /* -- losses -- */
 
-/* By ending; what isn't here holds everything. */
-static const struct {
-    const char *ending;
-    int32_t losses;
-} formats[] = {{".spz", TIDES_LOSES_UP},
-               {".splat", TIDES_LOSES_HARMONICS | TIDES_LOSES_TRAINED | TIDES_LOSES_UP},
-               {".glb", TIDES_LOSES_TRAINED | TIDES_LOSES_UP}};
-
 int32_t tides_scene_losses(const tides_scene *scene, const char *file) {
     double up[3];
     int32_t lost = 0, held = 0;
-    for (size_t i = 0; file && i < sizeof formats / sizeof formats[0]; i++)
-        if (td_ends_in(file, formats[i].ending)) lost = formats[i].losses;
+    tides_scene_format format;
+    for (size_t i = 0; file && tides_scene_format_at(i, &format); i++) {
+        char ending[32];
+        snprintf(ending, sizeof ending, "%.*s", (int)strcspn(format.endings, " "), format.endings); /* that which is written */
+        if (td_ends_in(file, ending)) lost = format.losses;
+    }
     if (tides_scene_sh_degree(scene) > 0) held |= TIDES_LOSES_HARMONICS;
     if (tides_scene_trained(scene) != TIDES_TRAINED_UNKNOWN) held |= TIDES_LOSES_TRAINED;
     if (tides_scene_up(scene, up)) held |= TIDES_LOSES_UP;

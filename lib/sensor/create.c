@@ -172,6 +172,7 @@ tides_status td_sensor_create(const tides_sensor *given, int32_t model, double l
     for (int32_t t = 0; t < tile_count; t++) sensor->count += (size_t)tiles[t].count;
     status = allocate(sensor, error);
     if (status == TIDES_OK && sensor->on) status = allocate_blocks(sensor, error);
+    if (status == TIDES_OK) status = td_sensor_list(sensor, error);
     if (status != TIDES_OK)
         td_sensor_release(sensor);
     else if (sensor->on)

@@ -3,7 +3,7 @@
  * The walk stands at s and asks what comes next. Held and masked parts are passed over, each in its own way; between them
  * the first crossing before the next noise event fires, or that event does. */
 #include "td_pixel.h"
-#include "archive/td_numbers.h"
+#include "td_half.h"
 #include "td_base.h"
 #include "sensor/noise/td_noise_bridge.h"
 

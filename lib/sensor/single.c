@@ -1,4 +1,4 @@
-/* Pixels one at a time, for the solver: which may do something in a step, and where a pixel stands, to take it back there. */
+/* Pixels one at a time, for the solver: which may do something in a step. */
 #include "td_extremes.h"
 #include "td_sensor.h"
 #include "td_wide.h"
@@ -17,8 +17,6 @@ tides_status td_sensor_shows_signal(const tides_sensor *params, int *shows, tide
         *shows = !frontend.on && !additive.on && !(params->surround_lambda_px > 0) && !(params->psf_sigma_px > 0);
     return status;
 }
-
-/* -- who may do something -------------------------------------------------------------------------------------------------- */
 
 /* 1 where the signal stays strictly between the levels, for all that is known, else 0. `ramp` is at the step's start, `rise`
  * within it. NaN doesn't. One comparison at a time, so that loops vectorise (comparator.c). */
@@ -106,51 +104,5 @@ void td_sensor_reaches(const td_sensor *sensor, const td_step *step, const td_ti
         double reached[BLOCK];
         find_reached(signals, step->length_s, per, i, count, widen, sensor->pixels.reference + first, reached);
         for (int32_t k = 0; k < count; k++) reaches[i + k] = reached[k] > 0;
-    }
-}
-
-/* -- where a pixel stands -------------------------------------------------------------------------------------------------- */
-
-static void keep_real(td_kept_pixel *kept, double value) { memcpy(&kept->word[kept->words++], &value, sizeof value); }
-
-static double put_real(const td_kept_pixel *kept, int *word) {
-    double value;
-    memcpy(&value, &kept->word[(*word)++], sizeof value);
-    return value;
-}
-
-/* What follows from the rest (reference, wake) is kept too, or it would have to be worked out. */
-void td_sensor_keep(const td_sensor *sensor, size_t i, td_kept_pixel *kept) {
-    const td_pixels *pixels = &sensor->pixels;
-    kept->words = 0;
-    kept->word[kept->words++] = (uint64_t)pixels->count_on[i] << 32 | pixels->count_off[i];
-    keep_real(kept, pixels->reference[i]);
-    if (!sensor->on) return;
-    keep_real(kept, pixels->initial[i]);
-    keep_real(kept, sensor->held_until[i]);
-    keep_real(kept, sensor->since[i]);
-    keep_real(kept, sensor->wake[i]);
-    for (int n = 0; n < TD_NOISES; n++) {
-        if (!sensor->noise.due[n]) continue;
-        keep_real(kept, sensor->noise.due[n][i]);
-        kept->word[kept->words++] = sensor->noise.drawn[n][i];
-    }
-}
-
-void td_sensor_put_back(td_sensor *sensor, size_t i, const td_kept_pixel *kept) {
-    const td_pixels *pixels = &sensor->pixels;
-    int word = 0;
-    pixels->count_on[i] = (uint32_t)(kept->word[word] >> 32);
-    pixels->count_off[i] = (uint32_t)kept->word[word++];
-    pixels->reference[i] = put_real(kept, &word);
-    if (!sensor->on) return;
-    pixels->initial[i] = put_real(kept, &word);
-    sensor->held_until[i] = put_real(kept, &word);
-    sensor->since[i] = put_real(kept, &word);
-    sensor->wake[i] = put_real(kept, &word);
-    for (int n = 0; n < TD_NOISES; n++) {
-        if (!sensor->noise.due[n]) continue;
-        sensor->noise.due[n][i] = put_real(kept, &word);
-        sensor->noise.drawn[n][i] = (uint32_t)kept->word[word++];
     }
 }

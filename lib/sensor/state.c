@@ -1,5 +1,5 @@
 /* Where a sensor's pixels stand between steps: their signals, how far from their levels, and what follows from a state that was
- * put back. For the solver's statistics and checkpoints. */
+ * put back (carried.c). For the solver's statistics and checkpoints. */
 #include "sensor/noise/td_noise_bridge.h"
 #include "td_sensor.h"
 
@@ -60,41 +60,4 @@ void td_sensor_resume(td_sensor *sensor) {
                                 : p->initial[i];
         if (sensor->on) td_sensor_set_wake(sensor, i);
     }
-}
-
-/* What pixels carry from one step to the next, of the blocks that are on. Thresholds, leaks and the like are drawn anew from
- * the seed; references and wake follow from the rest (td_sensor_resume). */
-void td_sensor_state(td_sensor *s, td_state *state) {
-    static const char *const filters[] = {"filter_0", "filter_1", "filter_2", "filter_3"};
-    typedef char one_name_each[sizeof filters / sizeof filters[0] == TD_FRONTEND_STATE ? 1 : -1];
-    const struct {
-        const char *name;
-        double *values;
-    } real[] = {
-        {"initial", s->pixels.initial},
-        {"held_until", s->held_until},
-        {"last_event", s->since},
-        {"shot_on_due", s->noise.due[TD_NOISE_SHOT_ON]},
-        {"shot_off_due", s->noise.due[TD_NOISE_SHOT_OFF]},
-        {"hot_due", s->noise.due[TD_NOISE_HOT]},
-        {"noise_segment", s->noise_segment},
-        {"noise_value", s->noise_value},
-    };
-    const struct {
-        const char *name;
-        uint32_t *values;
-    } count[] = {
-        {"count_on", s->pixels.count_on},
-        {"count_off", s->pixels.count_off},
-        {"shot_on_drawn", s->noise.drawn[TD_NOISE_SHOT_ON]},
-        {"shot_off_drawn", s->noise.drawn[TD_NOISE_SHOT_OFF]},
-        {"hot_drawn", s->noise.drawn[TD_NOISE_HOT]},
-    };
-    (void)sizeof(one_name_each);
-    for (size_t i = 0; i < sizeof real / sizeof real[0]; i++)
-        td_state_add(state, real[i].name, TD_STATE_REAL, TD_STATE_PIXELS, s->count, real[i].values);
-    for (int k = 0; k < TD_FRONTEND_STATE; k++)
-        td_state_add(state, filters[k], TD_STATE_REAL, TD_STATE_PIXELS, s->count, s->filter[k]);
-    for (size_t i = 0; i < sizeof count / sizeof count[0]; i++)
-        td_state_add(state, count[i].name, TD_STATE_COUNT, TD_STATE_PIXELS, s->count, count[i].values);
 }

@@ -68,6 +68,16 @@ TIDES_MUST_CHECK tides_status td_work_join(td_work *to, const td_work *piece, ti
 void td_work_clear(td_work *work);
 void td_work_release(td_work *work);
 
+/* An array of what pixels carry from step to step (carried.c). */
+typedef struct td_carried {
+    const char *name;   /* in checkpoints; NULL: it isn't in them, and follows from the rest */
+    td_state_type type; /* of its values */
+    void *values;       /* (count), the sensor's */
+} td_carried;
+
+/* Rows of that list: a sensor with every block has 19. One with more is refused when it is made. */
+enum { TD_CARRIED_MAX = 24 };
+
 typedef struct td_sensor {
     tides_sensor sensor;
     int on;             /* a block is on; else every pixel is ideal, and nothing of the blocks' below is there */
@@ -95,6 +105,8 @@ typedef struct td_sensor {
     td_additive_noise additive;
     double *noise_segment, *noise_value; /* with it: number and begin [log units] of the segment that the time reached is on, */
     uint32_t *number;                    /* and the pixel's in the image */
+    td_carried carry[TD_CARRIED_MAX];    /* the list of what is carried, */
+    int carried;                         /* so many rows */
 } td_sensor;
 
 /* Checks what the comparator reads of the parameters, and the model: TIDES_BAD_ARGUMENT naming the field. */
@@ -110,7 +122,10 @@ TIDES_MUST_CHECK tides_status td_sensor_create(const tides_sensor *given, int32_
                                                tides_error *error);
 void td_sensor_release(td_sensor *sensor);
 
-/* Adds the arrays that a checkpoint holds (state.c). */
+/* Lists what pixels carry; once, when all arrays are there (carried.c). */
+TIDES_MUST_CHECK tides_status td_sensor_list(td_sensor *sensor, tides_error *error);
+
+/* Adds the arrays that a checkpoint holds: those of the list with a name. */
 void td_sensor_state(td_sensor *sensor, td_state *state);
 
 /* The run's start: pixel i has rested at log-luminance L[i], its reference is the signal there, and nothing has fired. */
@@ -199,10 +214,9 @@ typedef struct td_sensor_single {
 TIDES_MUST_CHECK tides_status td_sensor_advance(td_sensor *sensor, const td_sensor_single *single, td_work *work,
                                                 tides_error *error);
 
-/* All that a pixel carries from one step to the next, to take it back to where it was. */
-enum { TD_PIXEL_WORDS = 12 };
+/* All that a pixel carries from one step to the next, to take it back to where it was: a word for each row of the list. */
 typedef struct td_kept_pixel {
-    uint64_t word[TD_PIXEL_WORDS];
+    uint64_t word[TD_CARRIED_MAX];
     int words;
 } td_kept_pixel;
 void td_sensor_keep(const td_sensor *sensor, size_t pixel, td_kept_pixel *kept);

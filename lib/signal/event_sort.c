@@ -13,13 +13,6 @@
 /* Below this, insertion beats clearing the counters. */
 enum { FEW = 48 };
 
-int td_event_compare(const tides_event *a, const tides_event *b) {
-    if (a->t != b->t) return a->t < b->t ? -1 : 1;
-    if (a->y != b->y) return a->y < b->y ? -1 : 1;
-    if (a->x != b->x) return a->x < b->x ? -1 : 1;
-    return (a->polarity > b->polarity) - (a->polarity < b->polarity);
-}
-
 /* What keys count from, and how many bits they have. */
 typedef struct range {
     int64_t t;

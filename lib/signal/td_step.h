@@ -4,8 +4,6 @@
 
 #include "tides/base.h"
 
-#define TD_FURTHEST_TIME 9.2e9 /* [s]; int64 nanoseconds end at 9.22e9 s */
-
 /* One step (start, stop], in whole nanoseconds plus offsets. Steps lie on a grid of double seconds since the run's start,
  * k step_s (a product, not a running sum); a double at 1000 s resolves 1e-4 ns. An event is at floor(start_fraction +
  * s length_ns) ns after start_ns: what is rounded in that is small numbers, however long the run has lasted. */

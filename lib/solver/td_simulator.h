@@ -34,10 +34,9 @@ typedef struct td_asking {
 typedef struct td_undo {
     unsigned char *bytes; /* of each row of the table of state, one after the other */
     size_t capacity;
-    tides_stats stats;
-    td_sensor_counts counts;
+    tides_stats stats;       /* td_stats_take */
+    td_sensor_counts counts; /* also those that are no statistics */
     td_render_counts render;
-    uint64_t uncertain, solved, lookups;
 } td_undo;
 
 /* What was asked for, as far as it could be had: final when the run begins. */
@@ -82,6 +81,7 @@ struct tides_simulator {
     const tides_scene *scene; /* the caller's, as is the camera's path */
     const tides_trajectory *camera;
     td_parameters given;
+    tides_stepping stepping; /* as given, and what it left open as it was settled; for checkpoints */
     td_layout layout;
     double epoch;  /* [s] the run's start: every other time in the solver is an offset from it, */
     double length; /* [s] up to `length` */
@@ -203,8 +203,11 @@ double td_signal_now(const tides_simulator *simulator, size_t pixel);
 void td_simulator_state(tides_simulator *simulator, td_state *state);
 void td_simulator_resume(tides_simulator *simulator, int64_t step, const tides_stats *before);
 
-/* One of the statistics as a number, and set to it (counts and reals). */
-double td_stat_value(const tides_stats *stats, const tides_stat *row);
+/* What is counted in the simulator itself, all but the renderer's; and put back, but for the time that was spent. */
+void td_stats_take(const tides_simulator *simulator, tides_stats *stats);
+void td_stats_put(tides_simulator *simulator, const tides_stats *stats);
+
+/* One of the statistics set to a number (counts and reals). */
 void td_stat_set(tides_stats *stats, const tides_stat *row, double value);
 
 /* tides_stats.worst_residual. */

@@ -18,7 +18,7 @@ import tides.distributed
 STOP = 0.04
 
 
-def write_manifest(folder):
+def write_manifest(folder: Path) -> Path:
     """Scene, camera path, run file, and the manifest that names them."""
     folder.mkdir(parents=True, exist_ok=True)
     worlds.wall(1000).save(folder / "wall.h5")
@@ -30,8 +30,8 @@ def write_manifest(folder):
     return folder / "grid.json"
 
 
-def main(folder="dask_batch", scheduler=None):
-    folder = Path(folder).resolve()
+def main(name: str = "dask_batch", scheduler: "str | None" = None) -> None:
+    folder = Path(name).resolve()
     manifest = write_manifest(folder)
     with Client(scheduler or LocalCluster(threads_per_worker=1)) as client:
         summary = tides.distributed.map(manifest, client, folder / "results", progress=True)

@@ -7,6 +7,7 @@ needed: L_dot is the exact derivative at that very time.
 """
 
 import sys
+from typing import Any
 
 import numpy as np
 import worlds
@@ -17,7 +18,7 @@ WIDTH, HEIGHT, BLOCK = 160, 120, 20  # [px]
 VELOCITY, DISTANCE = 1.5, 3.0  # [scene units/s], [scene units]
 
 
-def flow_of_blocks(log_luminance, log_luminance_dot):
+def flow_of_blocks(log_luminance: Any, log_luminance_dot: Any) -> Any:
     """(rows x columns x 2) flow [px/s] of each block, NaN where its texture doesn't fix it."""
     d_dy, d_dx = np.gradient(log_luminance)  # [1/px]
     flow = np.full((HEIGHT // BLOCK, WIDTH // BLOCK, 2), np.nan)
@@ -29,7 +30,7 @@ def flow_of_blocks(log_luminance, log_luminance_dot):
     return flow
 
 
-def main(output="optical_flow.png"):
+def main(output: str = "optical_flow.png") -> float:
     scene = worlds.wall(1500)
     lens = tides.Intrinsics.from_fov(WIDTH, HEIGHT, 0.9)
     camera = tides.Camera(worlds.sideways(VELOCITY, 0.1, DISTANCE), lens)

@@ -4,6 +4,7 @@ python simulate_and_plot.py [OUT.png]
 """
 
 import sys
+from typing import Any
 
 import numpy as np
 import worlds
@@ -14,14 +15,14 @@ WIDTH, HEIGHT, STOP = 240, 180, 0.05
 TITLE = 18  # height of the strip above a panel [px]
 
 
-def titled(title, panel):
+def titled(title: str, panel: Any) -> Any:
     """The panel below a white strip with its title."""
     strip = np.full((TITLE, WIDTH, 3), 255, np.uint8)
     tides.image.picture_text(strip, 4, 4, title)
     return np.concatenate([strip, panel])
 
 
-def main(output="simulate_and_plot.png"):
+def main(output: str = "simulate_and_plot.png") -> None:
     scene = worlds.wall()
     worlds.spinner(scene, turns_per_s=4, stop=STOP)
     lens = tides.Intrinsics.from_fov(WIDTH, HEIGHT, 1.0)

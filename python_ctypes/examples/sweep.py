@@ -6,6 +6,7 @@ python sweep.py [OUT.csv]
 
 import csv
 import sys
+from typing import Any
 
 import worlds
 
@@ -15,13 +16,13 @@ STOP = 0.04
 TOLERANCES = (0.3, 0.1, 0.03, 0.01)
 
 
-def main(output="sweep.csv"):
+def main(output: str = "sweep.csv") -> None:
     scene = worlds.wall(800)
     worlds.spinner(scene, turns_per_s=10, stop=STOP)
     camera = tides.Camera(worlds.sideways(0.5, STOP), tides.Intrinsics.from_fov(80, 60, 0.8))
     device = tides.Device()  # one for all: kernels are built once
 
-    def simulate(**stepping):
+    def simulate(**stepping: Any) -> Any:
         with tides.Simulation(scene, camera, stepping=tides.Stepping(solve="off", **stepping), device=device) as simulation:
             return simulation.run(), simulation.stats
 

@@ -10,6 +10,7 @@ import json
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -22,24 +23,24 @@ ALPHA, BETA, PULL = 0.2, 0.02, 8.0  # of the filter, on direction and on rate; a
 NOTHING = (1.0, 0.0, 0.0, 0.0)
 
 
-def ball_at(t):
+def ball_at(t: Any) -> Any:
     """Where the ball is: pan and tilt [rad], seen from the head."""
     return np.array([0.7 * np.sin(0.9 * t) + 0.2 * np.sin(2.9 * t), 0.3 * np.sin(1.3 * t)])
 
 
-def direction(angles):
+def direction(angles: Any) -> Any:
     """Forward, in a world whose axes are those of a camera at rest: x right, y down, z forward."""
     pan, tilt = angles
     return np.array([np.sin(pan) * np.cos(tilt), np.sin(tilt), np.cos(pan) * np.cos(tilt)])
 
 
-def head_pose(angles):
+def head_pose(angles: Any) -> Any:
     """The head's pose, camera to world: turned by pan about y, then by tilt about its own x."""
     (cp, ct), (sp, st) = np.cos(angles / 2), np.sin(angles / 2)
     return (0, 0, 0), (cp * ct, -cp * st, sp * ct, sp * st)
 
 
-def make_run(folder):
+def make_run(folder: Any) -> Any:
     """A run file of a speckled ball before a dark wall."""
     random = np.random.default_rng(3)
     points = random.normal(size=(300, 3))
@@ -58,7 +59,7 @@ def make_run(folder):
     return folder / "run.json"
 
 
-def track(seconds=10.0, device=None):
+def track(seconds: float = 10.0, device: Any = None) -> Any:
     """Follows the ball. A row for each step: time, the ball's direction, the head's, how many events."""
     focal, middle = 0.5 * WIDTH / np.tan(0.5 * VIEW), np.array([WIDTH, HEIGHT]) / 2
     head = guess = ball_at(0) + 0.05  # it begins 0.05 rad off, and knows of no motion
@@ -85,7 +86,7 @@ SIZE, LEFT, GAP = (900, 200), 60, 34  # of a panel, the margin, and between pane
 INKS = [(0, 114, 178), (213, 94, 0)]  # blue and vermilion, which everybody tells apart
 
 
-def panel(title, t, curves):
+def panel(title: str, t: Any, curves: Any) -> Any:
     """One panel: curves [(label, values)] over t."""
     width, height = SIZE
     picture = np.full((height + GAP + 20, width + LEFT + 20, 3), 255, np.uint8)
@@ -109,7 +110,7 @@ def panel(title, t, curves):
     return picture
 
 
-def main(output="track_ball.png", seconds="10"):
+def main(output: str = "track_ball.png", seconds: str = "10") -> None:
     rows = track(float(seconds))
     t, ball, head, count = rows[:, 0], rows[:, 1:3], rows[:, 3:5], rows[:, 5]
     off = np.linalg.norm(ball - head, axis=1) * 0.5 * WIDTH / np.tan(0.5 * VIEW)

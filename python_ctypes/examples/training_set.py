@@ -10,6 +10,7 @@ import json
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import worlds
@@ -19,7 +20,7 @@ import tides
 WIDTH, HEIGHT, STOP, BINS = 96, 72, 0.04, 5
 
 
-def simulate(folder, index):
+def simulate(folder: Any, index: int) -> Any:
     """One recording: events as HDF5, the label as JSON. Everything follows from `index`."""
     random = np.random.default_rng(index)
     speed = float(random.uniform(-2, 2))
@@ -33,27 +34,27 @@ def simulate(folder, index):
 class Recordings:
     """Recordings of a folder: dataset[k] is (events or what `transform` makes of them, speed)."""
 
-    def __init__(self, folder, transform=None):
+    def __init__(self, folder: Any, transform: Any = None) -> None:
         self.files = sorted(Path(folder).glob("*.h5"))
         self.transform = transform or voxels
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.files)
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: int) -> Any:
         events = tides.to_tonic(tides.read_events(self.files[index]))
         label = json.loads(self.files[index].with_suffix(".json").read_text())
         return self.transform(events), np.float32(label["speed"])
 
 
-def voxels(events):
+def voxels(events: Any) -> Any:
     """A voxel grid (bins x height x width) of float32 from tonic's events."""
     records = tides.make_events(events["t"] * 1000, events["x"], events["y"], events["p"])
     return tides.voxel_grid(records, WIDTH, HEIGHT, bins=BINS).astype(np.float32)
 
 
-def main(folder="training_set", count="6"):
-    folder = Path(folder)
+def main(name: str = "training_set", count: str = "6") -> None:
+    folder = Path(name)
     folder.mkdir(parents=True, exist_ok=True)
     with ThreadPoolExecutor(2) as pool:  # threads are enough: C runs without the GIL, each simulation on its own device
         list(pool.map(lambda index: simulate(folder, index), range(int(count))))

@@ -5,7 +5,7 @@ import numpy as np
 import tides
 
 
-def wall(n=3000, width=6.0, height=4.5, seed=1):
+def wall(n: int = 3000, width: float = 6.0, height: float = 4.5, seed: int = 1) -> tides.Scene:
     """A wall of coloured spots in the plane z = 0, in front of a grey one."""
     random = np.random.default_rng(seed)
     spots = np.column_stack(
@@ -21,7 +21,7 @@ def wall(n=3000, width=6.0, height=4.5, seed=1):
     return scene
 
 
-def spinner(scene, turns_per_s, stop, n=120, seed=2):
+def spinner(scene: tides.Scene, turns_per_s: float, stop: float, n: int = 120, seed: int = 2) -> None:
     """Adds a disc of spots that turns in front of the wall."""
     random = np.random.default_rng(seed)
     radius, angle = 0.6 * np.sqrt(random.uniform(0, 1, n)), random.uniform(0, 2 * np.pi, n)
@@ -34,7 +34,7 @@ def spinner(scene, turns_per_s, stop, n=120, seed=2):
     scene.add(tides.Gaussians.from_colours(spots, 0.05, random.uniform(0, 1, (n, 3))), path, name="spinner")
 
 
-def sideways(velocity, stop, distance=3.0):
+def sideways(velocity: float, stop: float, distance: float = 3.0) -> tides.Trajectory:
     """A camera that looks at the wall and slides along x at `velocity` [scene units/s]."""
     x = 0.5 * velocity * stop
     return tides.Trajectory([0, stop], [[-x, 0, -distance], [x, 0, -distance]], [[1, 0, 0, 0]] * 2)

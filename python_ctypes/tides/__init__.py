@@ -8,8 +8,12 @@ OpenCV's (x right, y down, z forward); images are (height x width), row 0 on top
 one line that says what, where, and how to fix it. C code runs without the GIL; see `Simulation` for threads and Ctrl-C.
 """
 
+import importlib
+from typing import Any
+
 from . import _api as api
 from . import errors, files, image, metrics
+from ._call import nearest
 from ._describe import describe
 from ._handle import Handle
 from ._library import PATH as library_path
@@ -47,18 +51,124 @@ from .measure import ExactOptions, exact_stream, ideal_settings, image_is_contin
 from .motion import Motion
 from .names import nearest_name
 from .page import PageOptions, Shown, read_truth, show, write_page
-from .presets import preset_names
+from .presets import preset, preset_names
 from .readout import Arbiter, Readout
 from .render import CHANNELS, EVENT_TRUTH, MATERIAL_POINT, TRACK, TRUTHS, ImageParams, Renderer, colour_filter
 from .representations import ArrayWriter, VoxelOptions, event_frame, time_surface, voxel_grid
-from .run import Fingerprints, Run, fingerprint_text, parameters, run_template, statistics
-from .scene import Gaussians, Scene, SceneObject
+from .run import Fingerprints, Run, fingerprint_text, parameters, run_template, stat_values, statistics
+from .scene import Gaussians, Scene, SceneObject, scene_formats
 from .session import Session, dataset_layouts
 from .simulate import Recording, Sensor, Simulation, Stepping
-from .trajectory import IMU_SAMPLE, Camera, Imu, Intrinsics, Lens, PathOptions, Pose, Trajectory
+from .trajectory import IMU_SAMPLE, Camera, Imu, Intrinsics, Lens, PathOptions, Pose, Trajectory, lens_names
 
 for value in Value.__subclasses__():  # ctypes makes none while their classes are being made
     describe(value)
 del value, describe, Value
 
-__all__ = [name for name in dir() if not name.startswith("_")]
+__all__ = [
+    "__version__",
+    "api",
+    "Arbiter",
+    "ArrayWriter",
+    "as_events",
+    "Baseline",
+    "BaselineParams",
+    "Camera",
+    "can_resume",
+    "CAUSES",
+    "CHANNELS",
+    "check_stretch",
+    "colour_filter",
+    "Conversion",
+    "convert_events",
+    "dataset_layouts",
+    "Device",
+    "devices",
+    "errors",
+    "esim_next_time",
+    "EVENT",
+    "event_formats",
+    "event_frame",
+    "EVENT_TRUTH",
+    "EventReader",
+    "events_summary",
+    "EventWriter",
+    "exact_stream",
+    "ExactOptions",
+    "Exposure",
+    "files",
+    "fingerprint_text",
+    "Fingerprints",
+    "Frames",
+    "FramesOptions",
+    "Gaussians",
+    "generate",
+    "GenerateOptions",
+    "generators",
+    "Handle",
+    "ideal_settings",
+    "image",
+    "image_is_continuous",
+    "ImageParams",
+    "Imu",
+    "IMU_SAMPLE",
+    "Intrinsics",
+    "LABELS",
+    "ldati",
+    "lens_names",
+    "Lens",
+    "lib",
+    "library_path",
+    "Live",
+    "LiveOptions",
+    "make_events",
+    "MATERIAL_POINT",
+    "metrics",
+    "Motion",
+    "nearest_name",
+    "PageOptions",
+    "parameters",
+    "PathOptions",
+    "Pose",
+    "preset",
+    "preset_names",
+    "read_events",
+    "read_labelled",
+    "read_truth",
+    "Reading",
+    "Readout",
+    "Recording",
+    "Renderer",
+    "Run",
+    "run_template",
+    "Scene",
+    "scene_formats",
+    "SceneObject",
+    "Sensor",
+    "Session",
+    "show",
+    "Shown",
+    "Simulation",
+    "stat_values",
+    "statistics",
+    "Stepping",
+    "TidesError",
+    "time_surface",
+    "to_tonic",
+    "TONIC",
+    "TRACK",
+    "Trajectory",
+    "TRUTHS",
+    "voxel_grid",
+    "VoxelOptions",
+    "World",
+    "write_events",
+    "write_page",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """`tides.distributed` and `tides.rosbag`, whose own dependencies are only wanted where they are asked for."""
+    if name in ("distributed", "rosbag"):
+        return importlib.import_module(f"{__name__}.{name}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}{nearest(name, __all__)}")

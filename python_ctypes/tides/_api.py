@@ -13,6 +13,7 @@ TIDES_VERSION_MAJOR = 0
 TIDES_VERSION_MINOR = 1
 TIDES_VERSION_PATCH = 0
 TIDES_NUMERICS = 10
+TIDES_CHECKPOINT_S = 30
 TIDES_OK = 0
 TIDES_BAD_ARGUMENT = 1
 TIDES_NO_MEMORY = 2
@@ -172,6 +173,7 @@ TIDES_RIG_BOTH = 0
 TIDES_RIG_EVENT = 1
 TIDES_RIG_FRAME = 2
 TIDES_RIG_NAME = 32
+TIDES_SILENCE = 256
 TIDES_EXR_NONE = 0
 TIDES_EXR_ZIPS = 2
 TIDES_EXR_ZIP = 3
@@ -202,6 +204,16 @@ TIDES_PAIRS_SAME = 1
 TIDES_PAIRS_SPLIT = 2
 TIDES_PAIRS = 3
 TIDES_FANO_BINS = 3
+TIDES_OF_BOTH = 0
+TIDES_OF_STREAM = 1
+TIDES_REPEATS_ONCE = 0
+TIDES_REPEATS_PAIRS = 1
+TIDES_REPEATS_BINS = 2
+TIDES_BETTER_NEITHER = 0
+TIDES_BETTER_LOWER = 1
+TIDES_BETTER_HIGHER = 2
+TIDES_BETTER_ONE = 3
+TIDES_BETTER_ZERO = 4
 TIDES_NORMALISE_NONE = 0
 TIDES_NORMALISE_POPULATION = 1
 TIDES_NORMALISE_SAMPLE = 2
@@ -1294,6 +1306,24 @@ class tides_scene_options(Structure):
         ("part", c_char_p),
         ("invalid", c_int32),
         ("reserved", c_int32),
+    ]
+
+
+class tides_scene_format(Structure):
+    """const char *endings, *summary;
+    int32_t writes, losses;
+    """
+
+    endings: bytes | None
+    summary: bytes | None
+    writes: int
+    losses: int
+
+    _fields_ = [
+        ("endings", c_char_p),
+        ("summary", c_char_p),
+        ("writes", c_int32),
+        ("losses", c_int32),
     ]
 
 
@@ -2979,6 +3009,44 @@ class tides_metrics(Structure):
     ]
 
 
+class tides_metric(Structure):
+    """const char *name; /* as the tool's JSON has it: "chamfer_px" */
+    const char *family; /* of --only: "chamfer" */
+    uint32_t wanted; /* TIDES_METRIC_* that it is computed with */
+    const char *unit, *sentence; /* "px", or "" */
+    int32_t better; /* TIDES_BETTER_* */
+    int32_t of, repeats; /* TIDES_OF_*; TIDES_REPEATS_* */
+    int32_t is_real; /* 1: double; 0: uint64_t */
+    size_t offset, stride; /* of its field, and from one of several to the next [bytes] */
+    """
+
+    name: bytes | None
+    family: bytes | None
+    wanted: int
+    unit: bytes | None
+    sentence: bytes | None
+    better: int
+    of: int
+    repeats: int
+    is_real: int
+    offset: int
+    stride: int
+
+    _fields_ = [
+        ("name", c_char_p),
+        ("family", c_char_p),
+        ("wanted", c_uint32),
+        ("unit", c_char_p),
+        ("sentence", c_char_p),
+        ("better", c_int32),
+        ("of", c_int32),
+        ("repeats", c_int32),
+        ("is_real", c_int32),
+        ("offset", c_size_t),
+        ("stride", c_size_t),
+    ]
+
+
 class tides_voxel_options(Structure):
     """uint32_t size; /* sizeof this struct */
     int32_t bins; /* 1 to 4096 */
@@ -3554,6 +3622,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
         P(c_double), c_int32, c_int32, c_double, c_double, c_uint64, c_uint64, tides_event_sink, c_void_p,
         P(tides_error)
     ], "voxels width height start stop seed frame sink user error"),
+    # const char *tides_lens_name(int32_t model)
+    "tides_lens_name": (c_char_p, [c_int32], "model"),
     # void tides_live_close(tides_live *live)
     "tides_live_close": (None, [P(tides_live)], "live"),
     # tides_status tides_live_open(tides_session *session, const tides_live_options *options, tides_progress progress,
@@ -3599,6 +3669,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     ], "reference reference_count simulated simulated_count options progress user metrics error"),
     # void tides_metrics_options_defaults(tides_metrics_options *options)
     "tides_metrics_options_defaults": (None, [P(tides_metrics_options)], "options"),
+    # const tides_metric *tides_metrics_table(size_t *count)
+    "tides_metrics_table": (P(tides_metric), [P(c_size_t)], "count"),
     # tides_status tides_motion_create_callback(const tides_callback_motion *callback, tides_motion **motion,
     # tides_error *error)
     "tides_motion_create_callback": (c_int32, [
@@ -3707,6 +3779,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     ], "path width height planes bits values error"),
     # int32_t tides_preset_at(size_t index, char name[TIDES_PRESET_NAME])
     "tides_preset_at": (c_int32, [c_size_t, c_char_p], "index name"),
+    # tides_status tides_preset_read(const char *name, char **text, tides_error *error)
+    "tides_preset_read": (c_int32, [c_char_p, P(c_char_p), P(tides_error)], "name text error"),
     # void tides_readout_defaults(tides_readout *readout)
     "tides_readout_defaults": (None, [P(tides_readout)], "readout"),
     # void tides_recording_defaults(tides_recording *recording)
@@ -3866,6 +3940,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_scene_destroy": (None, [P(tides_scene)], "scene"),
     # int64_t tides_scene_dropped(const tides_scene *scene)
     "tides_scene_dropped": (c_int64, [P(tides_scene)], "scene"),
+    # int32_t tides_scene_format_at(size_t index, tides_scene_format *format)
+    "tides_scene_format_at": (c_int32, [c_size_t, P(tides_scene_format)], "index format"),
     # int32_t tides_scene_is_file(const char *file)
     "tides_scene_is_file": (c_int32, [c_char_p], "file"),
     # int32_t tides_scene_losses(const tides_scene *scene, const char *file)
@@ -3947,6 +4023,11 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_session_run": (c_int32, [
         P(tides_session), tides_event_sink, c_void_p, tides_progress, c_void_p, P(tides_stats), P(tides_error)
     ], "session sink sink_user progress user stats error"),
+    # tides_status tides_session_silence(tides_session *session, const tides_stats *stats, char text[TIDES_SILENCE],
+    # tides_error *error)
+    "tides_session_silence": (c_int32, [
+        P(tides_session), P(tides_stats), c_char_p, P(tides_error)
+    ], "session stats text error"),
     # tides_status tides_session_simulator(tides_session *session, tides_progress progress, void *user, tides_simulator
     # **simulator, tides_error *error)
     "tides_session_simulator": (c_int32, [
@@ -4019,6 +4100,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
         P(tides_simulator), c_double, c_char_p, P(tides_event_file), P(tides_recording), tides_progress, c_void_p,
         P(tides_recorded), P(tides_error)
     ], "simulator stop path facts how progress user done error"),
+    # double tides_stat_value(const tides_stats *stats, const tides_stat *row)
+    "tides_stat_value": (c_double, [P(tides_stats), P(tides_stat)], "stats row"),
     # const tides_stat *tides_stats_table(size_t *count)
     "tides_stats_table": (P(tides_stat), [P(c_size_t)], "count"),
     # const char *tides_status_name(tides_status status)
@@ -4126,13 +4209,14 @@ STRUCTS = (
     tides_event_reading, tides_event_summary, tides_event_conversion, tides_event_conversion_report, tides_readout,
     tides_readout_stats, tides_pose_sample, tides_pose, tides_orbit, tides_dolly, tides_handheld, tides_lens,
     tides_intrinsics, tides_path_options, tides_path, tides_device_info, tides_polynomial_motion, tides_rotor_motion,
-    tides_keyframes_motion, tides_theta, tides_callback_motion, tides_gaussians, tides_scene_options, tides_object,
-    tides_circuit, tides_sensor, tides_smoothing, tides_image_params, tides_frame, tides_render_stats, tides_risk,
-    tides_stepping, tides_stats, tides_stat, tides_esim, tides_v2e, tides_voltmeter, tides_iebcs, tides_ldati_params,
-    tides_baseline_params, tides_frame_supply, tides_exposure, tides_exposed, tides_imu, tides_imu_sample, tides_param,
-    tides_run_values, tides_rig_camera, tides_session_facts, tides_session_taken, tides_recording, tides_recorded,
-    tides_dataset_layout, tides_dataset_report, tides_generator, tides_generate_options, tides_world, tides_channel,
-    tides_truth, tides_material_point, tides_track, tides_event_truth, tides_match, tides_metrics_options,
-    tides_interval_fit, tides_stream_metrics, tides_metrics, tides_voxel_options, tides_array_shape, tides_page_options,
-    tides_page_report, tides_run_input, tides_fingerprint, tides_live_options, tides_exact_options, tides_exact,
+    tides_keyframes_motion, tides_theta, tides_callback_motion, tides_gaussians, tides_scene_options,
+    tides_scene_format, tides_object, tides_circuit, tides_sensor, tides_smoothing, tides_image_params, tides_frame,
+    tides_render_stats, tides_risk, tides_stepping, tides_stats, tides_stat, tides_esim, tides_v2e, tides_voltmeter,
+    tides_iebcs, tides_ldati_params, tides_baseline_params, tides_frame_supply, tides_exposure, tides_exposed,
+    tides_imu, tides_imu_sample, tides_param, tides_run_values, tides_rig_camera, tides_session_facts,
+    tides_session_taken, tides_recording, tides_recorded, tides_dataset_layout, tides_dataset_report, tides_generator,
+    tides_generate_options, tides_world, tides_channel, tides_truth, tides_material_point, tides_track,
+    tides_event_truth, tides_match, tides_metrics_options, tides_interval_fit, tides_stream_metrics, tides_metrics,
+    tides_metric, tides_voxel_options, tides_array_shape, tides_page_options, tides_page_report, tides_run_input,
+    tides_fingerprint, tides_live_options, tides_exact_options, tides_exact,
 )

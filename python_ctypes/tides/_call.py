@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import json
 import os
 import re
 import signal
@@ -100,12 +101,32 @@ def text(value: bytes | None) -> str:
     return value.decode("utf-8", "replace") if value else ""
 
 
+def _whole(value: bytes) -> bytes:
+    """C would take the text up to a NUL for all of it."""
+    if b"\0" in value:
+        raise ValueError(f"{text(value)!r}: holds a NUL, which no name and no text of a run does")
+    return value
+
+
 def path(value: str | os.PathLike[str]) -> bytes:
-    return os.fsencode(value)
+    return _whole(os.fsencode(value))
 
 
 def encoded(value: str | None) -> bytes | None:
-    return None if value is None else value.encode()
+    return None if value is None else _whole(value.encode())
+
+
+def _as_plain(value: Any) -> Any:
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, (np.generic, np.ndarray)):
+        return value.tolist()
+    raise TypeError(f"{value!r}: a run file holds numbers, texts, lists and dicts of them")
+
+
+def as_json(value: Any) -> str:
+    """What a run file's key is set to, as JSON: numpy's numbers and arrays, and paths, too."""
+    return json.dumps(value, default=_as_plain)
 
 
 def array(value: Any, dtype: Any, shape: tuple[int | None, ...], name: str) -> np.ndarray:

@@ -72,6 +72,22 @@ def lines(value: Any, struct: Any, groups: tuple[str, ...], before: str = "") ->
     return made
 
 
+class _Shown:
+    """A default that a signature shows as its words."""
+
+    def __init__(self, words: str):
+        self.words = words
+
+    def __repr__(self) -> str:
+        return self.words
+
+
+def _default(held: Any) -> Any:
+    if not isinstance(held, ctypes.Structure):
+        return held
+    return _Shown(f"{type(held).__name__}({', '.join(f'{name}={value!r}' for name, value in plain(held).items())})")
+
+
 def describe(cls: Any) -> None:
     """Gives a class of values its fields' lines, and a signature with their names and defaults."""
     struct = next(one for one in cls.__mro__ if one.__name__.startswith("tides_"))
@@ -80,7 +96,7 @@ def describe(cls: Any) -> None:
     head = [(cls.__doc__ or "").rstrip(), "", "Fields and their defaults:"]
     cls.__doc__ = "\n    ".join(head + [f"    {one}" for one in told])
     names = [name for name, _ in struct._fields_ if name not in ("size", "reserved") and not keyword.iskeyword(name)]
-    fields = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=getattr(value, name)) for name in names]
+    fields = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=_default(getattr(value, name))) for name in names]
     if cls._preset:
         fields.insert(0, inspect.Parameter("preset", inspect.Parameter.KEYWORD_ONLY, default=None))
     cls.__signature__ = inspect.Signature(fields)

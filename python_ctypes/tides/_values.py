@@ -179,7 +179,10 @@ class Value:
 
     def set(self, **fields: Any) -> Any:
         """Sets fields by name; returns itself."""
+        known = [name for name, _ in _fields(self)]
         for name, value in fields.items():
+            if name not in known:
+                raise TypeError(f"{type(self).__name__} has no {name!r}{nearest(name, known)}")
             setattr(self, name, value)
         return self
 

@@ -236,7 +236,7 @@ def map(
     *,
     threads: int = 1,
     device: str | int | None = None,
-    checkpoint_s: float = 30.0,
+    checkpoint_s: float = _api.TIDES_CHECKPOINT_S,
     retries: int = 1,
     progress: Progress = None,
     tool: str | None = None,

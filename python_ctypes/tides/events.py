@@ -45,12 +45,17 @@ TONIC = np.dtype([("x", "<i2"), ("y", "<i2"), ("t", "<i8"), ("p", "i1")])
 
 
 def make_events(t: Any, x: Any, y: Any, p: Any) -> np.ndarray:
-    """An array of EVENT (n) from columns: t [ns], x, y [px], p (above 0 is ON). ValueError where a value doesn't fit."""
+    """An array of EVENT (n) from columns: t [ns], x, y [px], p (1 is ON; 0 or -1, or False, is OFF). ValueError where a value
+    doesn't fit."""
     columns = [np.asarray(one) for one in (t, x, y, p)]
     if any(one.shape != columns[0].shape or one.ndim != 1 for one in columns):
         raise ValueError(f"t, x, y, p: shapes {[one.shape for one in columns]}, where four times (n) is needed")
     if columns[0].dtype.kind not in "iu":
         raise ValueError(f"t: {columns[0].dtype}, where whole nanoseconds are needed")
+    if len(columns[0]) and int(columns[0].max()) > np.iinfo(np.int64).max:
+        raise ValueError("t: beyond the nanoseconds of 64 bits")
+    if not np.isin(columns[3], (-1, 0, 1)).all():
+        raise ValueError("p: values other than 1, 0 and -1")
     for name, column in (("x", columns[1]), ("y", columns[2])):
         if len(column) and not (column.min() >= 0 and column.max() < 65536):
             raise ValueError(f"{name}: values outside 0 to 65535")

@@ -2,13 +2,30 @@
 
 from __future__ import annotations
 
+from ctypes import byref, c_size_t
 from typing import Any, Iterable
 
 from . import _api
 from ._call import call
+from ._library import lib
 from ._progress import Progress, Reporter
 from ._values import Facts, Value, choice, constants, plain
 from .events import _records, as_events
+
+_BETTER = {number: word for word, number in constants("TIDES_BETTER_").items()}
+
+
+def table() -> list[Facts]:
+    """All values that there are: name, family (of `tides metrics --only`), unit, sentence, better ("lower", "higher", "one",
+    "zero", "neither"), of_stream (True: of each stream by itself)."""
+    count = c_size_t()
+    rows = [plain(row) for row in lib.tides_metrics_table(byref(count))[: count.value]]
+    names = ("name", "family", "unit", "sentence")
+    return [
+        Facts({key: row[key] for key in names}, better=_BETTER[row.better], of_stream=row.of == _api.TIDES_OF_STREAM)
+        for row in rows
+    ]
+
 
 #: Families of values that may be wanted: "isi", "same_time", "fano", "chamfer", "kernel", "match" ...
 FAMILIES = constants("TIDES_METRIC_")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import html
 import os
 import tempfile
@@ -70,9 +71,10 @@ def show(
     events: Any, file: str | os.PathLike[str] | None = None, truth: Any = None, height: int = 640, **options: Any
 ) -> Shown:
     """Events (n), or an event file's path, as a page to turn, to drag through and to play. The page is `file`, or a new one among
-    the system's temporary files. `height` [px] is a notebook's; `options` as in write_page, but that without `most` 2 million
+    the system's temporary files, which goes when Python ends. `height` [px] is a notebook's; `options` as in write_page, but that without `most` 2 million
     events are shown, which a notebook still keeps."""
     if file is None:
         handle, file = tempfile.mkstemp(".html", "tides-")
         os.close(handle)
+        atexit.register(Path(file).unlink, missing_ok=True)
     return Shown(Path(file), write_page(file, events, truth, **{"most": 2_000_000, **options}), height)

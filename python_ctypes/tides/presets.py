@@ -4,20 +4,31 @@ from __future__ import annotations
 
 import json
 import os
-from ctypes import POINTER, byref, create_string_buffer, memmove, sizeof
+from ctypes import POINTER, byref, c_char_p, c_void_p, cast, create_string_buffer, memmove, sizeof
 from typing import Any
 
 from . import _api
-from ._call import call
+from ._call import call, encoded, text
 from ._library import lib
 
 
 def preset_names() -> list[str]:
     """The presets that come with the library: "davis346", "imx636" ...; what `Sensor(preset=...)` and sensor.preset take."""
-    names, text = [], create_string_buffer(_api.TIDES_PRESET_NAME)
-    while lib.tides_preset_at(len(names), text):
-        names.append(text.value.decode())
+    names, name = [], create_string_buffer(_api.TIDES_PRESET_NAME)
+    while lib.tides_preset_at(len(names), name):
+        names.append(name.value.decode())
     return names
+
+
+def preset(name: str) -> dict[str, Any]:
+    """What a preset holds, by its name: the library's, or one's own of ~/.config/tides/presets: about, and the groups sensor,
+    frontend, readout, whose values may be {"value": value, "source": text}. errors.NotFound where there is none."""
+    made = c_char_p()
+    call("tides_preset_read", encoded(name), byref(made))
+    try:
+        return dict(json.loads(text(made.value)))
+    finally:
+        lib.tides_free(cast(made, c_void_p))
 
 
 def fill(value: Any, group: str, preset: str | os.PathLike[str]) -> None:

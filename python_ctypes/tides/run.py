@@ -11,7 +11,7 @@ from typing import Any, Sequence
 import numpy as np
 
 from . import _api
-from ._call import call, encoded, path, text
+from ._call import as_json, call, encoded, path, text
 from ._handle import Handle
 from ._library import lib
 from ._progress import Progress
@@ -53,6 +53,13 @@ def statistics() -> list[Facts]:
     return [Facts(plain(row), type=_STATS[row.type]) for row in rows[: count.value]]
 
 
+def stat_values(stats: _api.tides_stats) -> Facts:
+    """The rows of the table by name ("events", "time_s.sort", "settings.unit"), of an api.tides_stats."""
+    count = c_size_t()
+    rows = lib.tides_stats_table(byref(count))
+    return Facts({text(row.name): lib.tides_stat_value(byref(stats), byref(row)) for row in rows[: count.value]})
+
+
 def run_template(scene_file: str, camera_file: str) -> str:
     """A run file with every key at its default, as JSON text."""
     made = c_char_p()
@@ -89,8 +96,8 @@ class Run(Handle):
         if file is not None:
             call("tides_run_load", path(file), *settings, byref(made))
         else:
-            words = text if isinstance(text, str) else json.dumps(text)
-            call("tides_run_parse", words.encode(), path(directory), *settings, byref(made))
+            words = text if isinstance(text, str) else as_json(text)
+            call("tides_run_parse", encoded(words), path(directory), *settings, byref(made))
         self._take(made)
 
     def _take(self, made: Any) -> None:
@@ -107,6 +114,12 @@ class Run(Handle):
         run._given, run._variations = self._given, (*self._variations, dict(set))
         run._take(made)
         return run
+
+    def __repr__(self) -> str:
+        name, changes = self._given[0] or "text=...", {**self._given[1]}
+        for one in self._variations:
+            changes.update(one)
+        return f"Run({name!r}{f', {changes!r}' if changes else ''}): {self.start:g} to {self.stop:g} s"
 
     def __reduce__(self) -> Any:
         return _read_again, (*self._given, self._variations)

@@ -13,7 +13,7 @@ from . import _api
 from ._call import array, call, doubles, encoded, path, pointer, text
 from ._handle import Handle
 from ._library import lib
-from ._values import choice, constants
+from ._values import Facts, choice, constants, plain
 from ._warn import warn
 from .files import check_apart
 from .motion import Motion, give_means, means
@@ -25,6 +25,14 @@ _TRAINED = constants("TIDES_TRAINED_")
 
 def _trained(number: int) -> str:
     return next(word for word, one in _TRAINED.items() if one == number)
+
+
+def scene_formats() -> list[Facts]:
+    """The formats of scene files: endings (separated by blanks), summary, writes, losses (TIDES_LOSES_*)."""
+    made, one = [], _api.tides_scene_format()
+    while lib.tides_scene_format_at(len(made), byref(one)):
+        made.append(plain(one))
+    return made
 
 
 @dataclass
@@ -67,6 +75,8 @@ class Gaussians:
         """Gaussians of plain colours: mean (n x 3), scale [scene units] (n x 3, or one number), rgb (n x 3) linear, opacity in
         (0, 1) (n, or one number), quaternion (n x 4, or one)."""
         n = len(np.asarray(mean))
+        if np.asarray(rgb).dtype.kind in "iu" and np.max(rgb, initial=0) > 1:
+            raise ValueError(f"rgb: {np.asarray(rgb).dtype}, where linear light from 0 to 1 is needed; of sRGB's bytes: (rgb / 255) ** 2.2")
         opacity = np.broadcast_to(np.asarray(opacity, np.float64), (n,))
         band0 = 0.5 / np.sqrt(np.pi)  # of the spherical harmonics: 3DGS has colour = band0 sh_0 + 1/2
         return cls(

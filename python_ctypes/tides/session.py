@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import json
 import os
 from ctypes import POINTER, byref, c_char_p
 from typing import Any, Callable
@@ -11,7 +10,7 @@ from typing import Any, Callable
 import numpy as np
 
 from . import _api
-from ._call import call, encoded, instance, kept, path, text
+from ._call import as_json, call, encoded, instance, kept, path, text
 from ._handle import Handle
 from ._library import lib
 from ._progress import Progress, Reporter
@@ -47,7 +46,7 @@ def overrides(settings: dict[str, Any] | None) -> tuple[Any, int]:
     if settings is not None:
         instance(settings, dict, "settings of the run file")
     texts = [
-        f"{key}={value if isinstance(value, str) else json.dumps(value)}".encode()
+        encoded(f"{key}={value if isinstance(value, str) else as_json(value)}")
         for key, value in (settings or {}).items()
     ]
     return (c_char_p * max(1, len(texts)))(*texts), len(texts)
@@ -148,8 +147,11 @@ class Session(Handle):
         return self._done(stats)
 
     def _done(self, stats: Any) -> Facts:
-        if self.frames is None and not stats.render.pairs_evaluated:
-            warn_of_nothing()
+        why = ctypes.create_string_buffer(_api.TIDES_SILENCE)
+        if not stats.events_written:
+            call("tides_session_silence", self._pointer, byref(stats), why)
+        if why.value:
+            warn(text(why.value))
         return plain(stats)
 
     def simulate(self, progress: Progress = None) -> np.ndarray:

@@ -72,6 +72,12 @@ class Trajectory(Handle):
         call(how, first, len(samples), byref(made))
         Handle.__init__(self, made)
 
+    def __repr__(self) -> str:
+        if self.closed:
+            return "Trajectory, closed"
+        start, stop = self.range
+        return f"Trajectory of {len(self)} poses, {start:g} to {stop:g} s"
+
     @classmethod
     def _of(cls, pointer: Any) -> "Trajectory":
         made = cls.__new__(cls)
@@ -264,6 +270,14 @@ def _samples(trajectory: Any) -> np.ndarray:
     return samples
 
 
+def lens_names() -> list[str]:
+    """The models of Lens and of camera.lens: "none", "radtan" ..."""
+    names: list[str] = []
+    while (name := lib.tides_lens_name(len(names))) is not None:
+        names.append(text(name))
+    return names
+
+
 class Lens(Value, _api.tides_lens):
     """How lines bend: model ("none", "radtan", "equidistant") and its coefficients k1, k2, k3, k4, p1, p2."""
 
@@ -295,7 +309,10 @@ class Intrinsics(Value, _api.tides_intrinsics):
 
     @classmethod
     def from_fov(cls, width: int, height: int, fov_x: float) -> "Intrinsics":
-        """A centred lens with square pixels that sees `fov_x` [rad] across."""
+        """A centred lens with square pixels that sees `fov_x` [rad] across, above 0 and below pi."""
+        if not 0 < fov_x < math.pi:
+            hint = f": radians are needed; {fov_x:g} degrees are math.radians({fov_x:g})" if math.pi <= fov_x < 180 else ""
+            raise ValueError(f"fov_x: {fov_x:g} isn't between 0 and pi{hint}")
         f = 0.5 * width / math.tan(0.5 * fov_x)
         return cls(width=width, height=height, fx=f, fy=f, cx=0.5 * width, cy=0.5 * height)
 

@@ -38,6 +38,7 @@ class Axes {
         context.font = `${12 * ratio}px system-ui, sans-serif`;
         context.textAlign = "center";
         context.textBaseline = "middle";
+        this.taken = []; // by labels: where one stands there is no room for another
         for (const a of ends)
             for (const b of ends) {
                 this.#line(this.#project(matrix, -1, a, b), this.#project(matrix, 1, a, b));
@@ -53,7 +54,12 @@ class Axes {
         const middle = this.#project(matrix, 0, 0, 0);
         if (!at || !middle) return;
         const dx = at.x - middle.x, dy = at.y - middle.y, far = Math.hypot(dx, dy) || 1;
-        this.context.fillText(text, at.x + 24 * ratio * dx / far, at.y + 14 * ratio * dy / far);
+        const x = at.x + 24 * ratio * dx / far, y = at.y + 14 * ratio * dy / far;
+        const half = this.context.measureText(text).width / 2 + 3 * ratio, high = 8 * ratio;
+        const apart = (one) => Math.abs(x - one.x) >= half + one.half || Math.abs(y - one.y) >= 2 * high;
+        if (!this.taken.every(apart)) return;
+        this.taken.push({ x, y, half });
+        this.context.fillText(text, x, y);
     }
 
     // Of the box's edges along one axis the one that `better` likes most: [a, b] of the two other coordinates.

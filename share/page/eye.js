@@ -90,7 +90,8 @@ function steer(eye, element, moved) {
         const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
         const by = { "+": 0.85, "=": 0.85, "-": 1 / 0.85 }[event.key];
         if (event.ctrlKey || event.metaKey || event.altKey || (!step && !by)) return;
-        if (step) eye.rotate(...step);
+        if (step && event.shiftKey) eye.move(...step);
+        else if (step) eye.rotate(...step);
         else eye.zoom(by);
         event.stopPropagation();
         changed(event);

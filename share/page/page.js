@@ -24,6 +24,7 @@ class Page {
         this.timeline = new Timeline($("timeline"), recording, (from, to) => this.show(from, to - from));
         steer(this.eye, $("points"), () => this.turned());
         this.readHash();
+        if (!recording.window(this.from, this.from + this.length).count) this.from = this.firstEvent() - this.length / 20;
         this.connect();
         this.paint();
         this.show(this.from, this.length);
@@ -41,6 +42,17 @@ class Page {
         this.window = this.recording.window(this.from, this.from + this.length);
         this.windowChanged = true;
         this.turned();
+    }
+
+    // When the first event is: the first window should hold something.
+    firstEvent() {
+        let [before, after] = [0, this.recording.span];
+        while (after - before > 1) {
+            const middle = Math.floor((before + after) / 2);
+            if (this.recording.window(0, middle).count) after = middle;
+            else before = middle;
+        }
+        return before;
     }
 
     // The picture of the cloud is to be made anew.
@@ -155,6 +167,7 @@ class Page {
         for (const button of document.querySelectorAll("[data-view]"))
             button.addEventListener("click", () => this.look(button.dataset.view));
         $("frame").addEventListener("pointermove", (event) => this.tellPixel(event));
+        $("frame").addEventListener("keydown", (event) => this.stepPixel(event));
         addEventListener("keydown", (event) => this.key(event));
     }
 
@@ -186,13 +199,29 @@ class Page {
         const x = Math.floor((event.clientX - place.left - (place.width - scale * canvas.width) / 2) / scale);
         const y = Math.floor((event.clientY - place.top - (place.height - scale * canvas.height) / 2) / scale);
         if (x < 0 || y < 0 || x >= canvas.width || y >= canvas.height) return;
+        this.tell(x, y);
+    }
+
+    tell(x, y) {
         const [on, off] = EventFrame.count(this.window, x, y);
+        this.pixel = [x, y];
         $("pixel").textContent = `pixel (${x}, ${y}): ${on} ON, ${off} OFF`;
+    }
+
+    // Arrow keys on the event frame go from pixel to pixel, with shift ten at a time; the text beside it says what is there.
+    stepPixel(event) {
+        const canvas = $("frame"), by = event.shiftKey ? 10 : 1;
+        const step = { ArrowLeft: [-by, 0], ArrowRight: [by, 0], ArrowUp: [0, -by], ArrowDown: [0, by] }[event.key];
+        if (!step || event.ctrlKey || event.metaKey || event.altKey) return;
+        const [x, y] = this.pixel ?? [Math.floor(canvas.width / 2), Math.floor(canvas.height / 2)];
+        this.tell(Math.max(0, Math.min(canvas.width - 1, x + step[0])), Math.max(0, Math.min(canvas.height - 1, y + step[1])));
+        event.stopPropagation();
+        event.preventDefault();
     }
 
     key(event) {
         if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT)$/.test(event.target.tagName)) return;
-        if (event.key === " " && event.target.tagName === "BUTTON") return; // presses it
+        if (event.key === " " && /^(BUTTON|SUMMARY|A)$/.test(event.target.tagName)) return; // presses or opens it
         const faster = (by) => this.setSpeed(SPEEDS[Math.max(0, Math.min(SPEEDS.length - 1, SPEEDS.indexOf(this.speed) + by))]);
         const part = event.shiftKey ? 0.1 : 1, move = (by) => this.show(this.from + by * part * this.length, this.length);
         const next = this.colourings[(this.colourings.indexOf(this.colouring) + 1) % this.colourings.length];

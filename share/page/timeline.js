@@ -75,13 +75,17 @@ class Timeline {
         const { width, height } = context.canvas, { span } = this.recording, step = roundStep(span / 2);
         context.font = `${11 * ratio}px system-ui, sans-serif`;
         context.textBaseline = "bottom";
+        let taken = -Infinity; // up to where labels stand
         for (let t = 0; t <= span; t += step) {
-            const x = t / span * width;
+            const x = t / span * width, text = timeText(t, step, span), long = context.measureText(text).width;
             context.fillStyle = line;
             context.fillRect(x, 0, ratio, height - 14 * ratio);
             context.fillStyle = soft;
             context.textAlign = t === 0 ? "left" : x > 0.95 * width ? "right" : "center";
-            context.fillText(timeText(t, step, span), x, height - ratio);
+            const left = t === 0 ? 0 : x > 0.95 * width ? x - long : x - long / 2;
+            if (left < taken + 4 * ratio) continue;
+            taken = left + long;
+            context.fillText(text, x, height - ratio);
         }
     }
 }

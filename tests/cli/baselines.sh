@@ -46,7 +46,7 @@ refuse 1 "nothing of that lies within time.start = 5" tides simulate frames.json
 refuse 1 "no such file" tides simulate frames.json -o e.h5 --set frames.file=nowhere
 refuse 1 "scene.file and frames.file are both given" tides simulate run.json -o e.h5 --set frames.file=frames
 refuse 1 "esim.log_eps = 0 is out of range" tides simulate frames.json -o e.h5 --set esim.log_eps=0
-refuse 1 "--resume: method v2e" tides simulate frames.json -o e.h5 --set method=v2e --resume
+refuse 1 "method v2e on frames keeps no checkpoints; run it again without resume" tides simulate frames.json -o e.h5 --set method=v2e --resume
 refuse 1 "--preview shows a rendered image" tides simulate frames.json -o e.h5 --preview p.png
 refuse 1 "no scene to render" tides render frames.json -o o.exr
 rm frames/timestamps.txt

@@ -234,3 +234,45 @@ sed -i 's/0.16, 0.34/0.4, 0.34/' draw.json
 refuse 1 "lowest is above" tides batch draw.json -o no.d
 sed -i 's/"count": 4, //' draw.json
 refuse 1 "needs a count" tides batch draw.json -o no.d
+
+# Each run has its run file with every value, which gives the same run from anywhere; drawn and listed values are columns, and
+# thresholds can be drawn together.
+make_scene
+cat >ratio.json <<-'JSON'
+	{ "base": "run.json", "draw": { "count": 2, "seed": "1",
+	  "set": { "sensor.threshold_on": [0.1, 0.3], "sensor.threshold_off": { "of": "sensor.threshold_on", "times": [1.2, 1.3] } } } }
+JSON
+expect 0 tides batch ratio.json -qo ratio.d
+for run in 0 1; do
+    expect 0 tides simulate ratio.d/draw-0000$run/run.json -qo again.h5
+    expect 0 tides convert again.h5 again.csv -q
+    expect 0 tides convert ratio.d/draw-0000$run/events.h5 batch.csv -q
+    cmp -s again.csv batch.csv || fail "run.json gives another run"
+done
+head -n 1 ratio.d/summary.csv | grep -q ',error,sensor.threshold_on,sensor.threshold_off,seed$' || fail "drawn keys should be columns"
+awk -F, 'NR > 1 { on = $(NF - 2); off = $(NF - 1); if (!(off >= 1.2 * on && off <= 1.3 * on && on >= 0.1)) exit 1 }' ratio.d/summary.csv ||
+    fail "thresholds should be drawn together: $(cat ratio.d/summary.csv)"
+sed -i 's/"of": "sensor.threshold_on"/"of": "sensor.b_min"/' ratio.json
+refuse 1 "sensor.threshold_off: write { \"of\": KEY, \"times\": \[LOWEST, HIGHEST\] }" tides batch ratio.json -o ratio.d
+
+# Files of options go to the run's folder, and nowhere else; the batch's own names are no run's.
+look() { printf '{ "base": "run.json", "runs": [ { "name": "%s", "command": "render", "options": ["--time", "0.02", "--png", "%s"] } ] }' "$1" "$2" >look.json; }
+look look x.png
+expect 0 tides batch look.json -qo look.d
+exists look.d/look/x.png
+missing x.png
+for away in ../x.png /tmp/x.png a/../../x.png; do
+    look look $away
+    refuse 1 "is outside of the run's folder" tides batch look.json -o look.d
+done
+look summary.json x.png
+refuse 1 "summary.json is a name that the batch's own files have" tides batch look.json -o look.d
+
+# On a full disk no further run starts, and a summary that isn't there isn't announced.
+printf '{ "base": "run.json", "runs": [ { "name": "a" }, { "name": "b" }, { "name": "c" } ] }' >three.json
+${CC:-cc} -O1 -shared -fPIC -o full.so "$here/full_disk.c" || skip "a compiler is wanted"
+LD_PRELOAD=$PWD/full.so ASAN_OPTIONS=${ASAN_OPTIONS:-}:verify_asan_link_order=0 tides batch three.json -o full.d --jobs 1 >out 2>err && fail "the disk is full"
+err "a failed: .*No space left on device"
+err "the disk of full.d is full: no further run is started; 2 wait"
+grep -q "^summary" out && fail "no summary was written"
+missing full.d/b

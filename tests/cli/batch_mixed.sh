@@ -66,7 +66,7 @@ missing m/events/events.h5
 missing m/events/stats.json
 exists m/data/events.h5
 missing m/data/dataset
-grep -q '^"events","done",.*,"tracks","scene.metres_per_unit=1",$' m/summary.csv || fail "the summary should say which command made it"
+grep -q '^"events","done",.*,"tracks","scene.metres_per_unit=1",,1' m/summary.csv || fail "the summary should say which command made it"
 grep -q '^"imu","done",.*,"simulate",' m/summary.csv || fail "the summary should say simulate"
 mv kept.json mixed.json
 expect 0 tides batch mixed.json -o m

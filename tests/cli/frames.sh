@@ -7,6 +7,19 @@ out '^frames +4$'
 [ "$(cat blurred/timestamps.txt | tr '\n' ' ')" = "0.005000000 0.015000000 0.025000000 0.035000000 " ] || fail "times are mid-exposure"
 grep -q '^0.010000000 0.020000000$' blurred/exposure_timestamps.txt || fail "the second exposure begins where the first ends"
 
+# Into a folder of a longer run: it is replaced whole, and what isn't its own stays.
+touch blurred/mine.png
+expect 0 tides frames run.json -o blurred --set exposure.frames_per_second=50 --set exposure.exposure_s=0.01
+[ "$(ls blurred | tr '\n' ' ')" = "exposure_timestamps.txt frame_000000.png frame_000001.png mine.png timestamps.txt " ] ||
+    fail "two frames, no older ones: $(ls blurred)"
+rm -r blurred
+expect 0 tides frames run.json -o blurred --set exposure.frames_per_second=100 --set exposure.exposure_s=0.01
+expect 0 tides simulate run.json -qo shown.h5
+expect 0 tides view shown.h5 -o 'film%04d.png' --window 0.004
+[ "$(ls film*.png | wc -l)" -ge 8 ] || fail "too few pictures to tell"
+expect 0 tides view shown.h5 -o 'film%04d.png' --window 0.013
+[ "$(ls film*.png | wc -l)" -le 4 ] || fail "older pictures follow: $(ls film*.png)"
+
 # Noise is the seed's; what is recorded feeds a baseline again.
 noisy="--set exposure.frames_per_second=100 --set exposure.exposure_s=0.01 --set exposure.full_well_e=1000 --set exposure.read_noise_e=5"
 expect 0 tides frames run.json -o one $noisy

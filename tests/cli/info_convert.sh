@@ -107,5 +107,5 @@ for made in out.spz out.splat out.glb; do
     out "^gaussians +108"
     expect 0 tides render run.json -qo $made.exr --set scene.file=$made
 done
-refuse 1 "x.foo: a scene is saved as .h5, .ply, .spz, .splat or .glb" tides convert scene.ply x.foo
+refuse 1 "x.foo: a scene is saved as .ply, .spz, .glb, .h5 or .splat" tides convert scene.ply x.foo
 refuse 1 "lfs.ply: is a pointer of Git LFS" tides convert lfs.ply x.spz

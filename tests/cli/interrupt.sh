@@ -15,6 +15,17 @@ for signal in INT TERM; do
     rm e.h5.part
 done
 
+# A second one within a second is the same: a terminal and whoever started the tool may each send it.
+tides simulate run.json -qo e.h5 --set time.stop=40 --set stepping.step_s=0.001 >out 2>err &
+await [ -s e.h5.part ]
+kill -INT $!
+sleep 0.01
+kill -INT $! 2>/dev/null
+wait $!
+[ $? = 1 ] || fail "a second SIGINT at once should be the first"
+error_line "stopped on request; the [0-9]+ events so far are in e.h5.part"
+rm e.h5.part
+
 # Within an image too: of pictures, exposures and datasets nothing half done is left. Unheard, they would be finished, and exit 0.
 # stopped STAGE COMMAND...: Ctrl-C once STAGE has been at work for a second, or where it ended without.
 tells() { grep -qs "$2: [0-9]* %" err || ended $1; }

@@ -37,3 +37,28 @@ run_text "bad.json: seed is given twice" '{"seed": "1", "seed": "2"}'
 run_text "bad.json: camera.file is missing" '{"scene": {"file": "scene.ply"}}'
 run_text "bad.json: time.stop = \"1\" is not a number" '{"time": {"stop": "1"}}'
 run_text "bad.json: camera.width = 0 is out of range" '{"camera": {"width": 0}}'
+# Keys as --set writes them, mixed with groups; twice is twice in either way.
+printf '%s' '{"scene.file": "scene.ply", "camera": {"file": "path.txt", "width": 48, "height": 36, "fx": 50}, "time.stop": 0.004}' >dotted.json
+expect 0 tides simulate dotted.json -qo dotted.h5
+run_text "bad.json: time.stop is given twice" '{"time": {"stop": 1}, "time.stop": 2}'
+run_text "bad.json: unknown key \"sensor.treshold_on\"; did you mean" '{"sensor.treshold_on": 1}'
+# What people write, and what they need to hear.
+run "scene.file is empty: give a text in quotes" --set 'scene.file=""'
+run "sensor.preset = \"DAVIS346\" is none of .*; did you mean davis346\?" --set sensor.preset=DAVIS346
+run_text "camera.file is missing: .*; or camera.orbit_s" '{"scene": {"file": "scene.ply"}}'
+run "/dev/zero: is a device, which has no end" --set scene.file=null --set camera.file=null --set frames.file=/dev/zero
+long=$(printf 'a%.0s' {1..247}).h5
+refuse 1 "the name has 250 bytes; give it at most 239" tides simulate run.json -o $long
+# A run that is refused leaves nothing, and leaves alone what an interrupted one has left.
+run "stepping.solve" --set stepping.mode=fixed --set stepping.solve=double
+missing e.h5.part
+echo interrupted >e.h5.part
+run "stepping.solve" --set stepping.mode=fixed --set stepping.solve=double
+[ "$(cat e.h5.part)" = interrupted ] || fail "what an interrupted run has left is gone"
+rm e.h5.part
+# A device for what needs none.
+expect 0 tides init -o new.json --device gpu
+err "--device gpu changes nothing: tides init uses no device"
+expect 0 tides simulate run.json -qo e.h5
+expect 0 tides metrics e.h5 e.h5 --device 77
+err "tides metrics uses no device"

@@ -65,3 +65,23 @@ cp out narrow.json
 expect 0 tides info narrow.h5 --json
 [ "$(value out events)" = $(($(value narrow.json events) - $(value narrow.json events_dropped))) ] || fail "events are lost"
 [ "$(value out events)" = "$(value narrow.json events_written)" ] || fail "events_written isn't what the file holds"
+# One's own presets by name, where the configuration of the user is; tools know the library's by theirs.
+export XDG_CONFIG_HOME=$PWD/config
+mkdir -p config/tides/presets
+printf '{ "about": "mine", "sensor": { "threshold_on": 0.21, "threshold_off": 0.23 } }' >config/tides/presets/mine-1.json
+expect 0 tides simulate run.json -qo named.h5 --set sensor.preset=mine-1
+expect 0 tides simulate run.json -qo given.h5 --set sensor.threshold_on=0.21 --set sensor.threshold_off=0.23
+expect 0 tides convert named.h5 named.csv -q
+expect 0 tides convert given.h5 given.csv -q
+cmp named.csv given.csv || fail "the preset should be found by name"
+expect 0 tides info mine-1
+out "^about +mine"
+out "sensor.threshold_on +0.21"
+expect 0 tides info davis346
+out "^kind +preset"
+refuse 1 "nope: can't be opened: there is no such file, nor a preset of that name" tides info nope
+printf '{ "sensor": { "treshold_on": 1 } }' >config/tides/presets/bad.json
+refuse 1 "unknown key \"sensor.treshold_on\"" tides info bad
+unset XDG_CONFIG_HOME
+HOME=$PWD/home && mkdir -p home/.config && cp -r config/tides home/.config && export HOME
+expect 0 tides info mine-1

@@ -1,5 +1,11 @@
 # Wrong command lines: exit 2, one line, a suggestion where a slip is likely.
-refuse 2 "a command is missing; see tides --help" tides
+expect 2 tides
+err "^tides: a command is missing; see tides --help$"
+for line in "demo -o demo" "simulate scene.ply -o events.h5" "view events.h5 -o events.png"; do out "^    tides $line  "; done
+[ "$(wc -l <out)" = 3 ] || fail "three lines are enough"
+cp out first
+expect 0 tides --help
+[ "$(grep -c -x -F -f first out)" = 3 ] || fail "help should begin with the same"
 refuse 2 "unknown command simulat; did you mean simulate\?" tides simulat
 refuse 2 "unknown command rednr; did you mean render\?" tides rednr
 refuse 2 "unknown command xyzzy" tides xyzzy

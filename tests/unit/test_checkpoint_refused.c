@@ -81,9 +81,11 @@ static void test_other_runs(void **state) {
     OTHER(stepping.time_tolerance_s = 1e-4, "stepping.time_tolerance_s");
     OTHER(stepping.local = 0, "stepping.local is 1 there and 0 here");
     OTHER(stepping.unit = TIDES_UNIT_BLOCK, "stepping.unit is 0 there and 1 here");
-    OTHER(stepping.interpolate_motion = 1, "stepping.interpolate_motion is 0 there and 0.01 here");
+    OTHER(stepping.interpolate_motion = 1, "scene.interpolate_motion is 0 there and 1 here");
     OTHER(stepping.solve = TIDES_SOLVE_DOUBLE, "stepping.solve is 0 there and 1 here");
     OTHER(stepping.risk.w_b = 0.5, "stepping.risk.w_b is 0.3 there and 0.5 here");
+    OTHER(sensor.leak_rate_hz = 0.5, "sensor.leak_rate_hz is 0 there and 0.5 here"); /* by the table of keys, as all are */
+    OTHER(sensor.seed += 1, "sensor's seed or labels changed");
     OTHER(start = 0.195, "time.start is 0.2 there and 0.195 here");
     OTHER(stop = 0.23, "was made at 0.24 s, after time.stop = 0.23 s");
     OTHER(device = "reference", "precision of the device in bits is 32 there and 64 here");
@@ -99,6 +101,8 @@ static void test_other_runs(void **state) {
     j.scene.path = scene.path;
     refuse(&j, NULL, path, TIDES_BAD_CONFIG, "the camera path changed");
     j.scene = kept;
+    j.stepping.memory_mb = 17;
+    accept(&j, NULL, path);
     j.device = "cpu"; /* as precise: may go on */
     tides_device *cpu = open_device(&j);
     tides_device_close(cpu);
@@ -112,6 +116,8 @@ static void test_run_files(void **state) {
     char path[4096];
     snprintf(path, sizeof path, "%s", scene_in_folder(*state, "json.checkpoint"));
     job j = make_job(TIDES_STEPPING_FIXED, "reference-f32");
+    save_middle(&j, "{\"seed\": \"1\", \"stepping\": {\"memory_mb\": 64}}", path);
+    accept(&j, "{\"seed\": \"1\", \"stepping\": {\"memory_mb\": 32}}", path); /* its row says that it changes no event */
     save_middle(&j, "{\"seed\": \"1\", \"time\": {\"start\": 0, \"stop\": 1}, \"objects\": [{\"file\": \"a\"}]}", path);
     accept(&j, NULL, path);
     accept(&j,

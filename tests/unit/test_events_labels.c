@@ -2,6 +2,7 @@
  * interrupted, refused where damaged or where the format has no place for them. */
 #include "test_events_common.h"
 #include "archive/td_numbers.h"
+#include "td_half.h"
 #include "tides/sensor.h"
 
 #include <math.h>

@@ -267,8 +267,42 @@ static void matched_within_the_region(void **state) {
     assert_int_equal(m.width, 3);
 }
 
+/* Every byte of what is compared belongs to one value of the table, but for the streams' sizes, which a report has anyway: what
+ * isn't computed is NaN by it, and the tool's report is made of it. */
+static void test_table(void **state) {
+    (void)state;
+    static const int repeats[] = {1, TIDES_PAIRS, TIDES_FANO_BINS};
+    unsigned char both[sizeof(tides_metrics)] = {0}, stream[sizeof(tides_stream_metrics)] = {0};
+    size_t count;
+    const tides_metric *table = tides_metrics_table(&count);
+    for (const tides_metric *row = table; row < table + count; row++) {
+        for (const tides_metric *other = table; other < row; other++) assert_string_not_equal(row->name, other->name);
+        for (int i = 0; i < repeats[row->repeats]; i++)
+            for (size_t k = 0; k < 8; k++)
+                (row->of == TIDES_OF_BOTH ? both : stream)[row->offset + (size_t)i * row->stride + k]++;
+    }
+    const size_t sizes = offsetof(tides_metrics, match.reference);
+    for (size_t k = offsetof(tides_metrics, count_ratio); k < sizeof both; k++)
+        assert_int_equal(both[k], k < sizes || k >= sizes + 2 * sizeof(uint64_t));
+    for (size_t k = offsetof(tides_stream_metrics, on_fraction); k < sizeof stream; k++) assert_int_equal(stream[k], 1);
+    tides_metrics_options options;
+    tides_metrics made;
+    tides_error error;
+    tides_metrics_options_defaults(&options);
+    options.wanted = 0;
+    assert_int_equal(tides_metrics_compare(NULL, 0, NULL, 0, &options, NULL, NULL, &made, &error), TIDES_OK);
+    for (const tides_metric *row = table; row < table + count; row++) {
+        double value;
+        memcpy(&value,
+               (const char *)(row->of == TIDES_OF_BOTH ? (const void *)&made : (const void *)&made.simulated) + row->offset,
+               sizeof value);
+        assert_int_equal(isnan(value) != 0, row->is_real);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_table),
         cmocka_unit_test(inverse_gaussians_of_two_intervals),
         cmocka_unit_test(pairs_of_each_kind),
         cmocka_unit_test(floors),

@@ -177,14 +177,22 @@ static void test_events(void **state) {
     assert_true(off400[1] > off[1]);
     assert_true(both[0] > both[1] + 20);
     assert_true(both[2] > both[1] + 20); /* violet */
-    assert_colour(none, 100, 100, 100);
+    assert_colour(none, 140, 140, 140);
     assert_colour(rgb + 18, 7, 7, 7);
     const double base[] = {0.0, 1.0, NAN, 0.0, 0.0, -4.0};
     tides_picture_events(events, 0, base, 3, 2, rgb);
-    assert_colour(rgb, 40, 40, 40);
-    assert_colour(rgb + 3, 160, 160, 160);
-    assert_colour(rgb + 6, 100, 100, 100);
-    assert_colour(rgb + 15, 40, 40, 40);
+    assert_colour(rgb, 120, 120, 120);
+    assert_colour(rgb + 3, 180, 180, 180);
+    assert_colour(rgb + 6, 140, 140, 140);
+    assert_colour(rgb + 15, 120, 120, 120);
+    /* An event alone, of either polarity, is darker than any ground: its luma, of Rec. 601, by 30 and more. */
+    const tides_event single[] = {{.x = 0, .y = 0, .polarity = 1}, {.x = 1, .y = 0, .polarity = -1}};
+    for (int ground = 0; ground < 3; ground++) {
+        const double bases[] = {0.5 * ground, 0.5 * ground, 0.5 * ground, 0, 0, 0};
+        tides_picture_events(single, 2, bases, 3, 2, rgb);
+        for (int k = 0; k < 2; k++)
+            assert_true(0.299 * rgb[3 * k] + 0.587 * rgb[3 * k + 1] + 0.114 * rgb[3 * k + 2] < rgb[6] - 30);
+    }
 }
 
 /* ---- text ---- */

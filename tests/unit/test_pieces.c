@@ -131,9 +131,14 @@ static size_t copy_state(td_sensor *sensor, unsigned char *to) {
 
 static void test_taken_back(void **state) {
     (void)state;
-    for (int with = 0; with < 2; with++) {
+    for (int with = 0; with < 3; with++) {
         tides_sensor params;
         tides_sensor_defaults(&params);
+        if (with == 2) { /* filters and additive noise: 19 rows of the list */
+            params.bandwidth = TIDES_BANDWIDTH_CIRCUIT;
+            params.noise_rms = 0.02;
+            params.noise_cutoff_hz = 500;
+        }
         if (with) {
             params.leak_rate_hz = 10;
             params.refractory_s = 1e-3;

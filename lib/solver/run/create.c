@@ -146,6 +146,11 @@ static void take_parameters(tides_simulator *s, const tides_sensor *sensor, cons
     if (stepping->interpolate_motion && stepping->mode != TIDES_STEPPING_FIXED)
         s->given.interpolates =
             stepping->tolerance > 0 ? stepping->tolerance : model_tolerance; /* looking up doesn't undo it */
+    s->stepping = *stepping;
+    s->stepping.local = s->given.local;
+    s->stepping.tolerance = s->given.tolerance;
+    s->stepping.unit = s->given.unit;
+    s->stepping.solve = s->solve.on ? TIDES_SOLVE_DOUBLE : TIDES_SOLVE_OFF;
     td_refine_bound(s);
 }
 

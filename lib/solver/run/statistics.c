@@ -1,42 +1,53 @@
 /* The statistics of a run: the one table of them, and how they are put together when somebody asks.
  *
- * Counts are made where things happen (comparator, sensor, refinement, renderer); here they are collected, joined with those of
- * the parts of the run before a restore, and what follows from them is worked out. The tool's --stats, checkpoints and bindings
- * walk the table: a new statistic is a field of tides_stats, a row here, and the line of collect() that fetches it. */
+ * Counts are made where things happen (comparator, sensor, refinement, renderer); here they are collected, joined with those
+ * of the parts of the run before a restore, and what follows from them is worked out. The tool's --stats, checkpoints,
+ * bindings and the undoing of a step walk the table: a new statistic is a field of tides_stats and a row here, which says
+ * where in the simulator it is counted, if not in that field of its own tides_stats. */
 #include "solver/td_simulator.h"
 
-#define ROW(name, unit, type, joined, member) \
-    { name, unit, TIDES_STAT_##type, TIDES_JOIN_##joined, offsetof(tides_stats, member) }
-#define COUNT(name, joined, member) ROW(name, "", COUNT, joined, member)
-#define REAL(name, unit, joined, member) ROW(name, unit, REAL, joined, member)
+#include <pthread.h>
 
-/* In the order of --stats. */
-static const tides_stat table[] = {
+/* A row as the public has it, and where the simulator counts it, as a uint64_t. */
+typedef struct counted {
+    tides_stat stat;
+    size_t source; /* in tides_simulator; IN_STATS: its tides_stats, or the renderer's, or worked out */
+} counted;
+#define IN_STATS ((size_t)-1)
+
+#define ROW(name, unit, type, joined, member, source) \
+    { {name, unit, TIDES_STAT_##type, TIDES_JOIN_##joined, offsetof(tides_stats, member)}, source }
+#define COUNT(name, joined, member) ROW(name, "", COUNT, joined, member, IN_STATS)
+#define COUNTED(name, member, source) ROW(name, "", COUNT, SUM, member, offsetof(tides_simulator, source))
+#define REAL(name, unit, joined, member) ROW(name, unit, REAL, joined, member, IN_STATS)
+
+/* In the order of --stats; what stands before a point is the group that the rest is in. */
+static const counted table[] = {
     COUNT("events", DERIVED, events),
-    COUNT("events_on", SUM, events_on),
-    COUNT("events_off", SUM, events_off),
-    COUNT("events_truncated", SUM, events_truncated),
-    COUNT("events_uncertain", SUM, events_uncertain),
-    COUNT("events_caught_up", SUM, events_caught_up),
-    COUNT("solve", DERIVED, solve),
-    COUNT("unsolved", DERIVED, unsolved),
-    COUNT("unit", DERIVED, unit),
-    REAL("tolerance", "thresholds", DERIVED, tolerance),
-    COUNT("events_solved", SUM, events_solved),
-    COUNT("points_looked_up", SUM, points_looked_up),
-    COUNT("events_suppressed", SUM, events_suppressed),
-    COUNT("events_refractory", SUM, events_refractory),
-    COUNT("events_signal", SUM, events_by_cause[TIDES_CAUSE_SIGNAL]),
-    COUNT("events_leak", SUM, events_by_cause[TIDES_CAUSE_LEAK]),
-    COUNT("events_shot", SUM, events_by_cause[TIDES_CAUSE_SHOT]),
-    COUNT("events_hot", SUM, events_by_cause[TIDES_CAUSE_HOT]),
+    COUNTED("events_on", events_on, work.counts.events_on),
+    COUNTED("events_off", events_off, work.counts.events_off),
+    COUNTED("events_truncated", events_truncated, work.counts.truncated),
+    COUNTED("events_uncertain", events_uncertain, timing.uncertain),
+    COUNTED("events_caught_up", events_caught_up, work.counts.caught_up),
+    COUNT("settings.solve", DERIVED, solve),
+    COUNT("settings.unsolved", DERIVED, unsolved),
+    COUNT("settings.unit", DERIVED, unit),
+    REAL("settings.tolerance", "thresholds", DERIVED, tolerance),
+    COUNTED("events_solved", events_solved, solve.events),
+    COUNTED("points_looked_up", points_looked_up, solve.lookups),
+    COUNTED("events_suppressed", events_suppressed, work.counts.suppressed),
+    COUNTED("events_refractory", events_refractory, work.counts.refractory),
+    COUNTED("events_signal", events_by_cause[TIDES_CAUSE_SIGNAL], work.counts.cause[TIDES_CAUSE_SIGNAL]),
+    COUNTED("events_leak", events_by_cause[TIDES_CAUSE_LEAK], work.counts.cause[TIDES_CAUSE_LEAK]),
+    COUNTED("events_shot", events_by_cause[TIDES_CAUSE_SHOT], work.counts.cause[TIDES_CAUSE_SHOT]),
+    COUNTED("events_hot", events_by_cause[TIDES_CAUSE_HOT], work.counts.cause[TIDES_CAUSE_HOT]),
     COUNT("events_written", DERIVED, events_written),
     COUNT("events_dropped", DERIVED, events_dropped),
     COUNT("events_overflowed", DERIVED, events_overflowed),
     COUNT("events_delayed", DERIVED, events_delayed),
     REAL("worst_delay_s", "s", DERIVED, worst_delay_s),
     REAL("renders_full_frame_equivalent", "full frames", DERIVED, renders_full_frame_equivalent),
-    ROW("tiles", "", WHOLE, DERIVED, render.tiles),
+    ROW("tiles", "", WHOLE, DERIVED, render.tiles, IN_STATS),
     COUNT("tile_jobs", SUM, render.tile_jobs),
     COUNT("blocks", SUM, render.blocks),
     COUNT("tile_jobs_skipped", SUM, render.tile_jobs_skipped),
@@ -81,14 +92,24 @@ static const tides_stat table[] = {
     REAL("time_s.other", "s", DERIVED, time_other_s),
 };
 
+enum { ROWS = sizeof table / sizeof table[0] };
+
+static tides_stat shown[ROWS];
+static pthread_once_t made = PTHREAD_ONCE_INIT;
+
+static void show(void) {
+    for (size_t i = 0; i < ROWS; i++) shown[i] = table[i].stat;
+}
+
 const tides_stat *tides_stats_table(size_t *count) {
-    if (count) *count = sizeof table / sizeof table[0];
-    return table;
+    pthread_once(&made, show);
+    if (count) *count = ROWS;
+    return shown;
 }
 
 /* -- one value ------------------------------------------------------------------------------------------------------------- */
 
-double td_stat_value(const tides_stats *stats, const tides_stat *row) {
+double tides_stat_value(const tides_stats *stats, const tides_stat *row) {
     const char *at = (const char *)stats + row->offset;
     double real;
     uint64_t count;
@@ -109,33 +130,45 @@ void td_stat_set(tides_stats *stats, const tides_stat *row, double value) {
 
 /* -- of a run -------------------------------------------------------------------------------------------------------------- */
 
-/* What this simulator has counted. */
-static void collect(const tides_simulator *s, tides_stats *stats) {
+void td_stats_take(const tides_simulator *s, tides_stats *stats) {
     *stats = s->stats;
+    for (size_t i = 0; i < ROWS; i++)
+        if (table[i].source != IN_STATS)
+            memcpy((char *)stats + table[i].stat.offset, (const char *)s + table[i].source, sizeof(uint64_t));
+}
+
+/* Wall time is spent, whatever is undone. */
+static int is_spent(const tides_stat *row) { return row->joined == TIDES_JOIN_SUM && strcmp(row->unit, "s") == 0; }
+
+void td_stats_put(tides_simulator *s, const tides_stats *stats) {
+    const tides_stats now = s->stats;
+    s->stats = *stats;
+    for (size_t i = 0; i < ROWS; i++) {
+        const tides_stat *row = &table[i].stat;
+        if (table[i].source != IN_STATS)
+            memcpy((char *)s + table[i].source, (const char *)stats + row->offset, sizeof(uint64_t));
+        if (is_spent(row)) td_stat_set(&s->stats, row, tides_stat_value(&now, row));
+    }
+}
+
+/* What this simulator has counted, and the settings that it has found. */
+static void collect(const tides_simulator *s, tides_stats *stats) {
+    td_stats_take(s, stats);
     tides_renderer_stats(s->renderer, &stats->render);
     stats->render.pixels_nonfinite += s->work.counts.nonfinite;
-    stats->events_on = s->work.counts.events_on;
-    stats->events_off = s->work.counts.events_off;
-    stats->events_uncertain = s->timing.uncertain;
     stats->solve = s->solve.on ? TIDES_SOLVE_DOUBLE : TIDES_SOLVE_OFF;
     stats->unsolved = (uint64_t)s->solve.unsolved;
     stats->unit = (uint64_t)s->given.unit;
     stats->tolerance = s->given.tolerance;
-    stats->events_solved = s->solve.events;
-    stats->points_looked_up = s->solve.lookups;
-    stats->events_truncated = s->work.counts.truncated;
-    stats->events_caught_up = s->work.counts.caught_up;
-    for (int c = 0; c < TIDES_CAUSES; c++) stats->events_by_cause[c] = s->work.counts.cause[c];
-    stats->events_suppressed = s->work.counts.suppressed;
-    stats->events_refractory = s->work.counts.refractory;
 }
 
 /* And what was counted before a restore. */
 static void join(tides_stats *stats, const tides_stats *before) {
-    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
-        const double own = td_stat_value(stats, &table[i]), other = td_stat_value(before, &table[i]);
-        if (table[i].joined == TIDES_JOIN_SUM) td_stat_set(stats, &table[i], own + other);
-        if (table[i].joined == TIDES_JOIN_LARGEST) td_stat_set(stats, &table[i], own > other ? own : other);
+    for (size_t i = 0; i < ROWS; i++) {
+        const tides_stat *row = &table[i].stat;
+        const double own = tides_stat_value(stats, row), other = tides_stat_value(before, row);
+        if (row->joined == TIDES_JOIN_SUM) td_stat_set(stats, row, own + other);
+        if (row->joined == TIDES_JOIN_LARGEST) td_stat_set(stats, row, own > other ? own : other);
     }
 }
 

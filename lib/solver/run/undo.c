@@ -61,26 +61,10 @@ tides_status td_undo_keep(tides_simulator *s, tides_error *error) {
     if (status != TIDES_OK) return status;
     for (int i = 0; i < state.rows; at += bytes_of(&state.row[i++]))
         memcpy(undo->bytes + at, state.row[i].values, bytes_of(&state.row[i]));
-    undo->stats = s->stats;
+    td_stats_take(s, &undo->stats);
     undo->counts = s->work.counts;
     undo->render = td_renderer_counts(s->renderer);
-    undo->uncertain = s->timing.uncertain;
-    undo->solved = s->solve.events;
-    undo->lookups = s->solve.lookups;
     return TIDES_OK;
-}
-
-/* The time that it took was spent. */
-static void put_counts(tides_simulator *s, const td_undo *undo) {
-    const tides_stats now = s->stats;
-    s->stats = undo->stats;
-    s->stats.time_compare_s = now.time_compare_s;
-    s->stats.time_look_up_s = now.time_look_up_s;
-    s->work.counts = undo->counts;
-    td_renderer_put_counts(s->renderer, &undo->render);
-    s->timing.uncertain = undo->uncertain;
-    s->solve.events = undo->solved;
-    s->solve.lookups = undo->lookups;
 }
 
 void td_undo_stopped(tides_simulator *s, tides_status status) {
@@ -92,7 +76,9 @@ void td_undo_stopped(tides_simulator *s, tides_status status) {
         memcpy(state.row[i].values, undo->bytes + at, bytes_of(&state.row[i]));
     td_sensor_resume(&s->sensor);
     if (s->surround.surround.on) td_surround_steps_resume(s);
-    put_counts(s, undo);
+    s->work.counts = undo->counts;
+    td_stats_put(s, &undo->stats);
+    td_renderer_put_counts(s->renderer, &undo->render);
     s->work.events.count = 0;
     s->broken = 0;
 }

@@ -36,12 +36,6 @@ static void count_part(const tides_stats *s, const char *part, bench_stage *row)
     }
 }
 
-static double value_of(const tides_stats *stats, const tides_stat *stat) {
-    double value;
-    memcpy(&value, (const char *)stats + stat->offset, sizeof value);
-    return value;
-}
-
 static tides_status add_rows(bench_stages *stages, const bench_scene *scene, const tides_stats *all, int32_t runs,
                              tides_error *error) {
     size_t count;
@@ -51,7 +45,7 @@ static tides_status add_rows(bench_stages *stages, const bench_scene *scene, con
         double seconds[RUNS], shares[RUNS], low, high;
         if (strncmp(table[i].name, part_of_run, sizeof part_of_run - 1) != 0 || strcmp(part, "build") == 0) continue;
         for (int32_t k = 0; k < runs; k++) {
-            seconds[k] = value_of(&all[k], &table[i]);
+            seconds[k] = tides_stat_value(&all[k], &table[i]);
             shares[k] = seconds[k] / (all[k].run_time_s - all[k].render.time_build_s);
         }
         bench_stage *row = bench_stages_add(stages, scene, "run", part, error);

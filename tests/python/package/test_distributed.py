@@ -98,7 +98,7 @@ def test_killed_worker(client, tmp_path, monkeypatch):
     witness.unlink()  # it is there: the run was gone on with
     assert (summary.done, summary.failed, summary.waiting) == (6, 0, 0)
     assert sorted(name for _, name in told) == sorted(row.name for row in summary.runs) and told[-1][0] == 1
-    assert equal_folders(tmp_path / "dask", whole(tmp_path)) == 6 * 6 + 2
+    assert equal_folders(tmp_path / "dask", whole(tmp_path)) == 6 * 7 + 2
 
     # Again: nothing is done; the command line finds it finished too.
     stamps = {path: path.stat().st_mtime_ns for path in (tmp_path / "dask").rglob("events.h5")}

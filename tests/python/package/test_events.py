@@ -127,7 +127,7 @@ def test_convert(tmp_path):
     assert np.load(tmp_path / "b")["t"].tolist() == (kept["t"] // 1000).tolist()
     cut = tides.convert_events(tmp_path / "a.h5", tmp_path / "c.h5", x=8, y=8, cut_width=16, cut_height=16, rebase=1)
     assert (cut.width, cut.height) == (16, 16) and 0 < cut.written < len(events)
-    with pytest.raises(AttributeError, match="cut_width"):
+    with pytest.raises(TypeError, match="cut_width"):
         tides.convert_events(tmp_path / "a.h5", tmp_path / "c.h5", cut_widht=3)
     with pytest.raises(tides.errors.Cancelled):
         tides.convert_events(tmp_path / "a.h5", tmp_path / "d.h5", progress=lambda *step: True)
@@ -295,3 +295,9 @@ def test_labels_are_kept(tmp_path):
     assert np.array_equal(tides.read_labelled(tmp_path / "b.h5")[1], events["t"])
     with pytest.raises(tides.errors.Unsupported, match="no place for labels"):
         tides.EventWriter(tmp_path / "a.raw", *SIZE, labels=True)
+
+
+def test_the_table_of_metrics():
+    rows = {row.name: row for row in tides.metrics.table()}
+    assert rows["chamfer_px"].family == "chamfer" and rows["chamfer_px"].unit == "px" and rows["chamfer_px"].better == "lower"
+    assert rows["count_ratio"].better == "one" and rows["same_ts"].of_stream and not rows["matched"].of_stream

@@ -327,7 +327,47 @@ def test_turns_zooms_and_moves(page):
     page.key("ArrowLeft")
     page.key("-")
     assert page.do("page.eye.state")[0] != turned[0]
+    aside = page.do("page.eye.state")[3:]
+    page.do("points.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowRight', shiftKey: true, bubbles: true }))")
+    assert page.do("page.eye.state")[3:] != aside
     picture(page, "turned")
+
+
+@browser
+def test_pixels_are_told_by_keys(page):
+    page.do("document.getElementById('frame').focus()")
+    start = page.do("page.tell(10, 20), page.from")
+    page.key("ArrowRight")
+    page.key("ArrowDown")
+    assert page.do("page.pixel") == [11, 21] and page.do("page.from") == start
+    assert page.do("document.getElementById('pixel').textContent").startswith("pixel (11, 21): ")
+    page.do("document.activeElement.blur()")
+
+
+@browser
+def test_a_first_window_that_holds_something(page):
+    """Of a recording that begins long before its first event."""
+    page.do("page.kept = page.recording.window.bind(page.recording), 0")
+    page.do("page.recording.window = (from, to) => page.kept(Math.max(from, 6e8), Math.max(to, 6e8)), 0")
+    first = page.do("page.firstEvent()")
+    page.do("delete page.recording.window")
+    assert first == pytest.approx(6e8, abs=1e6)
+
+
+@browser
+def test_labels_have_room(page):
+    """On a narrow screen no label of the axes lies on another."""
+    page.do("page.look('slant'), page.show(0, page.recording.span)")
+    page.wait("!page.windowChanged && page.phase >= page.step")
+    for width in (1200, 400):
+        page.do(f"document.getElementById('cloud').style.width = '{width}px'")
+        page.wait(f"document.getElementById('cloud').clientWidth === {width} && page.axes.context.canvas.width === Math.round({width} * devicePixelRatio)")
+        apart = page.do(
+            "page.axes.taken.every((a, i) => page.axes.taken.every((b, k) => k <= i || "
+            "Math.abs(a.x - b.x) >= a.half + b.half || Math.abs(a.y - b.y) >= 16 * devicePixelRatio))"
+        )
+        assert apart and page.do("page.axes.taken.length") >= 2
+    page.do("document.getElementById('cloud').style.width = ''")
 
 
 @browser
@@ -344,6 +384,10 @@ def test_keys(page):
     ):  # fmt: skip
         page.key(key)
         page.wait(condition)
+    page.do("document.querySelector('summary').focus()")  # Space opens it, and plays nothing
+    page.key(" ")
+    assert not page.do("page.playing")
+    page.do("document.activeElement.blur()")
     page.do("page.show(0, 1e8)")
     dark = page.do("page.dark")
     page.key("t")

@@ -207,6 +207,17 @@ def test_exact_streams_and_ideal_pixels(tmp_path, scene, camera):
         tides.exact_stream(scene, camera, 0, 0.001, tides.Sensor(threshold_on=50, threshold_off=50), long_renders=1)
 
 
+def test_tables_by_name():
+    stats = tides.api.tides_stats(events=7, unit=1)
+    values = tides.stat_values(stats)
+    assert values["events"] == 7 and values["settings.unit"] == 1 and len(values) == len(tides.statistics())
+    formats = {one.endings: one for one in tides.scene_formats()}
+    assert formats[".ply"].writes and not formats[".sog"].writes and ".glb .gltf" in formats
+    assert tides.preset("davis346")["about"] and "sensor" in tides.preset("davis346")
+    with pytest.raises(tides.TidesError, match="is no preset"):
+        tides.preset("davis")
+
+
 def test_the_table_of_statistics():
     rows = {row.name: row for row in tides.statistics()}
     assert rows["events"].type == "count" and rows["time_s.build"].unit == "s" and rows["tiles"].type == "whole"
@@ -218,3 +229,13 @@ def test_texts_hash_as_published():
     assert tides.fingerprint_text() == tides.fingerprint_text("") == 0xCBF29CE484222325
     assert tides.fingerprint_text("a") == 0xAF63DC4C8601EC8C
     assert tides.fingerprint_text("foobar") == tides.fingerprint_text("foo", "", "bar") == 0x85944171F73967E8
+
+
+def test_a_session_without_events_says_why(tmp_path):
+    (tmp_path / "still.txt").write_text("0 0 0 -4 0 0 0 1\n")
+    still = tides.Run(RUN, {"camera.file": str(tmp_path / "still.txt"), "time.stop": 0.02}).session("reference")
+    with pytest.warns(UserWarning, match="no events: the image stays the same"):
+        assert len(still.simulate()) == 0
+    high = tides.Run(RUN, {"sensor.threshold_on": 9, "sensor.threshold_off": 9, "time.stop": 0.02}).session("reference")
+    with pytest.warns(UserWarning, match="no pixel's L changes by more than .* of the threshold of 9"):
+        high.write(tmp_path / "a.h5")

@@ -4,6 +4,7 @@ import inspect
 import json
 import math
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -28,8 +29,10 @@ def test_defaults_and_words():
 
 
 def test_wrong_names_and_words_are_refused():
-    with pytest.raises(AttributeError, match="did you mean 'threshold_on'"):
+    with pytest.raises(TypeError, match="did you mean 'threshold_on'"):
         tides.Sensor(treshold_on=1)
+    with pytest.raises(AttributeError, match="did you mean 'threshold_on'"):
+        tides.Sensor().treshold_on = 1
     with pytest.raises(AttributeError):
         tides.Sensor().size = 3
     with pytest.raises(ValueError, match="hermite"):
@@ -103,7 +106,7 @@ def test_presets(tmp_path):
     assert tides.Sensor(preset=tmp_path / "mine.json").leak_rate_hz == 0.5
     with pytest.raises(tides.errors.BadConfig, match="did you mean davis346"):
         tides.Sensor(preset="davis34")
-    with pytest.raises(AttributeError, match="no 'preset'"):
+    with pytest.raises(TypeError, match="no 'preset'"):
         tides.Stepping(preset="davis346")
 
 
@@ -235,3 +238,39 @@ def test_the_nearest_name_is_what_errors_suggest():
     assert tides.nearest_name("sen", ["seed", "sensor"]) == "sensor"  # an abbreviation
     assert tides.nearest_name("xylophone", keys) is None and tides.nearest_name("seed", []) is None
     assert tides.nearest_name("größe", ["seed", "grösse"]) == "grösse"
+
+
+def test_what_people_hand_over():
+    """numpy's numbers, arrays and Paths are settings; what C would misread is refused."""
+    run = tides.Run(RUN, {"sensor.threshold_on": np.float32(0.25), "camera.width": np.int64(48), "image.luminance": np.array([0, 1, 0])})
+    assert run.sensor.threshold_on == 0.25 and run.intrinsics.width == 48 and run.image.luminance == (0, 1, 0)
+    moved = tides.Run(text={"scene": {"file": Path("scene.ply")}, "camera": {"file": Path("path.txt"), "fx": np.float64(50)}})
+    assert moved.values.scene_file.endswith("scene.ply")
+    for wrong in (lambda: tides.Run(RUN + "\0x"), lambda: tides.Run(RUN, {"scene.file": "a\0b"}), lambda: tides.Scene("a\0b")):
+        with pytest.raises(ValueError, match="NUL"):
+            wrong()
+    with pytest.raises(TypeError, match="a run file holds numbers"):
+        tides.Run(RUN, {"sensor.threshold_on": object()})
+    assert repr(run).startswith("Run('/") and "sensor.threshold_on" in repr(run)
+    path = tides.Trajectory.orbit(radius=4, angular_speed=1, stop=0.05)
+    assert repr(path).startswith("Trajectory of ") and repr(path).endswith(" poses, 0 to 0.05 s")
+    assert "0x" not in str(inspect.signature(tides.Sensor)) and "tides_circuit(" in str(inspect.signature(tides.Sensor))
+    with pytest.raises(ValueError, match=r"isn't between 0 and pi: radians are needed; 90 degrees are math.radians\(90\)"):
+        tides.Intrinsics.from_fov(346, 260, 90)
+    with pytest.raises(ValueError, match=r"rgb: uint8, where linear light .*255"):
+        tides.Gaussians.from_colours([[0, 0, 1]], 0.1, np.array([[255, 0, 0]], np.uint8))
+    for columns, what in (([2**63], [1]), "64 bits"), (([1], [2]), "p: values"):
+        with pytest.raises(ValueError, match=what):
+            tides.make_events(np.array(columns[0], np.uint64), [0], [0], columns[1])
+    assert tides.make_events([1, 2, 3], [0] * 3, [0] * 3, [True, False, True])["p"].tolist() == [1, -1, 1]
+
+
+def test_modules_that_need_more_are_there():
+    assert {"Run", "metrics", "api"} <= set(tides.__all__)  # not those two: `import *` would want their dependencies
+    for name in ("distributed", "rosbag"):
+        try:
+            assert getattr(tides, name).__name__ == f"tides.{name}"
+        except ImportError as missing:  # their own dependencies
+            assert "tides" not in str(missing.name)
+    with pytest.raises(AttributeError, match="did you mean 'Sensor'"):
+        tides.Senso

@@ -89,6 +89,7 @@ def test_camera_file_without_times(tmp_path):
 
 
 def test_lens(cloud, tmp_path):
+    assert tides.lens_names() == ["none", "radtan", "equidistant"]
     lens = tides.Lens(model="equidistant", k1=-0.03)
     bent = tides.Intrinsics.from_fov(32, 24, 1.2).copy(lens=lens)
     assert bent.lens == lens and bent.lens.model == "equidistant" and tides.Intrinsics().lens.model == "none"

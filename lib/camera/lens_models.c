@@ -1,0 +1,52 @@
+/* The table of lens models: what readers and writers of cameras, run files and messages say of each, once. */
+#include "camera/td_lens_models.h"
+#include "td_base.h"
+
+#include <string.h>
+
+#define AT(member) offsetof(tides_lens, member)
+
+/* In the order of TIDES_LENS_*. */
+static const td_lens_model models[] = {
+    {"none", "plumb_bob", 0, {NULL}, {0}},
+    {"radtan", "plumb_bob", 5, {"k1", "k2", "p1", "p2", "k3"}, {AT(k1), AT(k2), AT(p1), AT(p2), AT(k3)}},
+    {"equidistant", "equidistant", 4, {"k1", "k2", "k3", "k4"}, {AT(k1), AT(k2), AT(k3), AT(k4)}},
+};
+enum { MODELS = sizeof models / sizeof models[0] };
+
+const td_lens_model *td_lens_model_of(int32_t model) { return model >= 0 && model < MODELS ? &models[model] : NULL; }
+
+const char *tides_lens_name(int32_t model) { return model >= 0 && model < MODELS ? models[model].name : NULL; }
+
+int32_t td_lens_named(const char *name) {
+    for (int32_t i = 0; i < MODELS; i++)
+        if (strcmp(name, models[i].name) == 0) return i;
+    return -1;
+}
+
+int td_lens_list(const tides_lens *lens, double numbers[TD_COEFFICIENTS_MAX]) {
+    const td_lens_model *model = td_lens_model_of(lens->model);
+    for (int i = 0; i < TD_COEFFICIENTS_MAX; i++) numbers[i] = 0;
+    for (int i = 0; model && i < model->count && i < TD_COEFFICIENTS_MAX; i++)
+        memcpy(&numbers[i], (const char *)lens + model->field[i], sizeof(double));
+    return model ? model->count : 0;
+}
+
+int td_lens_has(int32_t model, const char *key) {
+    for (int i = 0; i < models[model].count; i++)
+        if (strcmp(models[model].key[i], key) == 0) return 1;
+    return 0;
+}
+
+const char *td_lens_keys(int32_t model, char text[TD_LENS_WORDS]) {
+    const td_lens_model *m = &models[model];
+    size_t used = 0;
+    snprintf(text, TD_LENS_WORDS, "no coefficients: set camera.lens");
+    for (int i = 0; i < m->count; i++)
+        used += (size_t)snprintf(text + used, TD_LENS_WORDS - used, "%s%s",
+                                 i == 0              ? ""
+                                 : i + 1 == m->count ? " and "
+                                                     : ", ",
+                                 m->key[i]);
+    return text;
+}

@@ -1,0 +1,83 @@
+/* What pixels carry from one step to the next, of the blocks that are on: the one list of it. Checkpoints and a step's undoing
+ * take the arrays that the list has names for; the solver takes single pixels back to where they were by all of it. A block's
+ * new state is one row here.
+ *
+ * Thresholds, leaks and the like aren't carried: they are drawn anew from the seed. */
+#include "td_base.h"
+#include "td_sensor.h"
+
+#include <string.h>
+
+/* One of the two is given. Without a name: follows from the rest (td_sensor_resume), and is kept of single pixels only since
+ * it would have to be worked out. */
+typedef struct listed {
+    const char *name;
+    double *real;
+    uint32_t *count;
+} listed;
+
+tides_status td_sensor_list(td_sensor *s, tides_error *error) {
+    const listed all[] = {
+        {"initial", s->pixels.initial, NULL},
+        {"count_on", NULL, s->pixels.count_on},
+        {"count_off", NULL, s->pixels.count_off},
+        {NULL, s->pixels.reference, NULL},
+        {"held_until", s->held_until, NULL},
+        {"last_event", s->since, NULL},
+        {NULL, s->wake, NULL},
+        {"shot_on_due", s->noise.due[TD_NOISE_SHOT_ON], NULL},
+        {"shot_on_drawn", NULL, s->noise.drawn[TD_NOISE_SHOT_ON]},
+        {"shot_off_due", s->noise.due[TD_NOISE_SHOT_OFF], NULL},
+        {"shot_off_drawn", NULL, s->noise.drawn[TD_NOISE_SHOT_OFF]},
+        {"hot_due", s->noise.due[TD_NOISE_HOT], NULL},
+        {"hot_drawn", NULL, s->noise.drawn[TD_NOISE_HOT]},
+        {"noise_segment", s->noise_segment, NULL},
+        {"noise_value", s->noise_value, NULL},
+        {"filter_0", s->filter[0], NULL},
+        {"filter_1", s->filter[1], NULL},
+        {"filter_2", s->filter[2], NULL},
+        {"filter_3", s->filter[3], NULL},
+    };
+    typedef char one_row_each[TD_FRONTEND_STATE == 4 ? 1 : -1];
+    (void)sizeof(one_row_each);
+    s->carried = 0;
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
+        const td_carried row = {all[i].name, all[i].real ? TD_STATE_REAL : TD_STATE_COUNT,
+                                all[i].real ? (void *)all[i].real : (void *)all[i].count};
+        if (!row.values) continue; /* its block is off */
+        if (s->carried == TD_CARRIED_MAX)
+            return td_fail(error, TIDES_UNSUPPORTED, "a pixel carries more than %d numbers: raise TD_CARRIED_MAX",
+                           (int)TD_CARRIED_MAX);
+        s->carry[s->carried++] = row;
+    }
+    return TIDES_OK;
+}
+
+void td_sensor_state(td_sensor *s, td_state *state) {
+    for (int i = 0; i < s->carried; i++)
+        if (s->carry[i].name)
+            td_state_add(state, s->carry[i].name, s->carry[i].type, TD_STATE_PIXELS, s->count, s->carry[i].values);
+}
+
+/* Each in a word of its own. */
+void td_sensor_keep(const td_sensor *s, size_t pixel, td_kept_pixel *kept) {
+    kept->words = s->carried;
+    for (int i = 0; i < s->carried; i++) {
+        const td_carried *row = &s->carry[i];
+        kept->word[i] = 0;
+        if (row->type == TD_STATE_REAL)
+            memcpy(&kept->word[i], (const double *)row->values + pixel, sizeof(double));
+        else
+            kept->word[i] = ((const uint32_t *)row->values)[pixel];
+    }
+}
+
+void td_sensor_put_back(td_sensor *s, size_t pixel, const td_kept_pixel *kept) {
+    for (int i = 0; i < kept->words; i++) {
+        const td_carried *row = &s->carry[i];
+        if (row->type == TD_STATE_REAL)
+            memcpy((double *)row->values + pixel, &kept->word[i], sizeof(double));
+        else
+            ((uint32_t *)row->values)[pixel] = (uint32_t)kept->word[i];
+    }
+}
