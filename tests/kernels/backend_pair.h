@@ -39,11 +39,10 @@ typedef struct backend_pair {
     td_backend *backend[2];
     double *views, *backdrops; /* of pair_times */
     td_candidates candidates;
-    td_groups groups;           /* of them */
-    int alone;                  /* 1: batches don't say them, so that each job projects its own */
-    const td_path_batch *paths; /* that batches' Gaussians are on; NULL: none */
-    td_job *jobs;               /* every tile that has candidates, at every slot */
-    int job_count, records;     /* of all jobs together; `out` is a permutation of 0 .. job_count - 1 */
+    td_groups groups;       /* of them */
+    int alone;              /* 1: batches don't say them, so that each job projects its own */
+    td_job *jobs;           /* every tile that has candidates, at every slot */
+    int job_count, records; /* of all jobs together; `out` is a permutation of 0 .. job_count - 1 */
 } backend_pair;
 
 /* Opens the OpenCL CPU device, for kernels of `lanes` pixels per item; skips the test where there's no such device. */
@@ -207,7 +206,6 @@ static inline td_batch pair_batch(const backend_pair *pair, const td_job *jobs, 
                       outputs,
                       0,
                       NULL,
-                      pair->paths,
                       pair->alone ? NULL : &pair->groups,
                       NULL};
     return batch;

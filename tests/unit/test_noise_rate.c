@@ -85,8 +85,8 @@ static double rate_of(const tides_sensor *sensor, rig_signal signal, double taus
     double begin = 20 * tau(), sum = 0, squares = 0;
     double *count = rig_alloc(r->pixels, sizeof *count);
     rig_run(r, begin + taus * tau(), steps);
-    for (size_t k = 0; k < r->buffer.count; k++) {
-        const tides_event *e = &r->buffer.events[k];
+    for (size_t k = 0; k < r->work.events.count; k++) {
+        const tides_event *e = &r->work.events.events[k];
         if ((double)e->t * 1e-9 >= begin) count[(e->x / RIG_WIDTH) * RIG_PIXELS + e->y * RIG_WIDTH + e->x % RIG_WIDTH]++;
     }
     for (size_t i = 0; i < r->pixels; i++) {
@@ -216,8 +216,8 @@ static rates rig_rates(const world *w, int tiles, double taus) {
     rig *r = rig_make(&sensor, tiles, 0, ramp, w);
     double *count[2] = {rig_alloc(r->pixels, sizeof(double)), rig_alloc(r->pixels, sizeof(double))};
     rig_run(r, (20 + taus) * tau(), (int)taus / 2);
-    for (size_t k = 0; k < r->buffer.count; k++) {
-        const tides_event *e = &r->buffer.events[k];
+    for (size_t k = 0; k < r->work.events.count; k++) {
+        const tides_event *e = &r->work.events.events[k];
         size_t i = (size_t)(e->x / RIG_WIDTH) * RIG_PIXELS + (size_t)(e->y * RIG_WIDTH + e->x % RIG_WIDTH);
         if ((double)e->t * 1e-9 >= 20 * tau()) count[e->polarity > 0][i]++;
     }
@@ -268,15 +268,15 @@ static void test_any_steps(void **state) {
         for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
             rig *r = rig_make(&sensor, 1, 0, ramp, &w);
             rig_run(r, 30 * tau(), counts[k]);
-            tides_event *scratch = rig_alloc(r->buffer.count, sizeof *scratch);
-            td_event_sort(r->buffer.events, scratch, r->buffer.count);
+            tides_event *scratch = rig_alloc(r->work.events.count, sizeof *scratch);
+            td_event_sort(r->work.events.events, scratch, r->work.events.count);
             free(scratch);
             if (!first) {
                 first = r;
                 continue;
             }
-            assert_int_equal(r->buffer.count, first->buffer.count);
-            assert_true(r->buffer.count > 3000);
+            assert_int_equal(r->work.events.count, first->work.events.count);
+            assert_true(r->work.events.count > 3000);
             for (int i = 0; i < RIG_PIXELS; i++) compare_pixel(first, r, i);
             rig_free(r);
         }
