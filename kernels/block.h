@@ -105,7 +105,12 @@ TD_INLINE int td_composite_block(const td_job *job, const td_list *list, const t
     td_lanes signal[3];
     td_composite shown = pixels;
     if (td_with_decoder(image)) shown = td_develop(image, list->view, list->weights, &pixels);
-    td_finish_signal(&shown, backdrop->luminance, backdrop->luminance_dot, image->log_eps, signal);
+    td_lanes channel[6];
+    if (td_is_coded(image) || td_with_colour(image)) td_finish_channels(image, &shown, backdrop, channel);
+    if (td_is_coded(image))
+        td_finish_coded(image, channel, signal);
+    else
+        td_finish_signal(&shown, backdrop->luminance, backdrop->luminance_dot, image->log_eps, signal);
     if (!td_with_rates(image)) { /* compilers leave out what nobody stores */
         td_store_lanes(out, signal[2]);
         return blended;
@@ -120,9 +125,11 @@ TD_INLINE int td_composite_block(const td_job *job, const td_list *list, const t
         td_store_lanes(out + TD_OUT_CONTRIBUTORS * TD_BLOCK_PIXELS, pixels.contributors);
     }
     if (td_with_colour(image)) {
-        td_lanes colour[8];
-        td_finish_colour(&shown, backdrop, colour);
-        for (int c = 0; c < 8; c++) td_store_lanes(out + (TD_OUT_R + c) * TD_BLOCK_PIXELS, colour[c]);
+        td_lanes depth[2];
+        td_finish_depth(&shown, depth);
+        for (int c = 0; c < 6; c++) td_store_lanes(out + (TD_OUT_R + c) * TD_BLOCK_PIXELS, channel[c]);
+        td_store_lanes(out + TD_OUT_Z * TD_BLOCK_PIXELS, depth[0]);
+        td_store_lanes(out + TD_OUT_Z_DOT * TD_BLOCK_PIXELS, depth[1]);
     }
     return blended;
 }

@@ -2,7 +2,7 @@
 #ifndef TD_COMPOSITING_H
 #define TD_COMPOSITING_H
 
-#include "layout.h"
+#include "transfer.h"
 
 /* Sums over splats, each taken w times. */
 typedef struct td_sums {
@@ -10,7 +10,7 @@ typedef struct td_sums {
     td_lanes feature[2 * TD_FEATURES]; /* only with a decoder: of w f, then their rates */
     td_lanes weight, weight_low;       /* of w, and what it is less; from here on only where diagnostics are asked for */
     td_lanes weight_dot;               /* from here on only where colour is */
-    td_lanes colour[6];
+    td_lanes colour[6];                /* also where light isn't linear in it: then luminance is 0 */
     td_lanes depth, depth_dot; /* of w z, and its rate */
 } td_sums;
 
@@ -68,8 +68,21 @@ TD_INLINE td_mask td_above_stop(const td_image *image, td_lanes left, td_lanes w
     return td_stop_rule(image) == TD_STOP_BELOW ? left >= wanted : left > wanted;
 }
 
+/* The same where light isn't linear: what comes adds T times the largest channel at most to each, and f' grows; Y is no less than
+ * the light of the channels' mean, since f is convex. */
+TD_INLINE td_mask td_coded_above_bound(const td_image *image, td_real brightest, const td_composite *pixels) {
+    const td_lanes *c = pixels->sums.colour;
+    td_real white = td_white(image);
+    td_lanes most = td_larger(td_larger(c[0], c[1]), c[2]), rest = pixels->transmittance * brightest, growth, unused;
+    td_lanes mean = td_fma(c[0], image->luminance[0], td_fma(c[1], image->luminance[1], c[2] * image->luminance[2]));
+    td_lanes least = white * td_light_of(image, mean * (white > 0 ? 1 / white : 0), &unused);
+    (void)td_light_of(image, most + rest, &growth);
+    return rest * white * growth > image->stop * (least + image->log_eps);
+}
+
 /* BOUND: the rest of the list can change L by more than `stop`: T times the brightest colour in the list against Y. */
 TD_INLINE td_mask td_above_bound(const td_image *image, td_real brightest, const td_composite *pixels) {
+    if (td_is_coded(image) && !td_with_decoder(image)) return td_coded_above_bound(image, brightest, pixels);
     if (td_with_decoder(image)) brightest = brightest * image->decoder_gain; /* Y is 0 or more whatever comes */
     return pixels->transmittance * brightest > image->stop * (pixels->sums.luminance + image->log_eps);
 }
@@ -103,16 +116,16 @@ TD_INLINE void td_accumulate(TD_GLOBAL const td_real *record, TD_GLOBAL const td
             sums->feature[k] = td_fma(w, colour[k], sums->feature[k]);
             sums->feature[TD_FEATURES + k] = td_fma(w_dot, colour[k], rate);
         }
-    } else {
+    } else if (td_with_luminance(image)) {
         td_real luminance = record[TD_R_LUMINANCE], luminance_dot = record[TD_R_LUMINANCE_DOT];
         sums->luminance = td_fma(w, luminance, sums->luminance);
         sums->luminance_dot = td_fma(w_dot, luminance, td_fma(w, luminance_dot, sums->luminance_dot));
     }
-    if (!td_with_colour(image)) return;
-    for (int c = 0; c < (td_with_decoder(image) ? 0 : 3); c++) {
+    for (int c = 0; c < (td_with_channels(image) ? 3 : 0); c++) {
         sums->colour[c] = td_fma(w, colour[c], sums->colour[c]);
         sums->colour[3 + c] = td_fma(w_dot, colour[c], td_fma(w, colour[3 + c], sums->colour[3 + c]));
     }
+    if (!td_with_colour(image)) return;
     td_real z = record[TD_R_DEPTH], z_dot = record[TD_R_DEPTH_DOT];
     sums->depth = td_fma(w, z, sums->depth);
     sums->depth_dot = td_fma(w_dot, z, td_fma(w, z_dot, sums->depth_dot));
@@ -157,7 +170,7 @@ TD_INLINE void td_sums_start(td_sums *sums, const td_image *image) {
     if (td_with_decoder(image))
         for (int k = 0; k < 2 * TD_FEATURES; k++) sums->feature[k] = td_splat(0.0f);
     sums->weight = sums->weight_low = sums->weight_dot = sums->depth = sums->depth_dot = td_splat(0.0f);
-    if (td_with_colour(image))
+    if (td_with_colour(image) || td_is_coded(image))
         for (int c = 0; c < 6; c++) sums->colour[c] = td_splat(0.0f);
 }
 
@@ -182,6 +195,30 @@ TD_INLINE void td_finish_luminance(td_lanes y, td_lanes y_dot, td_real log_eps, 
     planes[2] = y;
 }
 
+/* Channels with the backdrop behind, r g b and their rates: colours, or, where light isn't linear in these, their light. */
+TD_INLINE void td_finish_channels(const td_image *image, const td_composite *pixels, TD_GLOBAL const td_backdrop *backdrop,
+                                  td_lanes channel[6]) {
+    td_lanes t = pixels->transmittance, t_dot = pixels->transmittance_dot;
+    for (int c = 0; c < 3; c++) {
+        channel[c] = td_fma(t, backdrop->colour[c], pixels->sums.colour[c]);
+        channel[3 + c] = td_fma(t_dot, backdrop->colour[c], td_fma(t, backdrop->colour_dot[c], pixels->sums.colour[3 + c]));
+        if (!td_is_coded(image)) continue;
+        td_lanes growth;
+        channel[c] = td_light_of(image, channel[c], &growth);
+        channel[3 + c] = growth * channel[3 + c];
+    }
+}
+
+/* Y, L and their rates of channels that are light. */
+TD_INLINE void td_finish_coded(const td_image *image, const td_lanes channel[6], td_lanes planes[3]) {
+    td_lanes y = channel[0] * image->luminance[0], y_dot = channel[3] * image->luminance[0];
+    for (int c = 1; c < 3; c++) {
+        y = td_fma(channel[c], image->luminance[c], y);
+        y_dot = td_fma(channel[3 + c], image->luminance[c], y_dot);
+    }
+    td_finish_luminance(y, y_dot, image->log_eps, planes);
+}
+
 /* Y, L and their rates with the backdrop behind (paper, Eq. 3, 4 and 9): planes[0] = L, [1] = L_dot, [2] = Y. */
 TD_INLINE void td_finish_signal(const td_composite *pixels, td_real backdrop, td_real backdrop_dot, td_real log_eps,
                                 td_lanes planes[3]) {
@@ -191,18 +228,13 @@ TD_INLINE void td_finish_signal(const td_composite *pixels, td_real backdrop, td
     td_finish_luminance(y, y_dot, log_eps, planes);
 }
 
-/* Colour planes in the order of TD_OUT_R ..: r g b, their rates, mean depth and its rate. */
-TD_INLINE void td_finish_colour(const td_composite *pixels, TD_GLOBAL const td_backdrop *backdrop, td_lanes planes[8]) {
-    td_lanes t = pixels->transmittance, t_dot = pixels->transmittance_dot;
-    for (int c = 0; c < 3; c++) {
-        planes[c] = td_fma(t, backdrop->colour[c], pixels->sums.colour[c]);
-        planes[3 + c] = td_fma(t_dot, backdrop->colour[c], td_fma(t, backdrop->colour_dot[c], pixels->sums.colour[3 + c]));
-    }
+/* Mean depth and its rate. */
+TD_INLINE void td_finish_depth(const td_composite *pixels, td_lanes planes[2]) {
     td_mask some = pixels->sums.weight > 0.0f;
     td_lanes divisor = td_select(td_splat(1.0f), pixels->sums.weight, some);
     td_lanes depth = pixels->sums.depth / divisor;
-    planes[6] = td_select(td_splat(0.0f), depth, some);
-    planes[7] = td_select(td_splat(0.0f), td_fma(-depth, pixels->sums.weight_dot, pixels->sums.depth_dot) / divisor, some);
+    planes[0] = td_select(td_splat(0.0f), depth, some);
+    planes[1] = td_select(td_splat(0.0f), td_fma(-depth, pixels->sums.weight_dot, pixels->sums.depth_dot) / divisor, some);
 }
 
 #endif

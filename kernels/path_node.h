@@ -185,13 +185,13 @@ TD_INLINE td_lanes td_path_misfit(TD_GLOBAL const td_real *rows, td_index row, t
     td_path_splat path = td_path_blend(&cubic, start, end, td_splat(0.0f), td_splat(0.0f)), own = td_path_row(middle);
     td_dual a = td_path_a(&own);
     td_path_stray off = td_path_compare(&path, td_path_a(&path), &own, a);
-    const td_real eps = image->log_eps;
+    const td_real eps = image->transfer.dark;
     td_lanes value =
         td_path_change(&own, a.v, off.u.v, off.v.v, off.a.v, off.b.v, off.c.v, off.det.v, off.opacity.v, off.luminance.v, eps);
     td_lanes rate =
         td_path_change(&own, a.v, off.u.d, off.v.d, off.a.d, off.b.d, off.c.d, off.det.d, off.opacity.d, off.luminance.d, eps);
     td_lanes stray = td_fma(td_splat(0.5f * h), rate, value), noise = td_path_noise(&own, a.v, terms->rounding);
-    td_lanes misfit = stray / (terms->tolerance + noise);
+    td_lanes misfit = stray / (terms->tolerance / image->transfer.steepest + noise);
     if (terms->time_tolerance > 0) {
         td_lanes speed =
             td_path_change(&own, a.v, own.u.d, own.v.d, a.d, own.b.d, own.c.d, own.det.d, own.opacity.d, own.luminance.d, eps);

@@ -156,16 +156,16 @@ TD_INLINE void td_add_sums(const td_soft *soft, const td_image *image, td_lanes 
             to->feature[k] = td_fma(w, from->feature[k], to->feature[k]);
             to->feature[TD_FEATURES + k] = td_fma(w_dot, from->feature[k], rate);
         }
-    } else {
+    } else if (td_with_luminance(image)) {
         to->luminance = td_fma(w, from->luminance, to->luminance);
         to->luminance_dot = td_fma(w_dot, from->luminance, td_fma(w, from->luminance_dot, to->luminance_dot));
     }
     td_add_weight(image, w * soft->a, td_fma(w_dot, soft->a, w * soft->a_dot), to);
-    if (!td_with_colour(image)) return;
-    for (int c = 0; c < (td_with_decoder(image) ? 0 : 3); c++) {
+    for (int c = 0; c < (td_with_channels(image) ? 3 : 0); c++) {
         to->colour[c] = td_fma(w, from->colour[c], to->colour[c]);
         to->colour[3 + c] = td_fma(w_dot, from->colour[c], td_fma(w, from->colour[3 + c], to->colour[3 + c]));
     }
+    if (!td_with_colour(image)) return;
     to->depth = td_fma(w, from->depth, to->depth);
     to->depth_dot = td_fma(w_dot, from->depth, td_fma(w, from->depth_dot, to->depth_dot));
 }
@@ -182,10 +182,10 @@ TD_INLINE void td_soft_fall_all(const td_soft_step *step, const td_image *image,
     td_soft_fall(step, &soft->a, &soft->a_dot);
     if (td_with_decoder(image))
         for (int k = 0; k < TD_FEATURES; k++) td_soft_fall(step, &sums->feature[k], &sums->feature[TD_FEATURES + k]);
-    else
+    else if (td_with_luminance(image))
         td_soft_fall(step, &sums->luminance, &sums->luminance_dot);
+    for (int c = 0; c < (td_with_channels(image) ? 3 : 0); c++) td_soft_fall(step, &sums->colour[c], &sums->colour[3 + c]);
     if (!td_with_colour(image)) return;
-    for (int c = 0; c < (td_with_decoder(image) ? 0 : 3); c++) td_soft_fall(step, &sums->colour[c], &sums->colour[3 + c]);
     td_soft_fall(step, &sums->depth, &sums->depth_dot);
 }
 
@@ -199,8 +199,8 @@ TD_INLINE void td_soft_clear(const td_image *image, td_soft *soft) {
         for (int k = 0; k < 2 * TD_FEATURES; k++) sums->feature[k] = sums->feature[k] * some;
     sums->luminance = sums->luminance * some;
     sums->luminance_dot = sums->luminance_dot * some;
+    for (int c = 0; c < (td_with_channels(image) ? 6 : 0); c++) sums->colour[c] = sums->colour[c] * some;
     if (!td_with_colour(image)) return;
-    for (int c = 0; c < 6; c++) sums->colour[c] = sums->colour[c] * some;
     sums->depth = sums->depth * some;
     sums->depth_dot = sums->depth_dot * some;
 }

@@ -87,6 +87,7 @@ const char *td_renderer_lacks_exact_points(const tides_renderer *renderer) {
     const td_image *image = &renderer->image;
     if (renderer->psf.radius) return "the optics' blur (image.psf_sigma_px) makes a pixel of its neighbours too";
     if (image->decoder) return "a decoder makes the scene's colours";
+    if (image->is_coded) return "light isn't linear in the scene's colours (image.transfer)";
     if (image->extent_rule != TD_EXTENT_ELLIPSE || td_drops_splats(image))
         return "splats of image.rules inria and gsplat end abruptly, so that the image jumps";
     return NULL;

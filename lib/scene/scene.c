@@ -81,6 +81,9 @@ static tides_status take_notes(tides_scene *scene, td_gaussians *gaussians, cons
 
 static int32_t is_direction(const double v[3]) { return fabs(v[0]) > 0 || fabs(v[1]) > 0 || fabs(v[2]) > 0; }
 
+/* What a file's colours are that doesn't say it. */
+static const int32_t untagged = TIDES_TRANSFER_LINEAR;
+
 tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const tides_trajectory *trajectory, double scale,
                            const char *name, const char *source, int32_t *index, tides_error *error) {
     if (scene->count >= INT32_MAX)
@@ -105,6 +108,7 @@ tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const ti
         object_free(&object);
         return status;
     }
+    if (source && !gaussians->says_transfer) gaussians->transfer = untagged;
     if (!trajectory && !is_direction(scene->up)) memcpy(scene->up, gaussians->up, sizeof scene->up);
     scene->dropped += dropped;
     object.gaussians = *gaussians;

@@ -5,6 +5,7 @@
 #include "td_scene.h"
 
 #include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 
 int32_t td_trained_join(int32_t a, int32_t b) {
@@ -16,6 +17,46 @@ int32_t tides_scene_trained(const tides_scene *scene) {
     int32_t trained = TIDES_TRAINED_UNKNOWN;
     for (size_t i = 0; scene && i < scene->count; i++) trained = td_trained_join(trained, scene->objects[i].gaussians.trained);
     return trained;
+}
+
+/* The exponents that are taken: f must be convex (kernels/compositing.h). */
+static const double least_gamma = 1, most_gamma = 5;
+
+tides_status td_transfer_check(const char *what, int32_t transfer, double gamma, tides_error *error) {
+    if (transfer < TIDES_TRANSFER_LINEAR || transfer > TIDES_TRANSFER_GAMMA)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "%stransfer: %d is none of TIDES_TRANSFER_*", what, (int)transfer);
+    if (transfer == TIDES_TRANSFER_GAMMA && !(gamma >= least_gamma && gamma <= most_gamma))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "%sgamma: %g is out of range; it must lie in [%g, %g]", what, gamma, least_gamma,
+                       most_gamma);
+    return TIDES_OK;
+}
+
+/* As a message says it. */
+static void say_transfer(const td_gaussians *g, char text[32]) {
+    if (g->transfer == TIDES_TRANSFER_GAMMA)
+        snprintf(text, 32, "gamma %g", g->gamma);
+    else
+        snprintf(text, 32, "%s", g->transfer == TIDES_TRANSFER_SRGB ? "srgb" : "linear");
+}
+
+tides_status tides_scene_transfer(const tides_scene *scene, int32_t *transfer, double *gamma, tides_error *error) {
+    *transfer = TIDES_TRANSFER_LINEAR;
+    *gamma = 1;
+    for (size_t i = 0; scene && i < scene->count; i++) {
+        const td_gaussians *first = &scene->objects[0].gaussians, *g = &scene->objects[i].gaussians;
+        if (g->transfer != first->transfer || (g->transfer == TIDES_TRANSFER_GAMMA && fabs(g->gamma - first->gamma) > 0)) {
+            char one[32], other[32];
+            say_transfer(first, one);
+            say_transfer(g, other);
+            return td_fail(error, TIDES_BAD_CONFIG,
+                           "the colours of '%.80s' are %s, those of '%.80s' %s, and one image is decoded in one way: tag their files "
+                           "alike, or say which with image.transfer",
+                           scene->objects[0].name, one, scene->objects[i].name, other);
+        }
+        *transfer = g->transfer;
+        *gamma = g->transfer == TIDES_TRANSFER_GAMMA ? g->gamma : 1;
+    }
+    return TIDES_OK;
 }
 
 tides_status td_note(char **notes, const char *line, tides_error *error) {

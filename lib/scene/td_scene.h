@@ -16,6 +16,9 @@ typedef struct td_gaussians {
     double *mean_double; /* NULL, or means as a reader found them, more exact than `mean`: until td_scene_take */
     double up[3];        /* what their file says of where up is; zeros: nothing */
     int32_t trained;     /* TIDES_TRAINED_*, as it says */
+    int32_t transfer;    /* TIDES_TRANSFER_LINEAR and on; of a file that doesn't say it, what td_scene_take makes of that */
+    int32_t says_transfer;
+    double gamma; /* with GAMMA */
     char *notes;         /* NULL, or lines that the scene's user should hear of their file */
 } td_gaussians;
 
@@ -65,6 +68,16 @@ tides_gaussians td_gaussians_view(const td_gaussians *gaussians);
 
 /* How two sets together were trained: what one of them says, MIXED where they disagree. */
 int32_t td_trained_join(int32_t a, int32_t b);
+
+/* What a file says of the transfer. */
+static inline void td_gaussians_tag(td_gaussians *gaussians, int32_t transfer, double gamma) {
+    gaussians->transfer = transfer;
+    gaussians->gamma = transfer == TIDES_TRANSFER_GAMMA ? gamma : 0;
+    gaussians->says_transfer = 1;
+}
+
+/* TIDES_BAD_ARGUMENT where it is none, or its exponent is out of range; `what` stands before "transfer" and "gamma". */
+tides_status td_transfer_check(const char *what, int32_t transfer, double gamma, tides_error *error);
 
 /* Appends a line to `*notes`, which is NULL or allocated. */
 tides_status td_note(char **notes, const char *line, tides_error *error);

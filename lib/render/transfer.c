@@ -1,0 +1,57 @@
+/* From an image's parameters and its scene to the numbers of its transfer (kernels/transfer.h), and the way back, from light to
+ * colours. */
+#include "td_transfer.h"
+
+#include "scene/td_scene.h"
+
+#include <math.h>
+
+double td_transfer_colour(const td_transfer *transfer, double light) {
+    const double base = pow(fmax(light, 0), 1 / transfer->gamma) / transfer->scale - transfer->offset;
+    if (base > transfer->joint || !(transfer->slope > 0)) return base;
+    return light / transfer->slope;
+}
+
+/* No exponent has a slope in 0 that is worth a word, but numbers down there have logarithms that single precision can't tell. */
+static const double power_joint = 1e-30;
+
+static td_transfer transfer_of(int32_t kind, double gamma) {
+    const td_transfer srgb = {.joint = 0.04045, .slope = 1 / 12.92, .offset = 0.055, .scale = 1 / 1.055, .gamma = 2.4};
+    const td_transfer power = {.joint = power_joint, .scale = 1, .gamma = gamma};
+    return kind == TIDES_TRANSFER_SRGB ? srgb : power;
+}
+
+/* With ln(f) and ln(x), f' x / f is no more than gamma. */
+void td_image_set_transfer(int32_t kind, double gamma, td_image *image) {
+    td_transfer *to = &image->transfer;
+    *to = (td_transfer){.slope = 1, .scale = 1, .gamma = 1, .steepest = 1, .dark = image->log_eps};
+    image->is_coded = kind == TIDES_TRANSFER_SRGB || (kind == TIDES_TRANSFER_GAMMA && gamma > 1);
+    if (!image->is_coded) return;
+    *to = transfer_of(kind, gamma);
+    to->steepest = to->gamma;
+    to->dark = td_transfer_colour(to, image->log_eps);
+}
+
+tides_status td_image_take_transfer(const tides_image_params *params, const tides_scene *scene, td_image *image,
+                                    tides_error *error) {
+    int32_t kind = params->transfer;
+    double gamma = params->gamma;
+    tides_status status = TIDES_OK;
+    if (kind == TIDES_TRANSFER_FILE)
+        status = tides_scene_transfer(scene, &kind, &gamma, error);
+    else
+        status = td_transfer_check("image.", kind, gamma, error);
+    if (status == TIDES_OK) td_image_set_transfer(kind, gamma, image);
+    return status;
+}
+
+void td_backdrop_set(const td_image *image, const double background[3], td_backdrop *backdrop) {
+    memset(backdrop, 0, sizeof *backdrop);
+    for (int c = 0; c < 3; c++) {
+        backdrop->colour[c] = image->is_coded ? td_transfer_colour(&image->transfer, background[c]) : background[c];
+        if (image->is_coded)
+            backdrop->luminance = fmax(backdrop->luminance, backdrop->colour[c]);
+        else
+            backdrop->luminance += image->luminance[c] * background[c];
+    }
+}
