@@ -75,6 +75,10 @@ enum {
     TD_PATH_NUMBERS = 8, TD_PATH_STRIDE = 16
 };
 
+/* Where light isn't linear in colours (transfer.h) a row's luminance is red, and beside it, in an array of their own, are green
+ * and blue, then their rates. */
+enum { TD_BESIDE_NUMBERS = 2, TD_BESIDE_STRIDE = 4 };
+
 enum {
     TD_PATH_LEVEL_BITS = 3,
     TD_PATH_LEVELS = 8, /* 2^7 pieces of a piece at most */

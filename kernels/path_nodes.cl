@@ -18,18 +18,22 @@ __kernel void td_project_nodes(__constant const td_image *image_buffer, __global
                                __global const int *gaussians, __global const int *places, __global const int *object,
                                __global const td_view *views, __global const td_real *geometry, __global const td_real *rates,
                                __global const td_sh_real *sh, __global const td_real *sh_rates, __global const int *owners,
-                               int first_rate, int first_moved, __global td_real *rows, __global td_real *low) {
+                               int first_rate, int first_moved, __global td_real *rows, __global td_real *low,
+                               __global td_real *beside) {
     const td_source source = td_source_make(geometry, rates, sh, sh_rates, owners, first_rate, first_moved);
     td_node_sink sink;
     sink.rows = rows;
     sink.low = low;
+    sink.beside = beside;
     td_nodes_apart(image_buffer, jobs + get_group_id(0), gaussians, places, object, views, &source, &sink,
                    (int)get_local_id(0) * TD_LANES, (int)get_local_size(0) * TD_LANES);
 }
 
-/* Paths' rows of the next level, at `to`, of those at `from`: (count). */
-__kernel void td_halve_paths(__global td_real *rows, __global const int *from, __global const int *to, int count, int level,
+/* Paths' rows of the next level, at `to`, of those at `from`: (count); and what is beside them, where anything is. */
+__kernel void td_halve_paths(__global td_real *rows, __global td_real *beside, int is_coded, __global const int *from, __global const int *to, int count, int level,
                              int pieces, __global const td_real *lengths) {
-    for (int i = (int)get_global_id(0); i < count; i += (int)get_global_size(0))
-        td_path_halve(rows, from[i], to[i], level, pieces, lengths);
+    for (int i = (int)get_global_id(0); i < count; i += (int)get_global_size(0)) {
+        td_path_halve(rows, TD_PATH_NUMBERS, from[i], to[i], level, pieces, lengths);
+        if (is_coded) td_path_halve(beside, TD_BESIDE_NUMBERS, from[i], to[i], level, pieces, lengths);
+    }
 }

@@ -137,7 +137,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_save(const tides_scene *scen
 enum {
     TIDES_LOSES_HARMONICS = 1, /* all SH but the constant: colours don't change with the view */
     TIDES_LOSES_TRAINED = 2,   /* tides_scene_trained */
-    TIDES_LOSES_UP = 4         /* tides_scene_up */
+    TIDES_LOSES_UP = 4,        /* tides_scene_up */
+    TIDES_LOSES_TRANSFER = 8   /* tides_scene_transfer: it is taken for srgb when it is read */
 };
 TIDES_API int32_t tides_scene_losses(const tides_scene *scene, const char *file);
 
@@ -188,7 +189,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_bounds_at(const tides_scene 
 TIDES_API int32_t tides_scene_trained(const tides_scene *scene);
 
 /* How the colours of all objects code light, TIDES_TRANSFER_*, and with GAMMA its exponent: one image can only be decoded in one
- * way. TIDES_BAD_CONFIG, naming two objects, where they differ. An empty scene is LINEAR. */
+ * way. TIDES_BAD_CONFIG, naming two objects, where they differ. An empty scene is LINEAR. Files say it in a .ply's comment
+ * "ColourTransfer: linear" ("srgb", "gamma 2.2"), an .h5's attribute colour_transfer, a glTF's colorSpace; tides_scene_save keeps
+ * it there. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_transfer(const tides_scene *scene, int32_t *transfer, double *gamma,
                                                              tides_error *error);
 

@@ -17,7 +17,8 @@ static tides_status launch_nodes(opencl_backend *b, size_t jobs, cl_event *event
                                      TD_BUFFER_ARGUMENT(b->node_places),
                                      TD_SOURCE_ARGUMENTS(b),
                                      TD_BUFFER_ARGUMENT(b->path_rows),
-                                     TD_BUFFER_ARGUMENT(b->path_low)};
+                                     TD_BUFFER_ARGUMENT(b->path_low),
+                                     TD_BUFFER_ARGUMENT(b->path_low)}; /* nothing is beside them */
     return td_launch(b->device, b->node_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), event, error);
 }
 
@@ -162,9 +163,10 @@ tides_status td_opencl_prepare_paths(td_backend *backend, tides_error *error) {
     return status;
 }
 
-tides_status td_opencl_path_rows(td_backend *backend, int count, double *rows, double *low, tides_error *error) {
+tides_status td_opencl_path_rows(td_backend *backend, int count, double *rows, double *low, double *beside, tides_error *error) {
     opencl_backend *b = (opencl_backend *)backend;
     size_t reals = (size_t)count * TD_PATH_STRIDE;
+    (void)beside; /* nothing is */
     tides_status status = td_reserve((void **)&b->host, &b->host_capacity, reals, sizeof *b->host, error);
     if (status == TIDES_OK) status = td_buffer_read(b->device, &b->path_rows, b->host, reals * sizeof *b->host, error);
     for (size_t i = 0; i < reals && status == TIDES_OK; i++) rows[i] = b->host[i];

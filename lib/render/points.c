@@ -87,7 +87,6 @@ const char *td_renderer_lacks_exact_points(const tides_renderer *renderer) {
     const td_image *image = &renderer->image;
     if (renderer->psf.radius) return "the optics' blur (image.psf_sigma_px) makes a pixel of its neighbours too";
     if (image->decoder) return "a decoder makes the scene's colours";
-    if (image->is_coded) return "light isn't linear in the scene's colours (image.transfer)";
     if (image->extent_rule != TD_EXTENT_ELLIPSE || td_drops_splats(image))
         return "splats of image.rules inria and gsplat end abruptly, so that the image jumps";
     return NULL;
@@ -334,8 +333,7 @@ static tides_status begin_launch(const tides_renderer *renderer, td_points *p, c
                                    next->count,
                                    p->chunks,
                                    chunks,
-                                   renderer->backdrops[0].luminance,
-                                   renderer->backdrops[0].luminance_dot};
+                                   td_points_backdrop_of(&renderer->image, renderer->backdrops)};
     tides_status status = finish_launch(p, error);
     if (status == TIDES_OK) status = p->engine->type->lists(p->engine, p->wanted, wanted, error);
     if (status != TIDES_OK) p->begun = -1; /* which lists are there isn't known */

@@ -39,9 +39,9 @@ typedef struct reference {
     td_stray *strays; /* (objects), of the last sweep */
     int *sweep_rows;
     size_t view_capacity, backdrop_capacity, record_capacity[10], hint_capacity, stray_capacity, sweep_row_capacity;
-    td_real *path_rows, *path_low, *path_cubics; /* record paths (reference_paths.h) */
+    td_real *path_rows, *path_low, *path_beside, *path_cubics; /* record paths (reference_paths.h) */
     int *path_list;
-    size_t path_row_capacity, path_low_capacity, path_cubic_capacity, path_list_capacity;
+    size_t path_row_capacity, path_low_capacity, path_beside_capacity, path_cubic_capacity, path_list_capacity;
     td_real *surfaces; /* ground truth (reference_truth.h) */
     size_t surface_capacity;
     int *object_numbers, scene_objects;
@@ -336,6 +336,7 @@ static void destroy(td_backend *backend) {
     free(r->object_numbers);
     free(r->path_rows);
     free(r->path_low);
+    free(r->path_beside);
     free(r->path_cubics);
     free(r->path_list);
     free(r);

@@ -21,6 +21,12 @@ static tides_status prepare_paths(td_backend *backend, tides_error *error) {
     return TIDES_OK;
 }
 
+/* Green and blue of as many rows, where these are composited. */
+static tides_status grow_beside(reference *r, size_t rows, tides_error *error) {
+    if (!r->image.is_coded) return TIDES_OK;
+    return grow_rows_of_paths(&r->path_beside, &r->path_beside_capacity, rows * TD_BESIDE_STRIDE, error);
+}
+
 static tides_status nodes(td_backend *backend, const td_node_request *request, tides_error *error) {
     reference *r = (reference *)backend;
     double begun = td_now();
@@ -29,9 +35,10 @@ static tides_status nodes(td_backend *backend, const td_node_request *request, t
     image.outputs = TD_OUT_SIGNAL;
     tides_status status = grow_rows_of_paths(&r->path_rows, &r->path_row_capacity, rows * TD_PATH_STRIDE, error);
     if (status == TIDES_OK) status = grow_rows_of_paths(&r->path_low, &r->path_low_capacity, rows, error);
+    if (status == TIDES_OK) status = grow_beside(r, rows, error);
     if (status == TIDES_OK) status = copy_views(r, request->views, request->slots, error);
     if (status != TIDES_OK) return status;
-    const td_node_sink sink = {r->path_rows, r->path_low};
+    const td_node_sink sink = {r->path_rows, r->path_low, r->path_beside};
     for (int k = 0; k < request->job_count; k++) {
         const td_node_job *job = &request->jobs[k];
         for (int i = 0; i < job->count; i++)
@@ -61,18 +68,24 @@ static tides_status halve_paths(td_backend *backend, const td_halve_request *req
     const size_t reals = (size_t)request->row_count * TD_PATH_STRIDE;
     td_real *lengths = NULL;
     tides_status status = grow_rows_of_paths(&r->path_rows, &r->path_row_capacity, reals, error);
+    if (status == TIDES_OK) status = grow_beside(r, (size_t)request->row_count, error);
     if (status == TIDES_OK) status = copy_array(request->lengths, (size_t)request->pieces, &lengths, error);
-    for (int i = 0; i < request->count && status == TIDES_OK; i++)
-        td_path_halve(r->path_rows, request->from[i], request->to[i], request->level, request->pieces, lengths);
+    for (int i = 0; i < request->count && status == TIDES_OK; i++) {
+        const int from = request->from[i], to = request->to[i];
+        td_path_halve(r->path_rows, TD_PATH_NUMBERS, from, to, request->level, request->pieces, lengths);
+        if (r->image.is_coded)
+            td_path_halve(r->path_beside, TD_BESIDE_NUMBERS, from, to, request->level, request->pieces, lengths);
+    }
     free(lengths);
     return status;
 }
 
-static tides_status path_rows(td_backend *backend, int count, double *rows, double *low, tides_error *error) {
+static tides_status path_rows(td_backend *backend, int count, double *rows, double *low, double *beside, tides_error *error) {
     const reference *r = (const reference *)backend;
     (void)error;
     for (size_t i = 0; i < (size_t)count * TD_PATH_STRIDE; i++) rows[i] = r->path_rows[i];
     for (int i = 0; i < count && low; i++) low[i] = r->path_low[i];
+    for (size_t i = 0; i < (size_t)count * TD_BESIDE_STRIDE && beside; i++) beside[i] = r->path_beside[i];
     return TIDES_OK;
 }
 

@@ -277,8 +277,9 @@ typedef struct td_backend_class {
     tides_status (*nodes)(td_backend *backend, const td_node_request *request, tides_error *error);
     /* td_path_worst (path_node.h): (count). */
     tides_status (*path_misfits)(td_backend *backend, const td_path_request *request, float *misfits, tides_error *error);
-    /* The first `count` rows (x TD_PATH_STRIDE), and the low parts of their depths, unless that is NULL. */
-    tides_status (*path_rows)(td_backend *backend, int count, double *rows, double *low, tides_error *error);
+    /* The first `count` rows (x TD_PATH_STRIDE), the low parts of their depths, and what is beside them (x TD_BESIDE_STRIDE),
+     * where these aren't NULL. */
+    tides_status (*path_rows)(td_backend *backend, int count, double *rows, double *low, double *beside, tides_error *error);
     /* Copies rows that batches have moved, in double: for td_exact. */
     tides_status (*moved_rows)(td_backend *backend, const td_moved_rows *rows, tides_error *error);
     /* td_path_halve (path_node.h), for td_exact's twin; NULL: OpenCL's td_exact has rows of its own. */

@@ -132,7 +132,7 @@ void td_opencl_cubics_release(opencl_backend *b);
 tides_status td_opencl_prepare_paths(td_backend *backend, tides_error *error);
 tides_status td_opencl_nodes(td_backend *backend, const td_node_request *request, tides_error *error);
 tides_status td_opencl_path_misfits(td_backend *backend, const td_path_request *request, float *misfits, tides_error *error);
-tides_status td_opencl_path_rows(td_backend *backend, int count, double *rows, double *low, tides_error *error);
+tides_status td_opencl_path_rows(td_backend *backend, int count, double *rows, double *low, double *beside, tides_error *error);
 tides_status td_opencl_send_paths(opencl_backend *b, const td_batch *batch, tides_error *error);
 tides_status td_opencl_fetch(opencl_backend *b, const td_batch *batch, cl_event *event, tides_error *error);
 void td_opencl_paths_release(opencl_backend *b);

@@ -63,7 +63,7 @@ enum { TD_SWAP_PARTS = 1 << 13 };
 typedef struct td_swap {
     int32_t block; /* tile * TD_TILE_BLOCKS + the tile's block */
     int32_t part;
-    float light;
+    float light; /* of colours, where light isn't linear in these (td_renderer_swap_scale) */
     float wide; /* so many parts before and after it next to nothing of it is left */
 } td_swap;
 
@@ -71,6 +71,9 @@ typedef struct td_swap {
  * tile, in order of time: (count). */
 tides_status td_renderer_find_swaps(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error);
 const td_swap *td_renderer_swaps(const tides_renderer *renderer, int tile, int block, int *count);
+
+/* What swaps' light is measured by where exp(log_luminance) is `light`: so much of it changes log_luminance by 1, about. */
+double td_renderer_swap_scale(const tides_renderer *renderer, double light);
 
 /* Of the interval swept last: 1 where something that the tile may see moves on the screen, and the most diameters of its own
  * that one of these travels. */

@@ -21,7 +21,7 @@ static td_transfer transfer_of(int32_t kind, double gamma) {
     return kind == TIDES_TRANSFER_SRGB ? srgb : power;
 }
 
-/* With ln(f) and ln(x), f' x / f is no more than gamma. */
+/* f' x / f is no more than gamma. */
 void td_image_set_transfer(int32_t kind, double gamma, td_image *image) {
     td_transfer *to = &image->transfer;
     *to = (td_transfer){.slope = 1, .scale = 1, .gamma = 1, .steepest = 1, .dark = image->log_eps};
@@ -43,6 +43,13 @@ tides_status td_image_take_transfer(const tides_image_params *params, const tide
         status = td_transfer_check("image.", kind, gamma, error);
     if (status == TIDES_OK) td_image_set_transfer(kind, gamma, image);
     return status;
+}
+
+/* f' / (f + log_eps) is at most `steepest` over the sum of the colour and that of log_eps, and a fourth. */
+double td_renderer_swap_scale(const tides_renderer *renderer, double light) {
+    const td_image *image = &renderer->image;
+    if (!image->is_coded) return light;
+    return (td_transfer_colour(&image->transfer, light - image->log_eps) + image->transfer.dark) / image->transfer.steepest;
 }
 
 void td_backdrop_set(const td_image *image, const double background[3], td_backdrop *backdrop) {

@@ -230,6 +230,17 @@ static tides_status take_mode(const binding *b, td_gaussians *gaussians) {
     return td_note(&gaussians->notes, line, b->error);
 }
 
+/* What they say of light. */
+static tides_status take_transfer(const binding *b, td_gaussians *gaussians) {
+    const td_ply_word kind = b->header->transfer, exponent = b->header->exponent;
+    char text[TD_TRANSFER_TEXT], where[160];
+    if (kind.length == 0) return TIDES_OK;
+    snprintf(text, sizeof text, "%.*s%s%.*s", (int)(kind.length < 15 ? kind.length : 15), kind.text, exponent.length ? " " : "",
+             (int)(exponent.length < 20 ? exponent.length : 20), exponent.length ? exponent.text : "");
+    snprintf(where, sizeof where, "%.100s: its comment ColourTransfer", b->file->path);
+    return td_transfer_read(where, text, gaussians, b->error);
+}
+
 tides_status td_ply_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {
     td_ply_file file = {path, data, size};
     td_ply_header header;
@@ -245,7 +256,11 @@ tides_status td_ply_parse(const char *path, const void *data, size_t size, td_ga
     else
         status = read_gaussians(&b, gaussians);
     if (!status) memcpy(gaussians->up, header.up, sizeof gaussians->up);
-    if (!status && (status = take_mode(&b, gaussians)) != TIDES_OK) td_gaussians_free(gaussians);
+    if (!status) {
+        status = take_mode(&b, gaussians);
+        if (!status) status = take_transfer(&b, gaussians);
+        if (status) td_gaussians_free(gaussians);
+    }
     td_ply_header_free(&header);
     return status;
 }

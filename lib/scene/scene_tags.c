@@ -3,6 +3,7 @@
 #include "td_base.h"
 #include "td_folder.h"
 #include "td_scene.h"
+#include "td_text.h"
 
 #include <stdlib.h>
 #include <stdio.h>
@@ -31,12 +32,33 @@ tides_status td_transfer_check(const char *what, int32_t transfer, double gamma,
     return TIDES_OK;
 }
 
-/* As a message says it. */
-static void say_transfer(const td_gaussians *g, char text[32]) {
-    if (g->transfer == TIDES_TRANSFER_GAMMA)
-        snprintf(text, 32, "gamma %g", g->gamma);
+static const char *const transfer_names[] = {"linear", "srgb", "gamma"};
+
+/* The fewest digits that say the exponent. */
+void td_transfer_say(int32_t transfer, double gamma, char text[TD_TRANSFER_TEXT]) {
+    if (transfer == TIDES_TRANSFER_GAMMA)
+        snprintf(text, TD_TRANSFER_TEXT, "gamma %s", TD_SHORT(gamma));
     else
-        snprintf(text, 32, "%s", g->transfer == TIDES_TRANSFER_SRGB ? "srgb" : "linear");
+        snprintf(text, TD_TRANSFER_TEXT, "%s", transfer_names[transfer]);
+}
+
+tides_status td_transfer_read(const char *where, const char *text, td_gaussians *gaussians, tides_error *error) {
+    char word[16] = "", rest[2];
+    td_plain_numbers numbers;
+    tides_status status = td_plain_begin(&numbers, where, error);
+    if (status != TIDES_OK) return status;
+    double gamma = 1;
+    const int read = sscanf(text, "%15s %lf %1s", word, &gamma, rest);
+    td_plain_end(&numbers);
+    int32_t transfer = TIDES_TRANSFER_GAMMA;
+    while (transfer >= 0 && strcmp(word, transfer_names[transfer]) != 0) transfer--;
+    const int wanted = transfer == TIDES_TRANSFER_GAMMA ? 2 : 1;
+    if (transfer < 0 || read != wanted || td_transfer_check("", transfer, gamma, NULL) != TIDES_OK)
+        return td_fail(error, TIDES_BAD_FILE,
+                       "%s is \"%.40s\": should be linear, srgb, or gamma and an exponent from %g to %g, as in \"gamma 2.2\"", where,
+                       text, least_gamma, most_gamma);
+    td_gaussians_tag(gaussians, transfer, gamma);
+    return TIDES_OK;
 }
 
 tides_status tides_scene_transfer(const tides_scene *scene, int32_t *transfer, double *gamma, tides_error *error) {
@@ -45,9 +67,9 @@ tides_status tides_scene_transfer(const tides_scene *scene, int32_t *transfer, d
     for (size_t i = 0; scene && i < scene->count; i++) {
         const td_gaussians *first = &scene->objects[0].gaussians, *g = &scene->objects[i].gaussians;
         if (g->transfer != first->transfer || (g->transfer == TIDES_TRANSFER_GAMMA && fabs(g->gamma - first->gamma) > 0)) {
-            char one[32], other[32];
-            say_transfer(first, one);
-            say_transfer(g, other);
+            char one[TD_TRANSFER_TEXT], other[TD_TRANSFER_TEXT];
+            td_transfer_say(first->transfer, first->gamma, one);
+            td_transfer_say(g->transfer, g->gamma, other);
             return td_fail(error, TIDES_BAD_CONFIG,
                            "the colours of '%.80s' are %s, those of '%.80s' %s, and one image is decoded in one way: tag their files "
                            "alike, or say which with image.transfer",
@@ -73,13 +95,27 @@ const char *tides_scene_notes(const tides_scene *scene) { return scene && scene-
 
 /* -- losses -- */
 
+/* A place for linear and srgb, but for no exponent. */
+enum { LOSES_EXPONENT = 1 << 30 };
+
 /* By ending; what isn't here holds everything. */
 static const struct {
     const char *ending;
     int32_t losses;
-} formats[] = {{".spz", TIDES_LOSES_UP},
-               {".splat", TIDES_LOSES_HARMONICS | TIDES_LOSES_TRAINED | TIDES_LOSES_UP},
-               {".glb", TIDES_LOSES_TRAINED | TIDES_LOSES_UP}};
+} formats[] = {{".spz", TIDES_LOSES_UP | TIDES_LOSES_TRANSFER},
+               {".splat", TIDES_LOSES_HARMONICS | TIDES_LOSES_TRAINED | TIDES_LOSES_UP | TIDES_LOSES_TRANSFER},
+               {".glb", TIDES_LOSES_TRAINED | TIDES_LOSES_UP | LOSES_EXPONENT}};
+
+/* The ways in which objects code light, but for one that every reader takes for granted: srgb. */
+static int32_t transfers_of(const tides_scene *scene) {
+    int32_t held = 0;
+    for (size_t i = 0; scene && i < scene->count; i++) {
+        const int32_t transfer = scene->objects[i].gaussians.transfer;
+        if (transfer != TIDES_TRANSFER_SRGB) held |= TIDES_LOSES_TRANSFER;
+        if (transfer == TIDES_TRANSFER_GAMMA) held |= LOSES_EXPONENT;
+    }
+    return held;
+}
 
 int32_t tides_scene_losses(const tides_scene *scene, const char *file) {
     double up[3];
@@ -89,5 +125,6 @@ int32_t tides_scene_losses(const tides_scene *scene, const char *file) {
     if (tides_scene_sh_degree(scene) > 0) held |= TIDES_LOSES_HARMONICS;
     if (tides_scene_trained(scene) != TIDES_TRAINED_UNKNOWN) held |= TIDES_LOSES_TRAINED;
     if (tides_scene_up(scene, up)) held |= TIDES_LOSES_UP;
-    return lost & held;
+    lost &= held | transfers_of(scene);
+    return lost & LOSES_EXPONENT ? (lost & ~LOSES_EXPONENT) | TIDES_LOSES_TRANSFER : lost;
 }

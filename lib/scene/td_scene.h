@@ -76,6 +76,11 @@ static inline void td_gaussians_tag(td_gaussians *gaussians, int32_t transfer, d
     gaussians->says_transfer = 1;
 }
 
+/* As files and messages say it: "linear", "srgb", "gamma 2.2"; and back: TIDES_BAD_FILE, whose message begins with `where`. */
+enum { TD_TRANSFER_TEXT = 40 };
+void td_transfer_say(int32_t transfer, double gamma, char text[TD_TRANSFER_TEXT]);
+tides_status td_transfer_read(const char *where, const char *text, td_gaussians *gaussians, tides_error *error);
+
 /* TIDES_BAD_ARGUMENT where it is none, or its exponent is out of range; `what` stands before "transfer" and "gamma". */
 tides_status td_transfer_check(const char *what, int32_t transfer, double gamma, tides_error *error);
 

@@ -40,6 +40,7 @@ typedef struct asked {
     int *gaussians, *rows; /* (NODES x count) */
     td_node_job *jobs;
     td_node_request request;
+    int is_coded; /* rows have green and blue beside them */
 } asked;
 
 static asked ask(const double *views, int first, int count, int real_count, int job_size) {
@@ -67,12 +68,14 @@ static void asked_free(asked *a) {
     free(a->jobs);
 }
 
+/* Rows, and behind all of them what is beside them. */
 static double *rows_of(td_exact *exact, td_backend *backend, const asked *a) {
-    double *rows = calloc((size_t)a->request.row_count * TD_PATH_STRIDE, sizeof *rows);
+    const size_t count = (size_t)a->request.row_count;
+    double *rows = calloc(count * (TD_PATH_STRIDE + TD_BESIDE_STRIDE), sizeof *rows), *beside = rows + count * TD_PATH_STRIDE;
     tides_error error;
     assert_non_null(rows);
     scene_expect_ok(td_exact_nodes(exact, backend, &a->request, &error), &error);
-    scene_expect_ok(td_exact_rows(exact, a->request.row_count, rows, &error), &error);
+    scene_expect_ok(td_exact_rows(exact, a->request.row_count, rows, a->is_coded ? beside : NULL, &error), &error);
     return rows;
 }
 
@@ -85,6 +88,11 @@ static void compare(const char *name, const asked *a, const double *found, const
                 fail_msg("%s: row %d, entry %d: %.17g on the device, %.17g in the reference", name, row, k, f[k], e[k]);
         used[e[TD_P_DET] > 0]++;
     }
+    const size_t first = (size_t)a->request.row_count * TD_PATH_STRIDE, count = (size_t)a->request.row_count * TD_BESIDE_STRIDE;
+    for (size_t i = first + TD_BESIDE_STRIDE; i < first + count; i++)
+        if (memcmp(&found[i], &expected[i], sizeof *found) != 0 && !(isnan(found[i]) && isnan(expected[i])))
+            fail_msg("%s: number %d beside rows: %.17g on the device, %.17g in the reference", name, (int)(i - first), found[i],
+                     expected[i]);
 }
 
 /* -- Gaussians at rest, or with rates ------------------------------------------------------------------------------ */
@@ -97,7 +105,7 @@ static void make_needles(td_store *store) {
 }
 
 typedef struct setting {
-    int rules, antialias, sh_degree, moving, lanes, job_size, lens;
+    int rules, antialias, sh_degree, moving, lanes, job_size, lens, transfer;
 } setting;
 
 static void compare_store(const char *name, tides_device *device, const random_recipe *recipe, const setting *s,
@@ -106,9 +114,11 @@ static void compare_store(const char *name, tides_device *device, const random_r
     td_store store = random_scene_store(&scene, node_times[0]);
     if (edit) edit(&store);
     td_image_numbers image = random_scene_image(&scene, s->rules, s->antialias, TD_OUT_SIGNAL);
+    if (s->transfer) image = random_scene_coded(&image, s->transfer, 2.2);
     image.whole[3] = s->sh_degree; /* width, height, objects, sh_degree (layout.h) */
     double *views = random_scene_views(&scene, node_times, NODES), *rows[KINDS];
     asked a = ask(views, 0, store.count, store.count, s->job_size);
+    a.is_coded = s->transfer != TIDES_TRANSFER_LINEAR;
     tides_device *reference = open_device("reference"), *devices[KINDS] = {device, reference};
     tides_error error;
     for (int k = 0; k < KINDS; k++) {
@@ -129,11 +139,12 @@ static void compare_store(const char *name, tides_device *device, const random_r
 }
 
 static void test_opencl_equals_the_reference(void **state) {
-    static const setting settings[] = {{TIDES_RULES_SMOOTH, 0, 3, 0, 16, 64, TIDES_LENS_EQUIDISTANT},
-                                       {TIDES_RULES_SMOOTH, 1, 2, 1, 8, 1 << 20, TIDES_LENS_NONE},
-                                       {TIDES_RULES_INRIA, 0, 1, 1, 4, TD_PAD, TIDES_LENS_RADTAN},
-                                       {TIDES_RULES_GSPLAT, 1, 4, 0, 1, 48, TIDES_LENS_NONE},
-                                       {TIDES_RULES_SMOOTH, 0, 0, 0, 16, 64, TIDES_LENS_NONE}};
+    static const setting settings[] = {{TIDES_RULES_SMOOTH, 0, 3, 0, 16, 64, TIDES_LENS_EQUIDISTANT, 0},
+                                       {TIDES_RULES_SMOOTH, 1, 2, 1, 8, 1 << 20, TIDES_LENS_NONE, 0},
+                                       {TIDES_RULES_INRIA, 0, 1, 1, 4, TD_PAD, TIDES_LENS_RADTAN, 0},
+                                       {TIDES_RULES_GSPLAT, 1, 4, 0, 1, 48, TIDES_LENS_NONE, 0},
+                                       {TIDES_RULES_SMOOTH, 0, 0, 0, 16, 64, TIDES_LENS_NONE, 0},
+                                       {TIDES_RULES_SMOOTH, 0, 2, 1, 16, 64, TIDES_LENS_NONE, TIDES_TRANSFER_SRGB}};
     int used[2] = {0, 0};
     (void)state;
     for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {

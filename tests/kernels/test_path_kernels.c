@@ -94,7 +94,7 @@ static void compare_rows(const path_world *w, int used[2]) {
         low[k] = calloc((size_t)w->row_count, sizeof *low[k]);
         assert_true(rows[k] && low[k]);
         td_backend *backend = w->pair.backend[k];
-        scene_expect_ok(backend->type->path_rows(backend, w->row_count, rows[k], low[k], &error), &error);
+        scene_expect_ok(backend->type->path_rows(backend, w->row_count, rows[k], low[k], NULL, &error), &error);
     }
     for (int row = 1; row < w->row_count; row++) {
         assert_memory_equal(&low[0][row], &low[1][row], sizeof(double));
@@ -205,10 +205,10 @@ static void test_paths_equal_the_reference(void **state) {
     static const struct {
         pair_setting image;
         int moving, lanes;
-    } settings[] = {{{TIDES_RULES_SMOOTH, 0, 3}, 0, 16},
-                    {{TIDES_RULES_SMOOTH, 1, 2}, 1, 8},
-                    {{TIDES_RULES_INRIA, 0, 1}, 1, 4},
-                    {{TIDES_RULES_GSPLAT, 1, 0}, 0, 1}};
+    } settings[] = {{{TIDES_RULES_SMOOTH, 0, 3, 0}, 0, 16},
+                    {{TIDES_RULES_SMOOTH, 1, 2, 0}, 1, 8},
+                    {{TIDES_RULES_INRIA, 0, 1, 0}, 1, 4},
+                    {{TIDES_RULES_GSPLAT, 1, 0, 0}, 0, 1}};
     int used[2] = {0, 0};
     (void)state;
     for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
