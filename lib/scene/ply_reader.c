@@ -244,6 +244,7 @@ static tides_status take_transfer(const binding *b, td_gaussians *gaussians) {
 tides_status td_ply_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error) {
     td_ply_file file = {path, data, size};
     td_ply_header header;
+    td_gaussians made = {0};
     tides_status status = td_ply_header_parse(&file, &header, error);
     if (status) return status;
     binding b = {.file = &file, .header = &header, .vertex = td_ply_find_element(&header, "vertex"), .error = error};
@@ -252,15 +253,16 @@ tides_status td_ply_parse(const char *path, const void *data, size_t size, td_ga
     else if (td_ply_word_reads(header.mode, "2dgs"))
         status = td_splat_refuse_discs(path, error);
     else if (td_ply_is_packed(&header))
-        status = td_ply_packed_read(&file, &header, gaussians, error);
+        status = td_ply_packed_read(&file, &header, &made, error);
     else
-        status = read_gaussians(&b, gaussians);
-    if (!status) memcpy(gaussians->up, header.up, sizeof gaussians->up);
-    if (!status) {
-        status = take_mode(&b, gaussians);
-        if (!status) status = take_transfer(&b, gaussians);
-        if (status) td_gaussians_free(gaussians);
-    }
+        status = read_gaussians(&b, &made);
+    if (!status) memcpy(made.up, header.up, sizeof made.up);
+    if (!status) status = take_mode(&b, &made);
+    if (!status) status = take_transfer(&b, &made);
+    if (status)
+        td_gaussians_free(&made);
+    else
+        *gaussians = made;
     td_ply_header_free(&header);
     return status;
 }
