@@ -2,7 +2,7 @@
 #ifndef TD_COMPOSITING_H
 #define TD_COMPOSITING_H
 
-#include "transfer.h"
+#include "channels.h"
 
 /* Sums over splats, each taken w times. */
 typedef struct td_sums {
@@ -10,7 +10,7 @@ typedef struct td_sums {
     td_lanes feature[2 * TD_FEATURES]; /* only with a decoder: of w f, then their rates */
     td_lanes weight, weight_low;       /* of w, and what it is less; from here on only where diagnostics are asked for */
     td_lanes weight_dot;               /* from here on only where colour is */
-    td_lanes colour[6];                /* also where light isn't linear in it: then luminance is 0 */
+    td_lanes colour[6];
     td_lanes depth, depth_dot; /* of w z, and its rate */
 } td_sums;
 
@@ -68,33 +68,22 @@ TD_INLINE td_mask td_above_stop(const td_image *image, td_lanes left, td_lanes w
     return td_stop_rule(image) == TD_STOP_BELOW ? left >= wanted : left > wanted;
 }
 
-/* The same where light isn't linear: what comes adds T times the largest channel at most to each, and f' grows; Y is no less than
- * the light of the channels' mean, since f is convex. */
-TD_INLINE td_mask td_coded_above_bound(const td_image *image, td_real brightest, const td_composite *pixels) {
-    const td_lanes *c = pixels->sums.colour;
-    td_real white = td_white(image);
-    td_lanes most = td_larger(td_larger(c[0], c[1]), c[2]), rest = pixels->transmittance * brightest, growth, unused;
-    td_lanes mean = td_fma(c[0], image->luminance[0], td_fma(c[1], image->luminance[1], c[2] * image->luminance[2]));
-    td_lanes least = white * td_light_of(image, mean * (white > 0 ? 1 / white : 0), &unused);
-    (void)td_light_of(image, most + rest, &growth);
-    return rest * white * growth > image->stop * (least + image->log_eps);
-}
-
 /* BOUND: the rest of the list can change L by more than `stop`: T times the brightest colour in the list against Y. */
-TD_INLINE td_mask td_above_bound(const td_image *image, td_real brightest, const td_composite *pixels) {
-    if (td_is_coded(image) && !td_with_decoder(image)) return td_coded_above_bound(image, brightest, pixels);
+TD_INLINE td_mask td_above_bound(const td_image *image, td_real brightest, const td_composite *pixels,
+                                 const td_channels *channels) {
+    if (td_by_channels(image)) return td_channels_above_bound(image, brightest, pixels->transmittance, pixels->live, channels);
     if (td_with_decoder(image)) brightest = brightest * image->decoder_gain; /* Y is 0 or more whatever comes */
     return pixels->transmittance * brightest > image->stop * (pixels->sums.luminance + image->log_eps);
 }
 
 /* Can any lane still change? Asked at every eighth splat of a list. Lanes that can't by BOUND put their T aside: what comes is
  * in front of nothing then and changes nothing, so that lanes don't depend on their neighbours. */
-TD_INLINE int td_look_ahead(const td_image *image, td_real brightest, td_composite *pixels) {
+TD_INLINE int td_look_ahead(const td_image *image, td_real brightest, const td_channels *channels, td_composite *pixels) {
     if (td_drops_splats(image))
         return td_soft_order(image) || td_any(pixels->transmittance > 0.0f); /* soft: what has begun must end */
     if (td_stop_rule(image) == TD_STOP_NONE) return 1;
     td_lanes none = td_splat(0.0f);
-    pixels->live = td_above_bound(image, brightest, pixels);
+    pixels->live = td_above_bound(image, brightest, pixels, channels);
     pixels->stopped = pixels->stopped + td_select(pixels->transmittance, none, pixels->live);
     pixels->stopped_dot = pixels->stopped_dot + td_select(pixels->transmittance_dot, none, pixels->live);
     pixels->transmittance = td_select(none, pixels->transmittance, pixels->live);
@@ -142,8 +131,8 @@ TD_INLINE void td_add_weight(const td_image *image, td_lanes w, td_lanes w_dot, 
 
 /* Blends one splat of alpha tau in hard order (paper, Eq. 2 and 8). Where a rule drops it, T is put aside and is 0 from there
  * on: with a mask of lanes each splat waited longer for the one before. */
-TD_INLINE void td_blend_alpha(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
-                              td_lanes tau, td_lanes tau_dot, td_lanes wanted, td_composite *pixels) {
+TD_INLINE td_shown td_blend_alpha(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
+                                  td_lanes tau, td_lanes tau_dot, td_lanes wanted, td_composite *pixels) {
     td_lanes none = td_splat(0.0f), t = pixels->transmittance, t_dot = pixels->transmittance_dot;
     td_lanes w = t * tau;
     td_lanes w_dot = td_fma(t, tau_dot, t_dot * tau);
@@ -163,6 +152,9 @@ TD_INLINE void td_blend_alpha(TD_GLOBAL const td_real *record, TD_GLOBAL const t
     }
     td_accumulate(record, colour, image, w, w_dot, &pixels->sums);
     td_add_weight(image, w, w_dot, &pixels->sums);
+    td_shown shown;
+    shown.w = w, shown.w_dot = w_dot;
+    return shown;
 }
 
 TD_INLINE void td_sums_start(td_sums *sums, const td_image *image) {
@@ -170,7 +162,7 @@ TD_INLINE void td_sums_start(td_sums *sums, const td_image *image) {
     if (td_with_decoder(image))
         for (int k = 0; k < 2 * TD_FEATURES; k++) sums->feature[k] = td_splat(0.0f);
     sums->weight = sums->weight_low = sums->weight_dot = sums->depth = sums->depth_dot = td_splat(0.0f);
-    if (td_with_colour(image) || td_is_coded(image))
+    if (td_with_colour(image))
         for (int c = 0; c < 6; c++) sums->colour[c] = td_splat(0.0f);
 }
 
@@ -196,16 +188,25 @@ TD_INLINE void td_finish_luminance(td_lanes y, td_lanes y_dot, td_real log_eps, 
 }
 
 /* Channels with the backdrop behind, r g b and their rates: colours, or, where light isn't linear in these, their light. */
-TD_INLINE void td_finish_channels(const td_image *image, const td_composite *pixels, TD_GLOBAL const td_backdrop *backdrop,
-                                  td_lanes channel[6]) {
+TD_INLINE void td_finish_channels(const td_image *image, const td_composite *pixels, const td_channels *channels,
+                                  TD_GLOBAL const td_backdrop *backdrop, td_lanes channel[6]) {
     td_lanes t = pixels->transmittance, t_dot = pixels->transmittance_dot;
+    if (td_by_channels(image)) {
+        const td_channel *r = &channels->red, *g = &channels->green, *b = &channels->blue;
+        TD_GLOBAL const td_real *at = backdrop->colour, *rate = backdrop->colour_dot;
+        td_channel_light(image, t, t_dot, r->y, r->y_dot, at[0], rate[0], channel, channel + 3);
+        td_channel_light(image, t, t_dot, g->y, g->y_dot, at[1], rate[1], channel + 1, channel + 4);
+        td_channel_light(image, t, t_dot, b->y, b->y_dot, at[2], rate[2], channel + 2, channel + 5);
+        return;
+    }
     for (int c = 0; c < 3; c++) {
-        channel[c] = td_fma(t, backdrop->colour[c], pixels->sums.colour[c]);
-        channel[3 + c] = td_fma(t_dot, backdrop->colour[c], td_fma(t, backdrop->colour_dot[c], pixels->sums.colour[3 + c]));
-        if (!td_is_coded(image)) continue;
-        td_lanes growth;
-        channel[c] = td_light_of(image, channel[c], &growth);
-        channel[3 + c] = growth * channel[3 + c];
+        td_lanes y = pixels->sums.colour[c], y_dot = pixels->sums.colour[3 + c];
+        if (td_is_coded(image)) { /* a decoder's */
+            td_channel_light(image, t, t_dot, y, y_dot, backdrop->colour[c], backdrop->colour_dot[c], channel + c, channel + 3 + c);
+            continue;
+        }
+        channel[c] = td_fma(t, backdrop->colour[c], y);
+        channel[3 + c] = td_fma(t_dot, backdrop->colour[c], td_fma(t, backdrop->colour_dot[c], y_dot));
     }
 }
 

@@ -163,6 +163,7 @@ typedef struct td_transfer {
     /* What paths and estimates ask: by how much more ln(light) changes than ln(colour) at most, and the colour whose light is
      * log_eps; 1 and log_eps where light is linear. */
     td_real steepest, dark;
+    td_real sure; /* what more of a channel changes L by more than `stop`, wherever (channels.h) */
 } td_transfer;
 
 typedef struct td_image {

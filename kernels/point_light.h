@@ -5,30 +5,19 @@
 
 #include "point_splats.h"
 
-/* What is seen of luminance or a channel so far, Y, and of the splats that take out light now B (soft_order.h). */
-typedef struct td_point_channel {
-    td_lanes y, y_dot, b, b_dot;
-} td_point_channel;
-
 /* Light on its way to the points: T, A, and luminance, or red, green and blue where light isn't linear in them. */
 typedef struct td_point_light {
     td_lanes t, t_dot, a, a_dot;
-    td_point_channel first, green, blue;
+    td_channel first, green, blue;
 } td_point_light;
-
-/* A splat of that value is seen w times. */
-TD_INLINE void td_point_show(td_lanes w, td_lanes w_dot, td_lanes value, td_lanes rate, td_lanes *sum, td_lanes *sum_dot) {
-    *sum = td_fma(w, value, *sum);
-    *sum_dot = td_fma(w_dot, value, td_fma(w, rate, *sum_dot));
-}
 
 /* Hard order (td_blend_alpha). */
 TD_INLINE void td_point_hard(const td_image *image, const td_point_entry *splat, td_point_light *light) {
     td_lanes tau = splat->takes, w = light->t * tau, w_dot = td_fma(light->t, splat->takes_dot, light->t_dot * tau);
-    td_point_show(w, w_dot, splat->luminance, splat->luminance_dot, &light->first.y, &light->first.y_dot);
+    td_channel_show(w, w_dot, splat->luminance, splat->luminance_dot, &light->first.y, &light->first.y_dot);
     if (td_is_coded(image)) {
-        td_point_show(w, w_dot, splat->green, splat->green_dot, &light->green.y, &light->green.y_dot);
-        td_point_show(w, w_dot, splat->blue, splat->blue_dot, &light->blue.y, &light->blue.y_dot);
+        td_channel_show(w, w_dot, splat->green, splat->green_dot, &light->green.y, &light->green.y_dot);
+        td_channel_show(w, w_dot, splat->blue, splat->blue_dot, &light->blue.y, &light->blue.y_dot);
     }
     light->t = light->t - w;
     light->t_dot = light->t_dot - w_dot;
@@ -60,13 +49,6 @@ TD_INLINE void td_point_measure(const td_image *image, TD_GLOBAL td_real *entry,
     last->growth = td_select(last->growth, growth, sees);
 }
 
-/* Of a channel. */
-TD_INLINE void td_point_go_channel(td_lanes w, td_lanes w_dot, td_lanes left, td_lanes m_dot, td_point_channel *of) {
-    td_lanes b = of->b, b_dot = of->b_dot;
-    td_point_show(w, w_dot, b, b_dot, &of->y, &of->y_dot);
-    of->b = b * left, of->b_dot = td_fma(b_dot, left, b * -m_dot);
-}
-
 /* Soft order: light goes a way of m on, and densities fall (td_soft_go). Where m is 0 all stays as it is, to the bit. */
 TD_INLINE void td_point_go(const td_image *image, td_lanes m, td_lanes m_dot, td_point_light *light) {
     const td_real log2_e = TD_REAL(1.44269504088896340736), tiny = TD_REAL(1e-20);
@@ -79,17 +61,17 @@ TD_INLINE void td_point_go(const td_image *image, td_lanes m, td_lanes m_dot, td
     td_mask on = (a * left > tiny) | (m == 0.0f); /* next to nothing is nothing (td_soft_clear) */
     left = td_select(none, left, on), m_dot = td_select(none, m_dot, on);
     light->a = a * left, light->a_dot = td_fma(a_dot, left, a * -m_dot);
-    td_point_go_channel(w, w_dot, left, m_dot, &light->first);
+    td_channel_go(w, w_dot, left, m_dot, &light->first);
     if (!td_is_coded(image)) return;
-    td_point_go_channel(w, w_dot, left, m_dot, &light->green);
-    td_point_go_channel(w, w_dot, left, m_dot, &light->blue);
+    td_channel_go(w, w_dot, left, m_dot, &light->green);
+    td_channel_go(w, w_dot, left, m_dot, &light->blue);
 }
 
 /* A splat begins to take out light. One with nobody near is of this too, but for rounding. */
 TD_INLINE void td_point_begin_channel(TD_GLOBAL const td_real *entry, int k, td_lanes takes, td_lanes takes_dot,
-                                      td_point_channel *of) {
+                                      td_channel *of) {
     td_lanes value = td_load_lanes(entry + k * TD_LANES), rate = td_load_lanes(entry + (k + 1) * TD_LANES);
-    td_point_show(takes, takes_dot, value, rate, &of->b, &of->b_dot);
+    td_channel_show(takes, takes_dot, value, rate, &of->b, &of->b_dot);
 }
 TD_INLINE void td_point_begin(const td_image *image, TD_GLOBAL const td_real *entry, td_point_light *light) {
     td_lanes takes = td_load_lanes(entry + TD_E_TAKES * TD_LANES);
@@ -104,7 +86,7 @@ TD_INLINE void td_point_begin(const td_image *image, TD_GLOBAL const td_real *en
 /* All that the points see, front to back. Ways don't depend on one another: they have a loop of their own (TD_POINT_BATCH). */
 TD_INLINE td_point_light td_point_composite(const td_image *image, TD_GLOBAL td_real *entries, int count) {
     td_lanes none = td_splat(0.0f);
-    const td_point_channel dark = {none, none, none, none};
+    const td_channel dark = td_channel_dark();
     td_point_light light = {td_splat(1.0f), none, none, none, dark, dark, dark};
     const int room = td_point_room(image);
     td_point_last last = {none, none};
@@ -140,12 +122,11 @@ TD_INLINE void td_point_finish(const td_image *image, const td_point_light *ligh
         td_finish_luminance(y, y_dot, image->log_eps, planes);
         return;
     }
+    const td_channel *green = &light->green, *blue = &light->blue;
     channel[0] = td_light_of(image, y, &growth);
     channel[3] = growth * y_dot;
-    channel[1] = td_light_of(image, td_fma(t, behind->green, light->green.y), &growth);
-    channel[4] = growth * td_fma(t_dot, behind->green, light->green.y_dot);
-    channel[2] = td_light_of(image, td_fma(t, behind->blue, light->blue.y), &growth);
-    channel[5] = growth * td_fma(t_dot, behind->blue, light->blue.y_dot);
+    td_channel_light(image, t, t_dot, green->y, green->y_dot, behind->green, 0, channel + 1, channel + 4);
+    td_channel_light(image, t, t_dot, blue->y, blue->y_dot, behind->blue, 0, channel + 2, channel + 5);
     td_finish_coded(image, channel, planes);
 }
 

@@ -198,7 +198,7 @@ int td_renderer_is_double(const tides_renderer *renderer);
 
 /* What decides its images besides scene, paths and device, as numbers: image formation as resolved, intrinsics, blur,
  * background, colour filter. The same numbers make the same images. */
-enum { TD_IMAGE_FACTS = 67 };
+enum { TD_IMAGE_FACTS = 68 };
 void td_renderer_image_facts(const tides_renderer *renderer, double facts[TD_IMAGE_FACTS]);
 
 #endif

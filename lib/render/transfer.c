@@ -2,6 +2,7 @@
  * colours. */
 #include "td_transfer.h"
 
+#include "kernels/transfer.h"
 #include "scene/td_scene.h"
 
 #include <math.h>
@@ -21,6 +22,18 @@ static td_transfer transfer_of(int32_t kind, double gamma) {
     return kind == TIDES_TRANSFER_SRGB ? srgb : power;
 }
 
+/* The least power of two that is enough, with a factor of 2 to spare: of what comes half is on top of 2 stop times what is there
+ * (channels.h). None is where nothing is seen of any channel. */
+static double sure_of(const td_image *image) {
+    const double white = td_white(image);
+    double sure = 1;
+    for (double growth; sure > 1e-30; sure /= 2) {
+        (void)td_light_of(image, sure / 2, &growth);
+        if (!(0.25 * white * growth * sure / 2 > image->stop * image->log_eps)) break;
+    }
+    return white > 0 ? sure : HUGE_VAL;
+}
+
 /* f' x / f is no more than gamma. */
 void td_image_set_transfer(int32_t kind, double gamma, td_image *image) {
     td_transfer *to = &image->transfer;
@@ -30,6 +43,7 @@ void td_image_set_transfer(int32_t kind, double gamma, td_image *image) {
     *to = transfer_of(kind, gamma);
     to->steepest = to->gamma;
     to->dark = td_transfer_colour(to, image->log_eps);
+    to->sure = fmin(sure_of(image), 1e30);
 }
 
 tides_status td_image_take_transfer(const tides_image_params *params, const tides_scene *scene, td_image *image,
