@@ -100,7 +100,8 @@ TD_INLINE int td_composite_list(const td_list *list, const td_image *image, int 
     td_soft_steps steps;
     td_soft_start(&soft, image);
     td_finder_start(list, block, &finder);
-    for (td_next_group(list, image, block, &finder, &group); group.count > 0; td_next_group(list, image, block, &finder, &group)) {
+    for (td_next_group(list, image, block, &finder, &group); group.count > 0;
+         td_next_group(list, image, block, &finder, &group)) {
         if (td_soft_order(image)) td_soft_measure(list, image, &group, &steps);
         for (int first = 0; first < group.count; first += TD_BATCH) {
             int left = group.count - first, count = left < TD_BATCH ? left : TD_BATCH;

@@ -1,6 +1,6 @@
-/* Red, green and blue on their way to pixels where light isn't linear in them (transfer.h): what compositing.h and soft_order.h do
- * with luminance, by the weights that they have found. Each channel goes through a batch of splats by itself: all three at once
- * leave processors no room for what they add to (twice the time on AVX2). */
+/* Red, green and blue on their way to pixels where light isn't linear in them (transfer.h): what compositing.h and
+ * soft_order.h do with luminance, by the weights that they have found. Each channel goes through a batch of splats by
+ * itself: all three at once leave processors no room for what they add to (twice the time on AVX2). */
 #ifndef TD_CHANNELS_H
 #define TD_CHANNELS_H
 
@@ -39,8 +39,8 @@ TD_INLINE void td_channel_go(td_lanes w, td_lanes w_dot, td_lanes left, td_lanes
     of->b = b * left, of->b_dot = td_fma(b_dot, left, b * -m_dot);
 }
 
-/* What a splat is to the light: in soft order the optical depth a that it adds to what takes light out, and W; else its weight w
- * alone. */
+/* What a splat is to the light: in soft order the optical depth a that it adds to what takes light out, and W; else its
+ * weight w alone. */
 typedef struct td_shown {
     td_lanes w, w_dot;
 } td_shown;
@@ -52,10 +52,10 @@ TD_INLINE void td_channels_clear(td_lanes some, td_channels *of) {
     of->blue.b = of->blue.b * some, of->blue.b_dot = of->blue.b_dot * some;
 }
 
-/* BOUND where light isn't linear: what comes adds T times the largest channel at most to each, and f' grows; Y is no less than the
- * light of the channels' mean, since f is convex. For the same reason f is at most f' times its colour, so that while what comes
- * is more than transfer.sure, and than 2 stop times the largest channel, there's nothing to work out. `live`: lanes for which it is
- * asked. */
+/* BOUND where light isn't linear: what comes adds T times the largest channel at most to each, and f' grows; Y is no less
+ * than the light of the channels' mean, since f is convex. For the same reason f is at most f' times its colour, so that
+ * while what comes is more than transfer.sure, and than 2 stop times the largest channel, there's nothing to work out.
+ * `live`: lanes for which it is asked. */
 TD_INLINE td_mask td_channels_above_bound(const td_image *image, td_real brightest, td_lanes transmittance, td_mask live,
                                           const td_channels *of) {
     td_lanes r = of->red.y, g = of->green.y, b = of->blue.y, rest = transmittance * brightest, growth, unused;

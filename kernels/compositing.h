@@ -202,7 +202,8 @@ TD_INLINE void td_finish_channels(const td_image *image, const td_composite *pix
     for (int c = 0; c < 3; c++) {
         td_lanes y = pixels->sums.colour[c], y_dot = pixels->sums.colour[3 + c];
         if (td_is_coded(image)) { /* a decoder's */
-            td_channel_light(image, t, t_dot, y, y_dot, backdrop->colour[c], backdrop->colour_dot[c], channel + c, channel + 3 + c);
+            td_channel_light(image, t, t_dot, y, y_dot, backdrop->colour[c], backdrop->colour_dot[c], channel + c,
+                             channel + 3 + c);
             continue;
         }
         channel[c] = td_fma(t, backdrop->colour[c], y);

@@ -93,8 +93,9 @@ TD_INLINE void td_path_middle_row(TD_GLOBAL const td_real *from, TD_GLOBAL const
     }
 }
 
-/* A path's rows of the next level, of so many numbers, from row `to` on, of those of this one, 2^level curves a piece from row
- * `from` on: every other is one of these, and what is between two of them is their cubic's. `pieces` of lengths[piece] seconds. */
+/* A path's rows of the next level, of so many numbers, from row `to` on, of those of this one, 2^level curves a piece from
+ * row `from` on: every other is one of these, and what is between two of them is their cubic's. `pieces` of lengths[piece]
+ * seconds. */
 TD_INLINE void td_path_halve(TD_GLOBAL td_real *rows, int numbers, int from, int to, int level, int pieces,
                              TD_GLOBAL const td_real *lengths) {
     const int parts = 1 << level, stride = 2 * numbers;
@@ -194,10 +195,11 @@ TD_INLINE td_dual td_path_a(const td_path_splat *splat) {
 
 /* What log_luminance sees of three channels, red as luminance so far: their sum, and of what they are off by the sum of sizes,
  * since what one lacks another doesn't make up for in light. */
-TD_INLINE void td_path_channels(TD_GLOBAL const td_real *beside, td_index row, const td_path_cubic *cubic, const td_image *image,
-                                td_path_splat *own, td_path_stray *off) {
+TD_INLINE void td_path_channels(TD_GLOBAL const td_real *beside, td_index row, const td_path_cubic *cubic,
+                                const td_image *image, td_path_splat *own, td_path_stray *off) {
     own->luminance = td_dual_scale(own->luminance, image->luminance[0]);
-    off->luminance = td_dual_make(td_size(off->luminance.v) * image->luminance[0], td_size(off->luminance.d) * image->luminance[0]);
+    off->luminance =
+        td_dual_make(td_size(off->luminance.v) * image->luminance[0], td_size(off->luminance.d) * image->luminance[0]);
     for (int k = 0; k < TD_BESIDE_NUMBERS; k++) {
         td_dual at[3];
         td_lanes step;

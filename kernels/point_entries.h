@@ -117,7 +117,8 @@ typedef struct td_point_order {
 enum { TD_POINT_PATIENCE = 8 };
 
 /* Adds an entry: in its place, or in any, for td_point_sort. */
-TD_INLINE void td_point_add(const td_image *image, TD_GLOBAL td_real *entries, const td_point_entry *entry, td_point_order *order) {
+TD_INLINE void td_point_add(const td_image *image, TD_GLOBAL td_real *entries, const td_point_entry *entry,
+                            td_point_order *order) {
     if (order->loose)
         td_point_store_entry(image, entry, entries + order->count * td_point_room(image));
     else

@@ -121,14 +121,15 @@ __kernel void td_point_make_splats(__constant const td_image *image_buffer, __gl
 /* Misfits of TD_LANES paths of a level per turn (td_path_try_each), in targets: the worst, then, each `stride` on, bent and
  * calm, and, where they are asked for, those of each curve. */
 TD_APART void td_misfits_apart(__constant const td_image *image_buffer, __global const td_real *rows,
-                               __global const td_real *beside, __global const int *first, td_share groups, int level, __global const td_real *lengths, int pieces, td_real target,
-                               td_real rounding, __global td_real *misfits, int stride, int asks_each) {
+                               __global const td_real *beside, __global const int *first, td_share groups, int level,
+                               __global const td_real *lengths, int pieces, td_real target, td_real rounding,
+                               __global td_real *misfits, int stride, int asks_each) {
     const td_image image = *image_buffer;
     const td_path_terms terms = {target, 0, rounding, 0};
     for (int k = groups.first; k < groups.end; k += groups.step) {
         const int i = k * TD_LANES;
-        const td_path_misfits of = td_path_try_each(rows, beside, td_load_ints(first + i), level, pieces, lengths, &terms, &image,
-                                                    misfits + 3 * stride + i, asks_each ? stride : 0);
+        const td_path_misfits of = td_path_try_each(rows, beside, td_load_ints(first + i), level, pieces, lengths, &terms,
+                                                    &image, misfits + 3 * stride + i, asks_each ? stride : 0);
         td_store_lanes(misfits + i, of.worst);
         td_store_lanes(misfits + stride + i, of.bent);
         td_store_lanes(misfits + 2 * stride + i, of.calm);
@@ -136,12 +137,11 @@ TD_APART void td_misfits_apart(__constant const td_image *image_buffer, __global
 }
 
 __kernel void td_point_find_misfits(__constant const td_image *image_buffer, __global const td_real *rows,
-                                    __global const td_real *beside,
-                                    __global const int *first, int count, int level, __global const td_real *lengths,
-                                    int pieces, td_real target, td_real rounding, __global td_real *misfits, int stride,
-                                    int asks_each) {
-    td_misfits_apart(image_buffer, rows, beside, first, td_share_of_groups(count), level, lengths, pieces, target, rounding, misfits,
-                     stride, asks_each);
+                                    __global const td_real *beside, __global const int *first, int count, int level,
+                                    __global const td_real *lengths, int pieces, td_real target, td_real rounding,
+                                    __global td_real *misfits, int stride, int asks_each) {
+    td_misfits_apart(image_buffer, rows, beside, first, td_share_of_groups(count), level, lengths, pieces, target, rounding,
+                     misfits, stride, asks_each);
 }
 
 /* Of a tile, those of its candidates that have paths, by depth, `listed` (at the candidates), and their tests of the splats'

@@ -1,11 +1,11 @@
-/* What colours mean in light: light = f(colour), channel by channel, for scenes whose colours were trained on pictures as these
- * are coded (image.transfer). IEC 61966-2-1 and powers are of one form,
+/* What colours mean in light: light = f(colour), channel by channel, for scenes whose colours were trained on pictures as
+ * these are coded (image.transfer). IEC 61966-2-1 and powers are of one form,
  *
  *   f(x) = ((x + offset) scale)^gamma  above the joint, x slope up to it,
  *
- * and go on as they are: above 1 by the same power, below 0 along the tangent in 0 (with a power, 0). So f is C1 in 0 and in 1, f'
- * grows with x, and what is the other way round there is f's own, too (td_transfer.h). sRGB's two pieces don't quite meet in
- * slope at 0.04045: a kink of 2 %, which is the standard's. */
+ * and go on as they are: above 1 by the same power, below 0 along the tangent in 0 (with a power, 0). So f is C1 in 0 and in
+ * 1, f' grows with x, and what is the other way round there is f's own, too (td_transfer.h). sRGB's two pieces don't quite
+ * meet in slope at 0.04045: a kink of 2 %, which is the standard's. */
 #ifndef TD_TRANSFER_H
 #define TD_TRANSFER_H
 

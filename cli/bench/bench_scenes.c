@@ -170,7 +170,8 @@ static tides_status make_trained(bench_scene *s, const char *file, tides_error *
 static const recipe recipes[] = {
     {"fan", "a textured fan before a room, handheld camera", make_fan, NULL, 240, 180, 0.005, 0.005, 0, 0},
     {"handheld", "a textured room at rest, handheld camera", make_handheld, NULL, 240, 180, 0.005, 0.005, 0, 0},
-    {"occluder", "a ball at 1200 px/s before a textured wall, camera at rest", make_occluder, NULL, 240, 180, 0.020, 0.010, 0, 0},
+    {"occluder", "a ball at 1200 px/s before a textured wall, camera at rest", make_occluder, NULL, 240, 180, 0.020, 0.010, 0,
+     0},
     {"nearly_static", "a disc on 2 % of the view turns, all else at rest", make_nearly_static, NULL, 240, 180, 0.020, 0.010, 0,
      0},
     {"vibration", "a ball before a textured plane and the camera vibrate, 100, 137.5 and 200 Hz", make_vibration, NULL, 120, 90,
@@ -187,11 +188,15 @@ static const recipe recipes[] = {
      0.006, 2.5e-4, TIDES_TRANSFER_SRGB},
 };
 enum { RECIPES = sizeof recipes / sizeof recipes[0] };
-static const recipe any_file = {"", "a trained scene, camera in orbit", NULL, NULL, 240, 180, 0.006, 0.006, 2.5e-4, TIDES_TRANSFER_FILE};
+static const recipe any_file = {"",     "a trained scene, camera in orbit",
+                                NULL,   NULL,
+                                240,    180,
+                                0.006,  0.006,
+                                2.5e-4, TIDES_TRANSFER_FILE};
 
 const char *const *bench_scene_names(void) {
-    static const char *const names[] = {"fan",     "handheld", "occluder", "nearly_static", "vibration", "flicker",
-                                        "trained", "playbot",  "trained_srgb", "playbot_srgb", NULL};
+    static const char *const names[] = {"fan",     "handheld", "occluder",     "nearly_static", "vibration", "flicker",
+                                        "trained", "playbot",  "trained_srgb", "playbot_srgb",  NULL};
     return names;
 }
 

@@ -126,7 +126,8 @@ static const cli_command commands[] = {
      "scaling: how cost grows with Gaussians, pixels, events, layers, what moves, speed, threads; exponents and a plot.\n"
      "all: each of them. index.html is a page of all results in the folder.\n"
      "Scenes: fan, handheld, occluder, nearly_static, vibration, flicker; trained and playbot where $TIDES_SHARED/data has "
-     "them, at image.transfer linear, and trained_srgb, playbot_srgb. Of throughput and live: random, surfaces, demo; guitar and playbot.",
+     "them, at image.transfer linear, and trained_srgb, playbot_srgb. Of throughput and live: random, surfaces, demo; guitar "
+     "and playbot.",
      1, cmd_bench},
 };
 

@@ -20,8 +20,8 @@ static void tell_transfer(const cli_common *common, const tides_session_facts *s
     if (transfer == TIDES_TRANSFER_GAMMA)
         cli_note(common, "colours are light^(1/%g), as %s says, and decoded", gamma, who);
     else
-        cli_note(common, "colours are %s, as %s says", transfer == TIDES_TRANSFER_SRGB ? "sRGB and decoded to light" : "linear light",
-                 who);
+        cli_note(common, "colours are %s, as %s says",
+                 transfer == TIDES_TRANSFER_SRGB ? "sRGB and decoded to light" : "linear light", who);
 }
 
 tides_status cli_session_open(const char *file, const cli_list *sets, const cli_common *common, const cli_output *outputs,

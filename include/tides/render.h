@@ -56,9 +56,9 @@ typedef struct tides_image_params {
     tides_smoothing smoothing; /* soft order and tapers */
     int32_t colour_filter; /* TIDES_FILTER_*: other than OFF each pixel's luminance is one channel, and so are L and all that
                               comes of it; `luminance` must then be the default. Takes three times as long */
-    int32_t transfer; /* TIDES_TRANSFER_*: what composited colours are of light; FILE: as the scene's objects say
+    int32_t transfer;      /* TIDES_TRANSFER_*: what composited colours are of light; FILE: as the scene's objects say
                          (tides_scene_transfer) */
-    double gamma;     /* with GAMMA: light = colour^gamma, 1 to 5 */
+    double gamma;          /* with GAMMA: light = colour^gamma, 1 to 5 */
 } tides_image_params;
 
 /* smooth, as the file says, 4, 0.3, (0.2126, 0.7152, 0.0722), 1e-3, black, (0.1/255 to 1/255, 1e-5, 1.25, 1e-4, ellipses), no

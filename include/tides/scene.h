@@ -188,10 +188,10 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_bounds_at(const tides_scene 
  * a SOG's "model"; "antialiased" in the cfg.yml of gsplat's checkpoints. tides_scene_save keeps it in .h5, .ply and .spz. */
 TIDES_API int32_t tides_scene_trained(const tides_scene *scene);
 
-/* How the colours of all objects code light, TIDES_TRANSFER_*, and with GAMMA its exponent: one image can only be decoded in one
- * way. TIDES_BAD_CONFIG, naming two objects, where they differ. An empty scene is LINEAR. Files say it in a .ply's comment
- * "ColourTransfer: linear" ("srgb", "gamma 2.2"), an .h5's attribute colour_transfer, a glTF's colorSpace; tides_scene_save keeps
- * it there. */
+/* How the colours of all objects code light, TIDES_TRANSFER_*, and with GAMMA its exponent: one image can only be decoded in
+ * one way. TIDES_BAD_CONFIG, naming two objects, where they differ. An empty scene is LINEAR. Files say it in a .ply's
+ * comment "ColourTransfer: linear" ("srgb", "gamma 2.2"), an .h5's attribute colour_transfer, a glTF's colorSpace;
+ * tides_scene_save keeps it there. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_transfer(const tides_scene *scene, int32_t *transfer, double *gamma,
                                                              tides_error *error);
 

@@ -31,7 +31,8 @@ tides_status td_store_find_decoder(const tides_scene *scene, td_store *store, ti
     return TIDES_OK;
 }
 
-/* The largest colour that a decoder without bounds makes, for how much light may change with it. A choice: trained ones reach 1. */
+/* The largest colour that a decoder without bounds makes, for how much light may change with it. A choice: trained ones
+ * reach 1. */
 static const double largest_colour = 2;
 
 /* Most that the luminance changes where no feature changes by more than 1: slopes of relu are at most 1, of the sigmoid 1/4. */

@@ -88,9 +88,11 @@ static tides_status halve(td_exact *exact, const td_halve_request *request, tide
     size_t local, global = td_even_items((int)e->device->info.lanes, count, &local);
     const size_t ints = (size_t)count * sizeof(cl_int);
     const cl_int is_coded = e->is_coded;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(e->rows), TD_BUFFER_ARGUMENT(e->beside), TD_VALUE_ARGUMENT(is_coded),
-                                     TD_BUFFER_ARGUMENT(e->from), TD_BUFFER_ARGUMENT(e->to),     TD_VALUE_ARGUMENT(count),
-                                     TD_VALUE_ARGUMENT(level),    TD_VALUE_ARGUMENT(pieces),     TD_BUFFER_ARGUMENT(e->lengths)};
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(e->rows),   TD_BUFFER_ARGUMENT(e->beside),
+                                     TD_VALUE_ARGUMENT(is_coded),   TD_BUFFER_ARGUMENT(e->from),
+                                     TD_BUFFER_ARGUMENT(e->to),     TD_VALUE_ARGUMENT(count),
+                                     TD_VALUE_ARGUMENT(level),      TD_VALUE_ARGUMENT(pieces),
+                                     TD_BUFFER_ARGUMENT(e->lengths)};
     tides_status status = grow_rows(e, request->row_count, error);
     if (status == TIDES_OK) status = td_buffer_write(e->device, &e->from, request->from, ints, error);
     if (status == TIDES_OK) status = td_buffer_write(e->device, &e->to, request->to, ints, error);
@@ -110,9 +112,8 @@ static tides_status rows(td_exact *exact, int count, double *to, double *beside,
 
 static void destroy(td_exact *exact) {
     opencl_exact *e = (opencl_exact *)exact;
-    td_buffer *buffers[] = {&e->image, &e->object,    &e->geometry, &e->rates, &e->sh,   &e->sh_rates, &e->owners, &e->views,
-                            &e->jobs,  &e->gaussians, &e->places,   &e->rows,  &e->from, &e->to,       &e->lengths,
-                            &e->beside};
+    td_buffer *buffers[] = {&e->image, &e->object,    &e->geometry, &e->rates, &e->sh,   &e->sh_rates, &e->owners,  &e->views,
+                            &e->jobs,  &e->gaussians, &e->places,   &e->rows,  &e->from, &e->to,       &e->lengths, &e->beside};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     if (e->kernel) clReleaseKernel(e->kernel);
     if (e->halve_kernel) clReleaseKernel(e->halve_kernel);

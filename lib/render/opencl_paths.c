@@ -11,14 +11,10 @@ typedef struct device_terms {
 
 static tides_status launch_nodes(opencl_backend *b, size_t jobs, cl_event *event, tides_error *error) {
     size_t local = td_opencl_group_size(b), global = jobs * local;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(b->image_buffer),
-                                     TD_BUFFER_ARGUMENT(b->node_jobs),
-                                     TD_BUFFER_ARGUMENT(b->node_gaussians),
-                                     TD_BUFFER_ARGUMENT(b->node_places),
-                                     TD_SOURCE_ARGUMENTS(b),
-                                     TD_BUFFER_ARGUMENT(b->path_rows),
-                                     TD_BUFFER_ARGUMENT(b->path_low),
-                                     TD_BUFFER_ARGUMENT(b->path_low)}; /* nothing is beside them */
+    const td_argument arguments[] =
+        {TD_BUFFER_ARGUMENT(b->image_buffer), TD_BUFFER_ARGUMENT(b->node_jobs), TD_BUFFER_ARGUMENT(b->node_gaussians),
+         TD_BUFFER_ARGUMENT(b->node_places),  TD_SOURCE_ARGUMENTS(b),           TD_BUFFER_ARGUMENT(b->path_rows),
+         TD_BUFFER_ARGUMENT(b->path_low),     TD_BUFFER_ARGUMENT(b->path_low)}; /* nothing is beside them */
     return td_launch(b->device, b->node_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), event, error);
 }
 
@@ -163,7 +159,8 @@ tides_status td_opencl_prepare_paths(td_backend *backend, tides_error *error) {
     return status;
 }
 
-tides_status td_opencl_path_rows(td_backend *backend, int count, double *rows, double *low, double *beside, tides_error *error) {
+tides_status td_opencl_path_rows(td_backend *backend, int count, double *rows, double *low, double *beside,
+                                 tides_error *error) {
     opencl_backend *b = (opencl_backend *)backend;
     size_t reals = (size_t)count * TD_PATH_STRIDE;
     (void)beside; /* nothing is */

@@ -26,7 +26,8 @@ static const double order_bits = 4;
 
 tides_status td_renderer_paths(tides_renderer *renderer, double tolerance, double time_tolerance_s, tides_error *error) {
     td_record_paths *paths = &renderer->paths;
-    if (renderer->image.decoder || renderer->image.is_coded) return TIDES_OK; /* no luminance to interpolate: projected at each time */
+    if (renderer->image.decoder || renderer->image.is_coded)
+        return TIDES_OK; /* no luminance to interpolate: projected at each time */
     tides_status status = renderer->backend->type->prepare_paths(renderer->backend, error);
     if (status != TIDES_OK) return status;
     size_t count = (size_t)renderer->store.count;

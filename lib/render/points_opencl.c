@@ -30,7 +30,7 @@ typedef struct opencl_points {
     td_buffer seen, depths, records;                         /* its splats */
     td_buffer wanted, keys, listed, tests, counts;           /* lists */
     td_buffer columns, piece, chunks, values, turn;          /* a batch */
-    td_buffer entries, beside; /* beside: curves of green and blue */
+    td_buffer entries, beside;                               /* beside: curves of green and blue */
     int is_coded;
     td_points_interval at;
     int longest; /* of the lists */
@@ -43,18 +43,24 @@ static int on_gpu(const opencl_points *p) { return p->base.lanes == 1; }
 /* The last lanes write a little further. */
 static cl_int misfit_stride(const td_points_misfits *request) { return request->count + TD_PAD; }
 
-static tides_status launch_misfits(opencl_points *p, const td_buffer *rows, const td_buffer *beside, const td_points_misfits *request, cl_int asks_each,
-                                   tides_error *error) {
+static tides_status launch_misfits(opencl_points *p, const td_buffer *rows, const td_buffer *beside,
+                                   const td_points_misfits *request, cl_int asks_each, tides_error *error) {
     size_t local, global = td_even_items(p->base.lanes, request->count, &local);
     const cl_int count = request->count, level = request->level, pieces = request->pieces, stride = misfit_stride(request);
     const cl_double target = request->target, rounding = DBL_EPSILON / 2;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image), {rows, NULL, 0},
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),
+                                     {rows, NULL, 0},
                                      {beside, NULL, 0},
-                                     TD_BUFFER_ARGUMENT(p->first), TD_VALUE_ARGUMENT(count),
-                                     TD_VALUE_ARGUMENT(level),     TD_BUFFER_ARGUMENT(p->piece_lengths),
-                                     TD_VALUE_ARGUMENT(pieces),    TD_VALUE_ARGUMENT(target),
-                                     TD_VALUE_ARGUMENT(rounding),  TD_BUFFER_ARGUMENT(p->misfits),
-                                     TD_VALUE_ARGUMENT(stride),    TD_VALUE_ARGUMENT(asks_each)};
+                                     TD_BUFFER_ARGUMENT(p->first),
+                                     TD_VALUE_ARGUMENT(count),
+                                     TD_VALUE_ARGUMENT(level),
+                                     TD_BUFFER_ARGUMENT(p->piece_lengths),
+                                     TD_VALUE_ARGUMENT(pieces),
+                                     TD_VALUE_ARGUMENT(target),
+                                     TD_VALUE_ARGUMENT(rounding),
+                                     TD_BUFFER_ARGUMENT(p->misfits),
+                                     TD_VALUE_ARGUMENT(stride),
+                                     TD_VALUE_ARGUMENT(asks_each)};
     return td_launch(p->device, p->misfit_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
 }
 
@@ -70,7 +76,9 @@ static tides_status misfits(td_points_engine *engine, const td_points_misfits *r
     if (status == TIDES_OK)
         status = td_buffer_write(p->device, &p->piece_lengths, request->lengths, pieces * sizeof(cl_double), error);
     if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->misfits, all * sizeof(cl_double), error);
-    if (status == TIDES_OK) status = launch_misfits(p, td_exact_row_buffer(request->exact), td_exact_beside_buffer(request->exact), request, each > 0, error);
+    if (status == TIDES_OK)
+        status = launch_misfits(p, td_exact_row_buffer(request->exact), td_exact_beside_buffer(request->exact), request,
+                                each > 0, error);
     if (status == TIDES_OK) status = td_buffer_read(p->device, &p->misfits, host, all * sizeof *host, error);
     for (int i = 0; i < request->count && status == TIDES_OK; i++) {
         fit->worst[i] = (float)host[i];
@@ -239,11 +247,10 @@ static tides_status finish(td_points_engine *engine, tides_error *error) {
 
 static void destroy(td_points_engine *engine) {
     opencl_points *p = (opencl_points *)engine;
-    td_buffer *buffers[] = {&p->first,   &p->piece_lengths, &p->misfits, &p->image,   &p->path,   &p->row,
-                            &p->curves,  &p->candidates,    &p->lengths, &p->tiles,   &p->wanted, &p->keys,
-                            &p->listed,  &p->seen,          &p->depths,  &p->records, &p->tests,  &p->counts,
-                            &p->columns, &p->piece,         &p->chunks,  &p->values,  &p->turn,   &p->entries,
-                            &p->beside};
+    td_buffer *buffers[] = {&p->first,      &p->piece_lengths, &p->misfits, &p->image,  &p->path,    &p->row,    &p->curves,
+                            &p->candidates, &p->lengths,       &p->tiles,   &p->wanted, &p->keys,    &p->listed, &p->seen,
+                            &p->depths,     &p->records,       &p->tests,   &p->counts, &p->columns, &p->piece,  &p->chunks,
+                            &p->values,     &p->turn,          &p->entries, &p->beside};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     if (p->misfit_kernel) clReleaseKernel(p->misfit_kernel);
     if (p->splat_kernel) clReleaseKernel(p->splat_kernel);

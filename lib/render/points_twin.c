@@ -21,10 +21,10 @@ typedef struct twin {
     td_points_interval interval;
     double *rows, *curves;
     double *rows_beside, *beside; /* green and blue of these, where light isn't linear in colours */
-    float *records; /* (gaussians x slices x TD_TEST_REALS) tests of each */
-    int *listed;    /* (candidate_count) the lists */
-    float *tests;   /* (candidate_count x slices x TD_TEST_REALS) */
-    int *count;     /* (tile_count) splats of each */
+    float *records;               /* (gaussians x slices x TD_TEST_REALS) tests of each */
+    int *listed;                  /* (candidate_count) the lists */
+    float *tests;                 /* (candidate_count x slices x TD_TEST_REALS) */
+    int *count;                   /* (tile_count) splats of each */
     twin_key *keys;
     double *entries; /* of a point */
     size_t list_capacity[4], curve_capacity, rows_capacity, rows_beside_capacity, beside_capacity, key_capacity, entry_capacity;

@@ -64,7 +64,7 @@ typedef struct td_swap {
     int32_t block; /* tile * TD_TILE_BLOCKS + the tile's block */
     int32_t part;
     float light; /* of colours, where light isn't linear in these (td_renderer_swap_scale) */
-    float wide; /* so many parts before and after it next to nothing of it is left */
+    float wide;  /* so many parts before and after it next to nothing of it is left */
 } td_swap;
 
 /* Looks for those of the interval swept last (swaps.c); none in hard order, where the image jumps at each. Then those of a block of a

@@ -13,7 +13,8 @@ double td_transfer_colour(const td_transfer *transfer, double light) {
     return light / transfer->slope;
 }
 
-/* No exponent has a slope in 0 that is worth a word, but numbers down there have logarithms that single precision can't tell. */
+/* No exponent has a slope in 0 that is worth a word, but numbers down there have logarithms that single precision can't
+ * tell. */
 static const double power_joint = 1e-30;
 
 static td_transfer transfer_of(int32_t kind, double gamma) {
@@ -22,8 +23,8 @@ static td_transfer transfer_of(int32_t kind, double gamma) {
     return kind == TIDES_TRANSFER_SRGB ? srgb : power;
 }
 
-/* The least power of two that is enough, with a factor of 2 to spare: of what comes half is on top of 2 stop times what is there
- * (channels.h). None is where nothing is seen of any channel. */
+/* The least power of two that is enough, with a factor of 2 to spare: of what comes half is on top of 2 stop times what is
+ * there (channels.h). None is where nothing is seen of any channel. */
 static double sure_of(const td_image *image) {
     const double white = td_white(image);
     double sure = 1;

@@ -120,7 +120,8 @@ static tides_status apply(tides_run *run, const char *where, const char *group, 
     if (!row || strcmp(key, "sensor.preset") == 0) return td_param_unknown(where, key, error);
     if (strcmp(group, "image") == 0 && strcmp(key, "image.log_eps") != 0)
         return td_fail(error, TIDES_BAD_CONFIG,
-                       "%s: %s: of image a preset holds log_eps alone, its sensor's black level; the rest is the scene's", where, key);
+                       "%s: %s: of image a preset holds log_eps alone, its sensor's black level; the rest is the scene's",
+                       where, key);
     const cJSON *value = cJSON_IsObject(item) ? cJSON_GetObjectItemCaseSensitive(item, "value") : item;
     if (!value)
         return td_fail(error, TIDES_BAD_CONFIG, "%s: %s has no value; write { \"value\": ..., \"source\": \"...\" }", where,
@@ -140,7 +141,8 @@ static tides_status apply_all(tides_run *run, const char *where, const cJSON *ro
             snprintf(shown, sizeof shown, "%.40s", group->string);
             td_one_line(shown);
             return td_fail(error, TIDES_BAD_CONFIG,
-                           "%s: \"%s\": a preset holds \"about\" and the objects sensor, frontend, readout, image", where, shown);
+                           "%s: \"%s\": a preset holds \"about\" and the objects sensor, frontend, readout, image", where,
+                           shown);
         }
         cJSON_ArrayForEach(item, group) {
             if (status == TIDES_OK) status = apply(run, where, group->string, item, kept, error);

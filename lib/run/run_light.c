@@ -1,5 +1,5 @@
-/* The scale of light: what follows from the illuminance where Y = 1 (camera.lux) and from the black level (image.log_eps), for the
- * keys that neither file nor override gives. They become the run's own values, so that its record says them. */
+/* The scale of light: what follows from the illuminance where Y = 1 (camera.lux) and from the black level (image.log_eps),
+ * for the keys that neither file nor override gives. They become the run's own values, so that its record says them. */
 #include "td_base.h"
 #include "td_run.h"
 
@@ -30,8 +30,7 @@ tides_status td_run_light(tides_run *run, tides_error *error) {
                        "%s: sensor.dark_lux = %g lux: of how much at full scale isn't known; give camera.lux, or image.log_eps",
                        run->origin, dark_lux);
     if (lux > 0 && dark_lux > 0) status = follow(run, "image.log_eps", dark_lux / lux, error);
-    if (status == TIDES_OK && lux > 0)
-        status = follow(run, "frontend.circuit.photocurrent_a", amperes_per_lux * lux, error);
+    if (status == TIDES_OK && lux > 0) status = follow(run, "frontend.circuit.photocurrent_a", amperes_per_lux * lux, error);
     const double dark = td_run_number(run, "image.log_eps");
     const int32_t is_default = td_param_is_default(td_param_find("image.log_eps"), td_run_value(run, "image.log_eps"));
     if (status == TIDES_OK && !is_default) status = follow(run, "esim.log_eps", dark, error);

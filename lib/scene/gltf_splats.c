@@ -262,7 +262,8 @@ static tides_status check_spaces(const td_gltf *g, const td_gaussians *parts, si
     for (size_t i = 1; i < count; i++)
         if (parts[i].transfer != parts[0].transfer || parts[i].says_transfer != parts[0].says_transfer)
             return td_fail(g->error, TIDES_UNSUPPORTED,
-                           "%s: its primitives' colorSpace is srgb of some and linear of others: save them to a file each", g->path);
+                           "%s: its primitives' colorSpace is srgb of some and linear of others: save them to a file each",
+                           g->path);
     return TIDES_OK;
 }
 

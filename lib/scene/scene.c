@@ -89,7 +89,8 @@ static tides_status assume_transfer(td_gaussians *gaussians, const char *source,
     gaussians->transfer = TIDES_TRANSFER_SRGB;
     if (!td_ends_in(source, ".h5")) return TIDES_OK;
     return td_note(&gaussians->notes,
-                   "doesn't say what its colours are of light, and is taken for sRGB: image.transfer = linear where it isn't", error);
+                   "doesn't say what its colours are of light, and is taken for sRGB: image.transfer = linear where it isn't",
+                   error);
 }
 
 tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const tides_trajectory *trajectory, double scale,

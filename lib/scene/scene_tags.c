@@ -27,8 +27,8 @@ tides_status td_transfer_check(const char *what, int32_t transfer, double gamma,
     if (transfer < TIDES_TRANSFER_LINEAR || transfer > TIDES_TRANSFER_GAMMA)
         return td_fail(error, TIDES_BAD_ARGUMENT, "%stransfer: %d is none of TIDES_TRANSFER_*", what, (int)transfer);
     if (transfer == TIDES_TRANSFER_GAMMA && !(gamma >= least_gamma && gamma <= most_gamma))
-        return td_fail(error, TIDES_BAD_ARGUMENT, "%sgamma: %g is out of range; it must lie in [%g, %g]", what, gamma, least_gamma,
-                       most_gamma);
+        return td_fail(error, TIDES_BAD_ARGUMENT, "%sgamma: %g is out of range; it must lie in [%g, %g]", what, gamma,
+                       least_gamma, most_gamma);
     return TIDES_OK;
 }
 
@@ -55,8 +55,8 @@ tides_status td_transfer_read(const char *where, const char *text, td_gaussians 
     const int wanted = transfer == TIDES_TRANSFER_GAMMA ? 2 : 1;
     if (transfer < 0 || read != wanted || td_transfer_check("", transfer, gamma, NULL) != TIDES_OK)
         return td_fail(error, TIDES_BAD_FILE,
-                       "%s is \"%.40s\": should be linear, srgb, or gamma and an exponent from %g to %g, as in \"gamma 2.2\"", where,
-                       text, least_gamma, most_gamma);
+                       "%s is \"%.40s\": should be linear, srgb, or gamma and an exponent from %g to %g, as in \"gamma 2.2\"",
+                       where, text, least_gamma, most_gamma);
     td_gaussians_tag(gaussians, transfer, gamma);
     return TIDES_OK;
 }
@@ -71,7 +71,8 @@ tides_status tides_scene_transfer(const tides_scene *scene, int32_t *transfer, d
             td_transfer_say(first->transfer, first->gamma, one);
             td_transfer_say(g->transfer, g->gamma, other);
             return td_fail(error, TIDES_BAD_CONFIG,
-                           "the colours of '%.80s' are %s, those of '%.80s' %s, and one image is decoded in one way: tag their files "
+                           "the colours of '%.80s' are %s, those of '%.80s' %s, and one image is decoded in one way: tag their "
+                           "files "
                            "alike, or say which with image.transfer",
                            scene->objects[0].name, one, scene->objects[i].name, other);
         }

@@ -19,7 +19,7 @@ typedef struct td_gaussians {
     int32_t transfer;    /* TIDES_TRANSFER_LINEAR and on; of a file that doesn't say it, what td_scene_take makes of that */
     int32_t says_transfer;
     double gamma; /* with GAMMA */
-    char *notes;         /* NULL, or lines that the scene's user should hear of their file */
+    char *notes;  /* NULL, or lines that the scene's user should hear of their file */
 } td_gaussians;
 
 typedef struct td_object {

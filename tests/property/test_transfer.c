@@ -1,5 +1,6 @@
-/* Light of coded colours: what the reference shows is w . f(c) of the colours c that it composites, and its rates, against f written
- * here from IEC 61966-2-1 and the meaning of an exponent; a backdrop is light; above 1 and below 0 f goes on, with its slope. */
+/* Light of coded colours: what the reference shows is w . f(c) of the colours c that it composites, and its rates, against f
+ * written here from IEC 61966-2-1 and the meaning of an exponent; a backdrop is light; above 1 and below 0 f goes on, with
+ * its slope. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -135,7 +136,8 @@ static void check_pixel(const coding *c, int rules, planes colours, planes light
     if (Y < 0) Y = Y_dot = 0;
     expect_near(c->name, "Y", rules, lights[TIDES_Y][i], Y, 1 + Y);
     expect_near(c->name, "L", rules, lights[TIDES_L][i], log(Y + log_eps), 1 + 1 / (Y + log_eps));
-    expect_near(c->name, "L_dot", rules, lights[TIDES_L_DOT][i], Y_dot / (Y + log_eps), (10 + size) / (Y + log_eps) * (1 + 1 / (Y + log_eps)));
+    expect_near(c->name, "L_dot", rules, lights[TIDES_L_DOT][i], Y_dot / (Y + log_eps),
+                (10 + size) / (Y + log_eps) * (1 + 1 / (Y + log_eps)));
 }
 
 /* Splats so large that most pixels see several, of colours up to 2 and more. */
@@ -197,7 +199,9 @@ static void test_refused(void **state) {
         int32_t transfer;
         double gamma;
         const char *word;
-    } cases[] = {{TIDES_TRANSFER_GAMMA, 0.5, "image.gamma"}, {TIDES_TRANSFER_GAMMA, NAN, "image.gamma"}, {7, 1, "image.transfer"}};
+    } cases[] = {{TIDES_TRANSFER_GAMMA, 0.5, "image.gamma"},
+                 {TIDES_TRANSFER_GAMMA, NAN, "image.gamma"},
+                 {7, 1, "image.transfer"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         params.transfer = cases[i].transfer;
         params.gamma = cases[i].gamma;
@@ -210,7 +214,7 @@ static void test_refused(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_f_and_its_slope),    cmocka_unit_test(test_joints),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_f_and_its_slope), cmocka_unit_test(test_joints),
                                        cmocka_unit_test(test_images_are_decoded), cmocka_unit_test(test_linear_keeps_its_bits),
                                        cmocka_unit_test(test_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);

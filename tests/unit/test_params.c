@@ -112,7 +112,8 @@ static void each_row_reaches_its_field_alone(void **state) {
 }
 
 /* What a run with these assignments has of light: log_eps, esim.log_eps, k2, scale, photocurrent. */
-static void expect_light(const char *const *sets, size_t count, double eps, double esim, double k2, double scale, double current) {
+static void expect_light(const char *const *sets, size_t count, double eps, double esim, double k2, double scale,
+                         double current) {
     tides_run *run = parse(sets, count), *again = NULL;
     tides_run_values v, w;
     tides_error error = {TIDES_OK, ""};
@@ -123,7 +124,8 @@ static void expect_light(const char *const *sets, size_t count, double eps, doub
     for (int i = 0; i < 5; i++)
         if (fabs(found[i] - wanted[i]) > 1e-12 * wanted[i])
             fail_msg("%s: number %d is %g, should be %g", count ? sets[0] : "nothing", i, found[i], wanted[i]);
-    if (tides_run_parse(v.json, "dir", NULL, 0, &again, &error) != TIDES_OK) fail_msg("%s", error.text); /* the record is the run */
+    if (tides_run_parse(v.json, "dir", NULL, 0, &again, &error) != TIDES_OK)
+        fail_msg("%s", error.text); /* the record is the run */
     tides_run_get(again, &w);
     assert_true(w.image.log_eps == v.image.log_eps && w.baseline.iebcs.scale == v.baseline.iebcs.scale &&
                 w.sensor.circuit.photocurrent_a == v.sensor.circuit.photocurrent_a);
@@ -139,11 +141,11 @@ static void light_is_followed(void **state) {
     const double current = usual.circuit.photocurrent_a;
     expect_light(NULL, 0, 1e-3, 1e-3, 20, 1e4, current);
     expect_light((const char *[]){"image.log_eps=0.05"}, 1, 0.05, 0.05, 12.75, 20, current);
-    expect_light((const char *[]){"image.log_eps=0.05", "esim.log_eps=0.01", "voltmeter.k2=7", "iebcs.scale=30"}, 4, 0.05, 0.01, 7,
-                 30, current);
+    expect_light((const char *[]){"image.log_eps=0.05", "esim.log_eps=0.01", "voltmeter.k2=7", "iebcs.scale=30"}, 4, 0.05, 0.01,
+                 7, 30, current);
     expect_light((const char *[]){"camera.lux=500"}, 1, 1e-3, 1e-3, 20, 500, 500 * 3.9e-14);
-    expect_light((const char *[]){"camera.lux=500", "sensor.dark_lux=10", "frontend.circuit.photocurrent_a=1e-12"}, 3, 0.02, 0.02,
-                 5.1, 500, 1e-12);
+    expect_light((const char *[]){"camera.lux=500", "sensor.dark_lux=10", "frontend.circuit.photocurrent_a=1e-12"}, 3, 0.02,
+                 0.02, 5.1, 500, 1e-12);
     tides_run *run = NULL;
     tides_error error = {TIDES_OK, ""};
     const char *dark = "sensor.dark_lux=10", *text = "{\"scene\": {\"file\": \"a.ply\"}, \"camera\": {\"file\": \"p.json\"}}";
@@ -241,8 +243,11 @@ static void each_statistic_has_a_row(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_row_reaches_its_field_alone), cmocka_unit_test(defaults_are_the_fields),
-        cmocka_unit_test(light_is_followed), cmocka_unit_test(numbers_read_back_as_themselves),  cmocka_unit_test(a_varied_run_is_one_read_so),
+        cmocka_unit_test(each_row_reaches_its_field_alone),
+        cmocka_unit_test(defaults_are_the_fields),
+        cmocka_unit_test(light_is_followed),
+        cmocka_unit_test(numbers_read_back_as_themselves),
+        cmocka_unit_test(a_varied_run_is_one_read_so),
         cmocka_unit_test(each_statistic_has_a_row),
     };
     return cmocka_run_group_tests_name("params", tests, NULL, NULL);
