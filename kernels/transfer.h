@@ -4,8 +4,8 @@
  *   f(x) = ((x + offset) scale)^gamma  above the joint, x slope up to it,
  *
  * and go on as they are: above 1 by the same power, below 0 along the tangent in 0 (with a power, 0). So f is C1 in 0 and in
- * 1, f' grows with x, and what is the other way round there is f's own, too (td_transfer.h). sRGB's two pieces don't quite
- * meet in slope at 0.04045: a kink of 2 %, which is the standard's. */
+ * 1, and f' never falls. sRGB's two pieces don't quite meet in slope at 0.04045: a kink of 2 %, which is the standard's. The
+ * way back is td_transfer_colour (lib/render/transfer.c). */
 #ifndef TD_TRANSFER_H
 #define TD_TRANSFER_H
 
