@@ -291,6 +291,14 @@ class Scene(Handle):
         return _trained(lib.tides_scene_trained(self._pointer))
 
     @property
+    def transfer(self) -> str:
+        """What composited colours of all objects are of light: "linear", "srgb", or "gamma", whose exponent is the objects'.
+        ImageParams(transfer="file") goes by it. BadConfig where objects differ."""
+        transfer, gamma = c_int32(), c_double()
+        call("tides_scene_transfer", self._pointer, byref(transfer), byref(gamma))
+        return _transfer(transfer.value)
+
+    @property
     def dropped(self) -> int:
         """Gaussians of its files that were left out (add_file's `invalid`)."""
         return lib.tides_scene_dropped(self._pointer)
