@@ -327,7 +327,7 @@ static void test_three_channels(void **state) {
         transfer = transfers[i];
         recipe.count = 400;
         recipe.moving = (int)i;
-        check_devices(&recipe, 0.005, i ? 0 : 1e-4);
+        check_devices(&recipe, 0.005, 1e-4); /* hard order, whose kernels are others, is the reference's below */
         check_against_frames(&recipe, 0, 1e-4, 1e-12, 1e-9);
         check_against_frames(&recipe, 0, 0, 1e-12, 1e-9);
         recipe.spread = 1.2;
