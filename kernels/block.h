@@ -48,9 +48,21 @@ TD_INLINE void td_batch_depths(const int *near, int open, int count, const td_la
     }
 }
 
+/* Splat k of a batch to one channel, entry c of its colour: it takes out light with others, or by itself. */
+TD_INLINE void td_blend_channel(TD_GLOBAL const td_real *colour, int c, int is_soft, const td_shown *shown, td_lanes a,
+                                td_lanes a_dot, td_real left, td_real m_dot, td_channel *channel) {
+    td_lanes value = td_splat(colour[c]), rate = td_splat(colour[3 + c]);
+    if (is_soft) {
+        td_channel_show(a, a_dot, value, rate, &channel->b, &channel->b_dot);
+        td_channel_go(shown->w, shown->w_dot, td_splat(left), td_splat(m_dot), channel);
+    } else {
+        td_channel_show(shown->w, shown->w_dot, value, rate, &channel->y, &channel->y_dot);
+    }
+}
+
 /* Blends splats [first, first + count) of a group. A splat with nobody near is blended as in hard order. */
 TD_INLINE void td_blend_batch(const td_list *list, const td_image *image, const td_group *group, int first, int count,
-                              const td_soft_steps *steps, td_soft *soft, td_composite *pixels) {
+                              const td_soft_steps *steps, td_soft *soft, td_channels *channels, td_composite *pixels) {
     td_lanes tau[TD_BATCH], tau_dot[TD_BATCH], wanted[TD_BATCH], a[TD_BATCH], a_dot[TD_BATCH];
     td_batch_alphas(list, image, group->row + first, count, pixels, tau, tau_dot, wanted);
     if (td_soft_order(image)) td_batch_depths(steps->near + first, soft->open, count, tau, tau_dot, a, a_dot);
@@ -58,16 +70,29 @@ TD_INLINE void td_blend_batch(const td_list *list, const td_image *image, const 
         TD_GLOBAL const td_real *record = td_list_record(list, group->row[first + k]);
         TD_GLOBAL const td_real *colour = td_list_colour(list, image, group->row[first + k]);
         td_mask on = pixels->live;
+        td_shown shown;
         if (td_soft_order(image)) on = td_soft_admit(image, wanted[k], pixels, tau + k, tau_dot + k);
-        if (td_soft_order(image) && (soft->open | steps->near[first + k]))
-            td_blend_soft(record, colour, image, steps, first + k, a[k], a_dot[k], on, soft, pixels);
+        const int is_soft = td_soft_order(image) && (soft->open | steps->near[first + k]);
+        if (is_soft && td_drops_splats(image)) {
+            a[k] = td_select(td_splat(0.0f), a[k], on);
+            a_dot[k] = td_select(td_splat(0.0f), a_dot[k], on);
+        }
+        if (is_soft)
+            shown = td_blend_soft(record, colour, image, steps, first + k, a[k], a_dot[k], soft, pixels);
         else
-            td_blend_alpha(record, colour, image, tau[k], tau_dot[k], wanted[k], pixels);
+            shown = td_blend_alpha(record, colour, image, tau[k], tau_dot[k], wanted[k], pixels);
+        if (!td_by_channels(image)) continue;
+        const td_real left = is_soft ? steps->left[first + k] : 0, m_dot = is_soft ? steps->m_dot[first + k] : 0;
+        const td_lanes density = is_soft ? a[k] : shown.w, density_dot = is_soft ? a_dot[k] : shown.w_dot;
+        td_blend_channel(colour, 0, is_soft, &shown, density, density_dot, left, m_dot, &channels->red);
+        td_blend_channel(colour, 1, is_soft, &shown, density, density_dot, left, m_dot, &channels->green);
+        td_blend_channel(colour, 2, is_soft, &shown, density, density_dot, left, m_dot, &channels->blue);
     }
 }
 
 /* Blends the splats that touch `block`, in hard or soft depth order; returns how many. */
-TD_INLINE int td_composite_list(const td_list *list, const td_image *image, int block, td_composite *pixels) {
+TD_INLINE int td_composite_list(const td_list *list, const td_image *image, int block, td_channels *channels,
+                                td_composite *pixels) {
     int blended = 0;
     td_finder finder;
     td_group group;
@@ -75,15 +100,16 @@ TD_INLINE int td_composite_list(const td_list *list, const td_image *image, int 
     td_soft_steps steps;
     td_soft_start(&soft, image);
     td_finder_start(list, block, &finder);
-    for (td_next_group(list, block, &finder, &group); group.count > 0; td_next_group(list, block, &finder, &group)) {
+    for (td_next_group(list, image, block, &finder, &group); group.count > 0;
+         td_next_group(list, image, block, &finder, &group)) {
         if (td_soft_order(image)) td_soft_measure(list, image, &group, &steps);
         for (int first = 0; first < group.count; first += TD_BATCH) {
             int left = group.count - first, count = left < TD_BATCH ? left : TD_BATCH;
-            td_blend_batch(list, image, &group, first, count, &steps, &soft, pixels);
+            td_blend_batch(list, image, &group, first, count, &steps, &soft, channels, pixels);
             blended += count;
             if ((blended & 7) != 0) continue;
-            if (!td_look_ahead(image, list->brightest, pixels)) return blended;
-            if (td_soft_order(image)) td_soft_clear(image, &soft);
+            if (!td_look_ahead(image, list->brightest, channels, pixels)) return blended;
+            if (td_soft_order(image)) td_soft_clear(image, &soft, channels);
         }
     }
     return blended;
@@ -99,13 +125,19 @@ TD_INLINE int td_composite_block(const td_job *job, const td_list *list, const t
     y = y + ((td_real)(job->y + 4 * (block >> 2)) + 0.5f);
     td_composite pixels;
     td_composite_start(&pixels, x, y, image);
-    int blended = td_composite_list(list, image, block, &pixels);
+    td_channels channels = td_channels_dark();
+    int blended = td_composite_list(list, image, block, &channels, &pixels);
     pixels.transmittance = pixels.transmittance + pixels.stopped;
     pixels.transmittance_dot = pixels.transmittance_dot + pixels.stopped_dot;
     td_lanes signal[3];
     td_composite shown = pixels;
     if (td_with_decoder(image)) shown = td_develop(image, list->view, list->weights, &pixels);
-    td_finish_signal(&shown, backdrop->luminance, backdrop->luminance_dot, image->log_eps, signal);
+    td_lanes channel[6];
+    if (td_is_coded(image) || td_with_colour(image)) td_finish_channels(image, &shown, &channels, backdrop, channel);
+    if (td_is_coded(image))
+        td_finish_coded(image, channel, signal);
+    else
+        td_finish_signal(&shown, backdrop->luminance, backdrop->luminance_dot, image->log_eps, signal);
     if (!td_with_rates(image)) { /* compilers leave out what nobody stores */
         td_store_lanes(out, signal[2]);
         return blended;
@@ -120,9 +152,11 @@ TD_INLINE int td_composite_block(const td_job *job, const td_list *list, const t
         td_store_lanes(out + TD_OUT_CONTRIBUTORS * TD_BLOCK_PIXELS, pixels.contributors);
     }
     if (td_with_colour(image)) {
-        td_lanes colour[8];
-        td_finish_colour(&shown, backdrop, colour);
-        for (int c = 0; c < 8; c++) td_store_lanes(out + (TD_OUT_R + c) * TD_BLOCK_PIXELS, colour[c]);
+        td_lanes depth[2];
+        td_finish_depth(&shown, depth);
+        for (int c = 0; c < 6; c++) td_store_lanes(out + (TD_OUT_R + c) * TD_BLOCK_PIXELS, channel[c]);
+        td_store_lanes(out + TD_OUT_Z * TD_BLOCK_PIXELS, depth[0]);
+        td_store_lanes(out + TD_OUT_Z_DOT * TD_BLOCK_PIXELS, depth[1]);
     }
     return blended;
 }

@@ -67,7 +67,8 @@ TD_INLINE void td_finder_start(const td_list *list, int block, td_finder *finder
     finder->next = td_next_place(list, block, finder);
 }
 
-TD_INLINE void td_next_group(const td_list *list, int block, td_finder *finder, td_group *group) {
+TD_INLINE void td_next_group(const td_list *list, const td_image *image, int block, td_finder *finder, td_group *group) {
+    (void)image;
     int here = finder->next;
     group->count = here < list->count;
     if (group->count) finder->next = td_next_place(list, block, finder);
@@ -97,7 +98,7 @@ TD_INLINE void td_finder_start(const td_list *list, int block, td_finder *finder
 }
 
 /* What isn't given out moves to the front. */
-TD_INLINE void td_find_more(const td_list *list, int block, td_finder *finder) {
+TD_INLINE void td_find_more(const td_list *list, const td_image *image, int block, td_finder *finder) {
     int left = finder->end - finder->begin, end = left;
     for (int k = 0; k < TD_GROUP; k += TD_LANES) {
         td_index_lanes(td_collect_ints(finder->place + finder->begin + k), finder->place + k);
@@ -109,6 +110,7 @@ TD_INLINE void td_find_more(const td_list *list, int block, td_finder *finder) {
     for (int k = left; k < end; k++) {
         finder->row[k] = list->order[finder->place[k]];
         td_soon(td_list_record(list, finder->row[k]));
+        if (td_by_channels(image)) td_soon(td_list_colour(list, image, finder->row[k]));
     }
     for (int k = end; end > 0 && k <= (end + TD_LANES - 1) / TD_LANES * TD_LANES; k++) {
         finder->place[k] = finder->place[end - 1];
@@ -118,9 +120,9 @@ TD_INLINE void td_find_more(const td_list *list, int block, td_finder *finder) {
     finder->end = end;
 }
 
-TD_INLINE void td_next_group(const td_list *list, int block, td_finder *finder, td_group *group) {
+TD_INLINE void td_next_group(const td_list *list, const td_image *image, int block, td_finder *finder, td_group *group) {
     finder->begin += finder->given;
-    if (finder->end - finder->begin <= TD_GROUP) td_find_more(list, block, finder);
+    if (finder->end - finder->begin <= TD_GROUP) td_find_more(list, image, block, finder);
     int found = finder->end - finder->begin;
     group->count = finder->given = found < TD_GROUP ? found : TD_GROUP;
     group->followed = found > TD_GROUP;

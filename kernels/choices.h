@@ -72,9 +72,20 @@
 #define td_lens_model(image) ((image)->lens_model)
 #endif
 
+#ifdef TD_BUILD_CODED
+#define td_is_coded(image) TD_BUILT(image, TD_BUILD_CODED)
+#else
+#define td_is_coded(image) ((image)->is_coded)
+#endif
+
 #define td_with_diagnostics(image) (td_outputs(image) >= TD_OUT_DIAGNOSTICS)
 #define td_with_colour(image) (td_outputs(image) >= TD_OUT_COLOUR)
 #define td_with_rates(image) (td_outputs(image) != TD_OUT_LUMINANCE)
 #define td_with_decoder(image) (td_decoder(image) != 0)
+/* What is composited where there's no decoder: luminance, and colour beside it; or, where light isn't linear in colours, three
+ * channels by themselves (channels.h). */
+#define td_with_luminance(image) (!td_with_decoder(image) && !td_is_coded(image))
+#define td_with_channels(image) (!td_with_decoder(image) && td_with_colour(image) && !td_is_coded(image))
+#define td_by_channels(image) (!td_with_decoder(image) && td_is_coded(image))
 
 #endif

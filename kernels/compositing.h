@@ -2,7 +2,7 @@
 #ifndef TD_COMPOSITING_H
 #define TD_COMPOSITING_H
 
-#include "layout.h"
+#include "channels.h"
 
 /* Sums over splats, each taken w times. */
 typedef struct td_sums {
@@ -69,19 +69,21 @@ TD_INLINE td_mask td_above_stop(const td_image *image, td_lanes left, td_lanes w
 }
 
 /* BOUND: the rest of the list can change L by more than `stop`: T times the brightest colour in the list against Y. */
-TD_INLINE td_mask td_above_bound(const td_image *image, td_real brightest, const td_composite *pixels) {
+TD_INLINE td_mask td_above_bound(const td_image *image, td_real brightest, const td_composite *pixels,
+                                 const td_channels *channels) {
+    if (td_by_channels(image)) return td_channels_above_bound(image, brightest, pixels->transmittance, pixels->live, channels);
     if (td_with_decoder(image)) brightest = brightest * image->decoder_gain; /* Y is 0 or more whatever comes */
     return pixels->transmittance * brightest > image->stop * (pixels->sums.luminance + image->log_eps);
 }
 
 /* Can any lane still change? Asked at every eighth splat of a list. Lanes that can't by BOUND put their T aside: what comes is
  * in front of nothing then and changes nothing, so that lanes don't depend on their neighbours. */
-TD_INLINE int td_look_ahead(const td_image *image, td_real brightest, td_composite *pixels) {
+TD_INLINE int td_look_ahead(const td_image *image, td_real brightest, const td_channels *channels, td_composite *pixels) {
     if (td_drops_splats(image))
         return td_soft_order(image) || td_any(pixels->transmittance > 0.0f); /* soft: what has begun must end */
     if (td_stop_rule(image) == TD_STOP_NONE) return 1;
     td_lanes none = td_splat(0.0f);
-    pixels->live = td_above_bound(image, brightest, pixels);
+    pixels->live = td_above_bound(image, brightest, pixels, channels);
     pixels->stopped = pixels->stopped + td_select(pixels->transmittance, none, pixels->live);
     pixels->stopped_dot = pixels->stopped_dot + td_select(pixels->transmittance_dot, none, pixels->live);
     pixels->transmittance = td_select(none, pixels->transmittance, pixels->live);
@@ -103,16 +105,16 @@ TD_INLINE void td_accumulate(TD_GLOBAL const td_real *record, TD_GLOBAL const td
             sums->feature[k] = td_fma(w, colour[k], sums->feature[k]);
             sums->feature[TD_FEATURES + k] = td_fma(w_dot, colour[k], rate);
         }
-    } else {
+    } else if (td_with_luminance(image)) {
         td_real luminance = record[TD_R_LUMINANCE], luminance_dot = record[TD_R_LUMINANCE_DOT];
         sums->luminance = td_fma(w, luminance, sums->luminance);
         sums->luminance_dot = td_fma(w_dot, luminance, td_fma(w, luminance_dot, sums->luminance_dot));
     }
-    if (!td_with_colour(image)) return;
-    for (int c = 0; c < (td_with_decoder(image) ? 0 : 3); c++) {
+    for (int c = 0; c < (td_with_channels(image) ? 3 : 0); c++) {
         sums->colour[c] = td_fma(w, colour[c], sums->colour[c]);
         sums->colour[3 + c] = td_fma(w_dot, colour[c], td_fma(w, colour[3 + c], sums->colour[3 + c]));
     }
+    if (!td_with_colour(image)) return;
     td_real z = record[TD_R_DEPTH], z_dot = record[TD_R_DEPTH_DOT];
     sums->depth = td_fma(w, z, sums->depth);
     sums->depth_dot = td_fma(w_dot, z, td_fma(w, z_dot, sums->depth_dot));
@@ -129,8 +131,8 @@ TD_INLINE void td_add_weight(const td_image *image, td_lanes w, td_lanes w_dot, 
 
 /* Blends one splat of alpha tau in hard order (paper, Eq. 2 and 8). Where a rule drops it, T is put aside and is 0 from there
  * on: with a mask of lanes each splat waited longer for the one before. */
-TD_INLINE void td_blend_alpha(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
-                              td_lanes tau, td_lanes tau_dot, td_lanes wanted, td_composite *pixels) {
+TD_INLINE td_shown td_blend_alpha(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
+                                  td_lanes tau, td_lanes tau_dot, td_lanes wanted, td_composite *pixels) {
     td_lanes none = td_splat(0.0f), t = pixels->transmittance, t_dot = pixels->transmittance_dot;
     td_lanes w = t * tau;
     td_lanes w_dot = td_fma(t, tau_dot, t_dot * tau);
@@ -150,6 +152,9 @@ TD_INLINE void td_blend_alpha(TD_GLOBAL const td_real *record, TD_GLOBAL const t
     }
     td_accumulate(record, colour, image, w, w_dot, &pixels->sums);
     td_add_weight(image, w, w_dot, &pixels->sums);
+    td_shown shown;
+    shown.w = w, shown.w_dot = w_dot;
+    return shown;
 }
 
 TD_INLINE void td_sums_start(td_sums *sums, const td_image *image) {
@@ -182,6 +187,40 @@ TD_INLINE void td_finish_luminance(td_lanes y, td_lanes y_dot, td_real log_eps, 
     planes[2] = y;
 }
 
+/* Channels with the backdrop behind, r g b and their rates: colours, or, where light isn't linear in these, their light. */
+TD_INLINE void td_finish_channels(const td_image *image, const td_composite *pixels, const td_channels *channels,
+                                  TD_GLOBAL const td_backdrop *backdrop, td_lanes channel[6]) {
+    td_lanes t = pixels->transmittance, t_dot = pixels->transmittance_dot;
+    if (td_by_channels(image)) {
+        const td_channel *r = &channels->red, *g = &channels->green, *b = &channels->blue;
+        TD_GLOBAL const td_real *at = backdrop->colour, *rate = backdrop->colour_dot;
+        td_channel_light(image, t, t_dot, r->y, r->y_dot, at[0], rate[0], channel, channel + 3);
+        td_channel_light(image, t, t_dot, g->y, g->y_dot, at[1], rate[1], channel + 1, channel + 4);
+        td_channel_light(image, t, t_dot, b->y, b->y_dot, at[2], rate[2], channel + 2, channel + 5);
+        return;
+    }
+    for (int c = 0; c < 3; c++) {
+        td_lanes y = pixels->sums.colour[c], y_dot = pixels->sums.colour[3 + c];
+        if (td_is_coded(image)) { /* a decoder's */
+            td_channel_light(image, t, t_dot, y, y_dot, backdrop->colour[c], backdrop->colour_dot[c], channel + c,
+                             channel + 3 + c);
+            continue;
+        }
+        channel[c] = td_fma(t, backdrop->colour[c], y);
+        channel[3 + c] = td_fma(t_dot, backdrop->colour[c], td_fma(t, backdrop->colour_dot[c], y_dot));
+    }
+}
+
+/* Y, L and their rates of channels that are light. */
+TD_INLINE void td_finish_coded(const td_image *image, const td_lanes channel[6], td_lanes planes[3]) {
+    td_lanes y = channel[0] * image->luminance[0], y_dot = channel[3] * image->luminance[0];
+    for (int c = 1; c < 3; c++) {
+        y = td_fma(channel[c], image->luminance[c], y);
+        y_dot = td_fma(channel[3 + c], image->luminance[c], y_dot);
+    }
+    td_finish_luminance(y, y_dot, image->log_eps, planes);
+}
+
 /* Y, L and their rates with the backdrop behind (paper, Eq. 3, 4 and 9): planes[0] = L, [1] = L_dot, [2] = Y. */
 TD_INLINE void td_finish_signal(const td_composite *pixels, td_real backdrop, td_real backdrop_dot, td_real log_eps,
                                 td_lanes planes[3]) {
@@ -191,18 +230,13 @@ TD_INLINE void td_finish_signal(const td_composite *pixels, td_real backdrop, td
     td_finish_luminance(y, y_dot, log_eps, planes);
 }
 
-/* Colour planes in the order of TD_OUT_R ..: r g b, their rates, mean depth and its rate. */
-TD_INLINE void td_finish_colour(const td_composite *pixels, TD_GLOBAL const td_backdrop *backdrop, td_lanes planes[8]) {
-    td_lanes t = pixels->transmittance, t_dot = pixels->transmittance_dot;
-    for (int c = 0; c < 3; c++) {
-        planes[c] = td_fma(t, backdrop->colour[c], pixels->sums.colour[c]);
-        planes[3 + c] = td_fma(t_dot, backdrop->colour[c], td_fma(t, backdrop->colour_dot[c], pixels->sums.colour[3 + c]));
-    }
+/* Mean depth and its rate. */
+TD_INLINE void td_finish_depth(const td_composite *pixels, td_lanes planes[2]) {
     td_mask some = pixels->sums.weight > 0.0f;
     td_lanes divisor = td_select(td_splat(1.0f), pixels->sums.weight, some);
     td_lanes depth = pixels->sums.depth / divisor;
-    planes[6] = td_select(td_splat(0.0f), depth, some);
-    planes[7] = td_select(td_splat(0.0f), td_fma(-depth, pixels->sums.weight_dot, pixels->sums.depth_dot) / divisor, some);
+    planes[0] = td_select(td_splat(0.0f), depth, some);
+    planes[1] = td_select(td_splat(0.0f), td_fma(-depth, pixels->sums.weight_dot, pixels->sums.depth_dot) / divisor, some);
 }
 
 #endif

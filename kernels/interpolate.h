@@ -135,7 +135,7 @@ TD_INLINE td_lanes td_pixels_per_unit(TD_GLOBAL const td_view *view, const td_im
  * degree 4 reaches, sqrt(9 / (4 pi)) by the addition theorem, over the luminance of the constant term. */
 TD_INLINE td_lanes td_colour_stray(const td_misfit_terms *terms, const td_image *image, const td_row_arrays *rows,
                                    const td_index row[3]) {
-    td_lanes sum = td_splat(0.0f), luminance = td_splat(image->log_eps);
+    td_lanes sum = td_splat(0.0f), luminance = td_splat(image->transfer.dark);
     for (int k = 0; k < rows->sh_stride; k++) {
         td_dual middle = td_sh_entry(rows, row[1], k);
         td_lanes stray = td_cubic_stray(terms, td_sh_entry(rows, row[0], k), middle, td_sh_entry(rows, row[2], k));
@@ -175,7 +175,7 @@ TD_INLINE td_lanes td_misfit_group(TD_GLOBAL const td_view *views, const td_imag
     td_lanes across = opacity.v * pixels / sigma;
     td_lanes stray = td_fma(across, td_fma(TD_REAL(0.7357588823428847), shape, TD_REAL(0.6065306597126334) * shift), faint);
     if (terms->moves_sh) stray += td_colour_stray(terms, image, rows, at);
-    td_lanes misfit = stray / terms->tolerance;
+    td_lanes misfit = image->transfer.steepest * stray / terms->tolerance;
     if (!(terms->time_tolerance > 0)) return misfit;
     td_lanes speed = td_splat(0.0f);
     for (int k = 0; k < 3; k++) {

@@ -75,6 +75,10 @@ enum {
     TD_PATH_NUMBERS = 8, TD_PATH_STRIDE = 16
 };
 
+/* Where light isn't linear in colours (transfer.h) a row's luminance is red, and beside it, in an array of their own, are green
+ * and blue, then their rates. */
+enum { TD_BESIDE_NUMBERS = 2, TD_BESIDE_STRIDE = 4 };
+
 enum {
     TD_PATH_LEVELS = 8 /* 2^7 pieces of a piece at most */
 };
@@ -150,6 +154,15 @@ typedef struct td_lens {
     td_real stretch, slope, corner, reach, sideways, tangential;
 } td_lens;
 
+/* From colours to light (transfer.h); resolved by lib/render/transfer.c. */
+typedef struct td_transfer {
+    td_real joint, slope, offset, scale, gamma;
+    /* What paths and estimates ask: by how much more ln(light) changes than ln(colour) at most, and the colour whose light is
+     * log_eps; 1 and log_eps where light is linear. */
+    td_real steepest, dark;
+    td_real sure; /* what more of a channel changes L by more than `stop`, wherever (channels.h) */
+} td_transfer;
+
 typedef struct td_image {
     td_real fx, fy, cx, cy;
     td_real limit_x0, limit_x1, limit_y0, limit_y1; /* clamps of x/z and y/z in the Jacobian */
@@ -164,6 +177,7 @@ typedef struct td_image {
     td_real soft_depth;   /* relative depth over which what a splat takes of the light falls to 1/e (soft_order.h) */
     td_real decoder_gain; /* most that Y changes per largest |feature| */
     td_lens lens;
+    td_transfer transfer;
     int width, height;
     int objects;
     int sh_degree, sh_stride; /* evaluated bands; reals per Gaussian in the SH array */
@@ -173,6 +187,8 @@ typedef struct td_image {
     int soft_order; /* 1: soft depth order */
     int decoder;    /* TD_DECODER_...; 0: splats have colours */
     int lens_model; /* TD_LENS_... */
+    int is_coded;   /* 1: light isn't linear in colours, which are composited as three channels */
+    int padding;
 } td_image;
 
 #include "choices.h"
@@ -183,7 +199,9 @@ TD_INLINE td_real td_least_seen(const td_image *image) {
 }
 
 /* Whether splats have colour records, and reals per record. */
-TD_INLINE int td_has_colours(const td_image *image) { return td_decoder(image) || td_outputs(image) >= TD_OUT_COLOUR; }
+TD_INLINE int td_has_colours(const td_image *image) {
+    return td_decoder(image) || td_is_coded(image) || td_outputs(image) >= TD_OUT_COLOUR;
+}
 TD_INLINE int td_colour_stride(const td_image *image) { return td_decoder(image) ? TD_FEATURE_STRIDE : TD_COLOUR_STRIDE; }
 
 /* Does the rule drop the splat that takes T below the stop, and all that follow? */

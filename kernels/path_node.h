@@ -6,6 +6,12 @@
 #include "path.h"
 #include "record.h"
 
+/* Where the rows go. */
+typedef struct td_node_sink {
+    TD_GLOBAL td_real *rows;
+    TD_GLOBAL td_real *beside; /* green and blue, where light isn't linear in colours */
+} td_node_sink;
+
 /* Splats from 2^24 px on, 2^48 px^2, have determinants that the projection makes smaller (td_shrink_wide): no row of these. */
 TD_INLINE td_mask td_node_holds(const td_shape *shape) {
     const td_real wide = TD_REAL(281474976710656.0);
@@ -26,10 +32,26 @@ TD_INLINE void td_node_lay(const td_shape *shape, td_dual luminance, td_lanes en
     entry[TD_P_DEPTH] = shape->depth.v, entry[TD_PATH_NUMBERS + TD_P_DEPTH] = shape->depth.d;
 }
 
-/* Gaussians [i, i + TD_LANES) of a job, to rows of `to`. */
+/* Green and blue to their rows. */
+TD_INLINE void td_node_lay_beside(const td_colour *colour, td_index row, TD_GLOBAL td_real *beside) {
+    int at[TD_LANES];
+    td_index_lanes(row, at);
+    for (int k = 0; k < TD_BESIDE_NUMBERS; k++) {
+        td_real value[TD_LANES], rate[TD_LANES];
+        td_spread(colour->channel[1 + k].v, value);
+        td_spread(colour->channel[1 + k].d, rate);
+        for (int lane = 0; lane < TD_LANES; lane++) {
+            TD_GLOBAL td_real *own = beside + at[lane] * TD_BESIDE_STRIDE + k;
+            own[0] = value[lane];
+            own[TD_BESIDE_NUMBERS] = rate[lane];
+        }
+    }
+}
+
+/* Gaussians [i, i + TD_LANES) of a job. */
 TD_INLINE void td_node_group(const td_node_job *job, int i, TD_GLOBAL const int *gaussians, TD_GLOBAL const int *rows,
                              TD_GLOBAL const int *object, TD_GLOBAL const td_view *views, const td_image *image,
-                             const td_source *source, TD_GLOBAL td_real *to) {
+                             const td_source *source, const td_node_sink *sink) {
     td_index gaussian = td_load_ints(gaussians + job->first + i), row = td_load_ints(rows + job->first + i);
     if (!td_any(gaussian >= 0)) return; /* padding alone: with one lane, groups would race for the row that nobody reads */
     int leader = gaussians[job->first + (i & ~(TD_PAD - 1))];
@@ -40,36 +62,43 @@ TD_INLINE void td_node_group(const td_node_job *job, int i, TD_GLOBAL const int 
     td_shape shape = td_project_bare(view, image, &numbers, gaussian >= 0);
     td_colour colour = td_project_colour(view, image, &own, &numbers, td_not_below_0(gaussian));
     td_lanes entry[TD_PATH_STRIDE];
-    td_node_lay(&shape, td_luminance_of(&colour, image), entry);
-    td_store_rows(to, row, entry);
+    td_dual light = colour.channel[0];
+    if (td_is_coded(image))
+        td_node_lay_beside(&colour, row, sink->beside);
+    else
+        light = td_luminance_of(&colour, image);
+    td_node_lay(&shape, light, entry);
+    td_store_rows(sink->rows, row, entry);
 }
 
 /* -- halving ------------------------------------------------------------------------------------------------------- */
 
-/* The row in the middle of the cubic between two that are `h` seconds apart: both halves are that cubic. */
-TD_INLINE void td_path_middle_row(TD_GLOBAL const td_real *from, TD_GLOBAL const td_real *to, td_real h,
+/* The row in the middle of the cubic between two that are `h` seconds apart, `numbers` and then as many rates: both halves are
+ * that cubic. */
+TD_INLINE void td_path_middle_row(TD_GLOBAL const td_real *from, TD_GLOBAL const td_real *to, td_real h, int numbers,
                                   TD_GLOBAL td_real *middle) {
     const td_real per_h = TD_REAL(1.5) / h, eighth = TD_REAL(0.125) * h;
-    for (int k = 0; k < TD_PATH_NUMBERS; k++) {
-        const td_real begin = from[k], way = to[k] - begin, rate = from[TD_PATH_NUMBERS + k], last = to[TD_PATH_NUMBERS + k];
+    for (int k = 0; k < numbers; k++) {
+        const td_real begin = from[k], way = to[k] - begin, rate = from[numbers + k], last = to[numbers + k];
         middle[k] = begin + (TD_REAL(0.5) * way + eighth * (rate - last));
-        middle[TD_PATH_NUMBERS + k] = per_h * way - TD_REAL(0.25) * (rate + last);
+        middle[numbers + k] = per_h * way - TD_REAL(0.25) * (rate + last);
     }
 }
 
-/* A path's rows of the next level, from row `to` on, of those of this one, 2^level curves a piece from row `from` on: every
- * other is one of these, and what is between two of them is their cubic's. `pieces` of lengths[piece] seconds. */
-TD_INLINE void td_path_halve(TD_GLOBAL td_real *rows, int from, int to, int level, int pieces,
+/* A path's rows of the next level, of so many numbers, from row `to` on, of those of this one, 2^level curves a piece from
+ * row `from` on: every other is one of these, and what is between two of them is their cubic's. `pieces` of lengths[piece]
+ * seconds. */
+TD_INLINE void td_path_halve(TD_GLOBAL td_real *rows, int numbers, int from, int to, int level, int pieces,
                              TD_GLOBAL const td_real *lengths) {
-    const int parts = 1 << level;
-    TD_GLOBAL const td_real *old = rows + from * TD_PATH_STRIDE;
-    TD_GLOBAL td_real *made = rows + to * TD_PATH_STRIDE;
-    for (int k = 0; k < TD_PATH_STRIDE; k++) made[k] = old[k];
+    const int parts = 1 << level, stride = 2 * numbers;
+    TD_GLOBAL const td_real *old = rows + from * stride;
+    TD_GLOBAL td_real *made = rows + to * stride;
+    for (int k = 0; k < stride; k++) made[k] = old[k];
     for (int piece = 0; piece < pieces; piece++) {
         const td_real h = lengths[piece] / (td_real)parts;
-        for (int part = 0; part < parts; part++, old += TD_PATH_STRIDE, made += 2 * TD_PATH_STRIDE) {
-            td_path_middle_row(old, old + TD_PATH_STRIDE, h, made + TD_PATH_STRIDE);
-            for (int k = 0; k < TD_PATH_STRIDE; k++) made[2 * TD_PATH_STRIDE + k] = old[TD_PATH_STRIDE + k];
+        for (int part = 0; part < parts; part++, old += stride, made += 2 * stride) {
+            td_path_middle_row(old, old + stride, h, numbers, made + stride);
+            for (int k = 0; k < stride; k++) made[2 * stride + k] = old[stride + k];
         }
     }
 }
@@ -156,14 +185,34 @@ TD_INLINE td_dual td_path_a(const td_path_splat *splat) {
     return td_dual_mul(td_dual_fma(splat->b, splat->b, splat->det), td_dual_reciprocal(splat->c));
 }
 
+/* What log_luminance sees of three channels, red as luminance so far: their sum, and of what they are off by the sum of sizes,
+ * since what one lacks another doesn't make up for in light. */
+TD_INLINE void td_path_channels(TD_GLOBAL const td_real *beside, td_index row, const td_path_cubic *cubic,
+                                const td_image *image, td_path_splat *own, td_path_stray *off) {
+    own->luminance = td_dual_scale(own->luminance, image->luminance[0]);
+    off->luminance =
+        td_dual_make(td_size(off->luminance.v) * image->luminance[0], td_size(off->luminance.d) * image->luminance[0]);
+    for (int k = 0; k < TD_BESIDE_NUMBERS; k++) {
+        td_dual at[3];
+        for (int i = 0; i < 3; i++) {
+            td_index place = (row + i) * TD_BESIDE_STRIDE + k;
+            at[i] = td_dual_make(td_gather(beside, place), td_gather(beside, place + TD_BESIDE_NUMBERS));
+        }
+        td_dual missed = td_dual_sub(at[1], td_path_between(cubic, at[0], at[2]));
+        td_real weight = image->luminance[1 + k];
+        own->luminance = td_dual_plus(own->luminance, weight, at[1]);
+        off->luminance = td_dual_plus(off->luminance, weight, td_dual_make(td_size(missed.v), td_size(missed.d)));
+    }
+}
+
 /* Misfit of TD_LANES splats within one piece of `h` seconds whose rows, at its start, middle and end, follow one another from
  * `row` on: by how many tolerances log_luminance may be off in the halves. Not above 1: the halves' cubics will do.
  *
  * Value and rate are compared, the rate over half the piece: that bounds what the halves' cubics are off by, up to a tenth,
  * where the path has a kink; a smooth one they follow 16 times better (interpolate.h). How late that is: the same over the
  * rate of splat_alpha. Beside the tolerance stands what rounding makes of numbers. */
-TD_INLINE td_lanes td_path_misfit(TD_GLOBAL const td_real *rows, td_index row, td_real h, const td_path_terms *terms,
-                                  const td_image *image) {
+TD_INLINE td_lanes td_path_misfit(TD_GLOBAL const td_real *rows, TD_GLOBAL const td_real *beside, td_index row, td_real h,
+                                  const td_path_terms *terms, const td_image *image) {
     td_lanes start[TD_PATH_STRIDE], middle[TD_PATH_STRIDE], end[TD_PATH_STRIDE];
     td_load_rows(rows, row, start);
     td_load_rows(rows, row + 1, middle);
@@ -172,13 +221,14 @@ TD_INLINE td_lanes td_path_misfit(TD_GLOBAL const td_real *rows, td_index row, t
     td_path_splat path = td_path_blend(&cubic, start, end), own = td_path_row(middle);
     td_dual a = td_path_a(&own);
     td_path_stray off = td_path_compare(&path, td_path_a(&path), &own, a);
-    const td_real eps = image->log_eps;
+    if (td_is_coded(image)) td_path_channels(beside, row, &cubic, image, &own, &off);
+    const td_real eps = image->transfer.dark;
     td_lanes value =
         td_path_change(&own, a.v, off.u.v, off.v.v, off.a.v, off.b.v, off.c.v, off.det.v, off.opacity.v, off.luminance.v, eps);
     td_lanes rate =
         td_path_change(&own, a.v, off.u.d, off.v.d, off.a.d, off.b.d, off.c.d, off.det.d, off.opacity.d, off.luminance.d, eps);
     td_lanes stray = td_fma(td_splat(0.5f * h), rate, value), noise = td_path_noise(&own, a.v, terms->rounding);
-    td_lanes misfit = stray / (terms->tolerance + noise);
+    td_lanes misfit = stray / (terms->tolerance / image->transfer.steepest + noise);
     if (terms->time_tolerance > 0) {
         td_lanes speed =
             td_path_change(&own, a.v, own.u.d, own.v.d, a.d, own.b.d, own.c.d, own.det.d, own.opacity.d, own.luminance.d, eps);
@@ -191,15 +241,15 @@ TD_INLINE td_lanes td_path_misfit(TD_GLOBAL const td_real *rows, td_index row, t
 
 /* Misfits of TD_LANES splats over all pieces of the interval, the largest. `pieces` of lengths[piece] seconds, each cut into 2^level; a splat's rows begin at first[lane]. `level` is 1 at least. Curve
  * k's own misfits go to each[k x stride], with a stride of 0 nowhere. */
-TD_INLINE td_lanes td_path_try_each(TD_GLOBAL const td_real *rows, td_index first, int level, int pieces,
-                                    TD_GLOBAL const td_real *lengths, const td_path_terms *terms, const td_image *image,
-                                    TD_GLOBAL td_real *each, int stride) {
+TD_INLINE td_lanes td_path_try_each(TD_GLOBAL const td_real *rows, TD_GLOBAL const td_real *beside, td_index first, int level,
+                                    int pieces, TD_GLOBAL const td_real *lengths, const td_path_terms *terms,
+                                    const td_image *image, TD_GLOBAL td_real *each, int stride) {
     td_lanes worst = td_splat(0.0f);
     int parts = 1 << (level - 1);
     for (int piece = 0; piece < pieces; piece++) {
         td_real h = lengths[piece] / (td_real)parts;
         for (int k = 0; k < parts; k++) {
-            td_lanes misfit = td_path_misfit(rows, first + 2 * (piece * parts + k), h, terms, image);
+            td_lanes misfit = td_path_misfit(rows, beside, first + 2 * (piece * parts + k), h, terms, image);
             if (stride) td_store_lanes(each + (piece * parts + k) * stride, misfit);
             worst = td_larger(misfit, worst);
         }

@@ -4,28 +4,34 @@
 
 TD_APART void td_nodes_apart(__constant const td_image *image_buffer, __global const td_node_job *at,
                              __global const int *gaussians, __global const int *places, __global const int *object,
-                             __global const td_view *views, const td_source *sources, __global td_real *rows, int first,
+                             __global const td_view *views, const td_source *sources, const td_node_sink *to, int first,
                              int step) {
     const td_image image = *image_buffer;
     const td_node_job job = *at;
     const td_source source = *sources;
+    const td_node_sink sink = *to;
     for (int i = first; i < job.count; i += step)
-        td_node_group(&job, i, gaussians, places, object, views, &image, &source, rows);
+        td_node_group(&job, i, gaussians, places, object, views, &image, &source, &sink);
 }
 
 __kernel void td_project_nodes(__constant const td_image *image_buffer, __global const td_node_job *jobs,
                                __global const int *gaussians, __global const int *places, __global const int *object,
                                __global const td_view *views, __global const td_real *geometry, __global const td_real *rates,
                                __global const td_sh_real *sh, __global const td_real *sh_rates, __global const int *owners,
-                               int first_rate, int first_moved, __global td_real *rows) {
+                               int first_rate, int first_moved, __global td_real *rows, __global td_real *beside) {
     const td_source source = td_source_make(geometry, rates, sh, sh_rates, owners, first_rate, first_moved);
-    td_nodes_apart(image_buffer, jobs + get_group_id(0), gaussians, places, object, views, &source, rows,
+    td_node_sink sink;
+    sink.rows = rows;
+    sink.beside = beside;
+    td_nodes_apart(image_buffer, jobs + get_group_id(0), gaussians, places, object, views, &source, &sink,
                    (int)get_local_id(0) * TD_LANES, (int)get_local_size(0) * TD_LANES);
 }
 
-/* Paths' rows of the next level, at `to`, of those at `from`: (count). */
-__kernel void td_halve_paths(__global td_real *rows, __global const int *from, __global const int *to, int count, int level,
-                             int pieces, __global const td_real *lengths) {
-    for (int i = (int)get_global_id(0); i < count; i += (int)get_global_size(0))
-        td_path_halve(rows, from[i], to[i], level, pieces, lengths);
+/* Paths' rows of the next level, at `to`, of those at `from`: (count); and what is beside them, where anything is. */
+__kernel void td_halve_paths(__global td_real *rows, __global td_real *beside, int is_coded, __global const int *from,
+                             __global const int *to, int count, int level, int pieces, __global const td_real *lengths) {
+    for (int i = (int)get_global_id(0); i < count; i += (int)get_global_size(0)) {
+        td_path_halve(rows, TD_PATH_NUMBERS, from[i], to[i], level, pieces, lengths);
+        if (is_coded) td_path_halve(beside, TD_BESIDE_NUMBERS, from[i], to[i], level, pieces, lengths);
+    }
 }

@@ -7,7 +7,7 @@
 #ifndef TD_POINT_ENTRIES_H
 #define TD_POINT_ENTRIES_H
 
-#include "lanes.h"
+#include "layout.h"
 
 /* What it takes of the light (point_splats.h), its light, its depth, growth = depth_dot / depth, and which path it has. */
 enum {
@@ -18,13 +18,24 @@ enum {
     TD_E_DEPTH,
     TD_E_GROWTH,
     TD_E_PATH,
-    TD_POINT_ENTRY = 7 * TD_LANES
+    TD_E_GREEN, /* from here on where light isn't linear in colours: luminance is red then */
+    TD_E_GREEN_DOT,
+    TD_E_BLUE,
+    TD_E_BLUE_DOT,
+    TD_POINT_NUMBERS = TD_E_GREEN,
+    TD_POINT_CODED_NUMBERS = TD_E_BLUE_DOT + 1
 };
 typedef struct td_point_entry {
     td_lanes takes, takes_dot, luminance, luminance_dot, depth, growth, path;
+    td_lanes green, green_dot, blue, blue_dot;
 } td_point_entry;
 
-TD_INLINE void td_point_store_entry(const td_point_entry *entry, TD_GLOBAL td_real *to) {
+/* Reals of an entry. */
+TD_INLINE int td_point_room(const td_image *image) {
+    return (td_is_coded(image) ? TD_POINT_CODED_NUMBERS : TD_POINT_NUMBERS) * TD_LANES;
+}
+
+TD_INLINE void td_point_store_entry(const td_image *image, const td_point_entry *entry, TD_GLOBAL td_real *to) {
     td_store_lanes(to + TD_E_TAKES * TD_LANES, entry->takes);
     td_store_lanes(to + TD_E_TAKES_DOT * TD_LANES, entry->takes_dot);
     td_store_lanes(to + TD_E_LUMINANCE * TD_LANES, entry->luminance);
@@ -32,8 +43,13 @@ TD_INLINE void td_point_store_entry(const td_point_entry *entry, TD_GLOBAL td_re
     td_store_lanes(to + TD_E_DEPTH * TD_LANES, entry->depth);
     td_store_lanes(to + TD_E_GROWTH * TD_LANES, entry->growth);
     td_store_lanes(to + TD_E_PATH * TD_LANES, entry->path);
+    if (!td_is_coded(image)) return;
+    td_store_lanes(to + TD_E_GREEN * TD_LANES, entry->green);
+    td_store_lanes(to + TD_E_GREEN_DOT * TD_LANES, entry->green_dot);
+    td_store_lanes(to + TD_E_BLUE * TD_LANES, entry->blue);
+    td_store_lanes(to + TD_E_BLUE_DOT * TD_LANES, entry->blue_dot);
 }
-TD_INLINE td_point_entry td_point_load_entry(TD_GLOBAL const td_real *from) {
+TD_INLINE td_point_entry td_point_load_entry(const td_image *image, TD_GLOBAL const td_real *from) {
     td_point_entry entry;
     entry.takes = td_load_lanes(from + TD_E_TAKES * TD_LANES);
     entry.takes_dot = td_load_lanes(from + TD_E_TAKES_DOT * TD_LANES);
@@ -42,9 +58,16 @@ TD_INLINE td_point_entry td_point_load_entry(TD_GLOBAL const td_real *from) {
     entry.depth = td_load_lanes(from + TD_E_DEPTH * TD_LANES);
     entry.growth = td_load_lanes(from + TD_E_GROWTH * TD_LANES);
     entry.path = td_load_lanes(from + TD_E_PATH * TD_LANES);
+    entry.green = entry.green_dot = entry.blue = entry.blue_dot = td_splat(0.0f);
+    if (!td_is_coded(image)) return entry;
+    entry.green = td_load_lanes(from + TD_E_GREEN * TD_LANES);
+    entry.green_dot = td_load_lanes(from + TD_E_GREEN_DOT * TD_LANES);
+    entry.blue = td_load_lanes(from + TD_E_BLUE * TD_LANES);
+    entry.blue_dot = td_load_lanes(from + TD_E_BLUE_DOT * TD_LANES);
     return entry;
 }
-TD_INLINE td_point_entry td_point_choose(const td_point_entry *otherwise, const td_point_entry *then, td_mask mask) {
+TD_INLINE td_point_entry td_point_choose(const td_image *image, const td_point_entry *otherwise, const td_point_entry *then,
+                                         td_mask mask) {
     td_point_entry entry;
     entry.takes = td_select(otherwise->takes, then->takes, mask);
     entry.takes_dot = td_select(otherwise->takes_dot, then->takes_dot, mask);
@@ -53,27 +76,34 @@ TD_INLINE td_point_entry td_point_choose(const td_point_entry *otherwise, const 
     entry.depth = td_select(otherwise->depth, then->depth, mask);
     entry.growth = td_select(otherwise->growth, then->growth, mask);
     entry.path = td_select(otherwise->path, then->path, mask);
+    entry.green = entry.green_dot = entry.blue = entry.blue_dot = td_splat(0.0f);
+    if (!td_is_coded(image)) return entry;
+    entry.green = td_select(otherwise->green, then->green, mask);
+    entry.green_dot = td_select(otherwise->green_dot, then->green_dot, mask);
+    entry.blue = td_select(otherwise->blue, then->blue, mask);
+    entry.blue_dot = td_select(otherwise->blue_dot, then->blue_dot, mask);
     return entry;
 }
 
 /* Puts an entry in its place among those at k - gap, k - 2 gap ..., in each lane by its own depth; how many it passed. At equal
  * depth, paths decide (td_point_lists). Whoever doesn't see a splat has it in its order all the same, so that splats change
  * places together. */
-TD_INLINE int td_point_insert(TD_GLOBAL td_real *entries, int k, int gap, const td_point_entry *made) {
+TD_INLINE int td_point_insert(const td_image *image, TD_GLOBAL td_real *entries, int k, int gap, const td_point_entry *made) {
     td_point_entry entry = *made;
-    TD_GLOBAL td_real *to = entries + k * TD_POINT_ENTRY;
+    const int room = td_point_room(image);
+    TD_GLOBAL td_real *to = entries + k * room;
     int passed = 0;
     for (; k >= gap; k -= gap, passed++) {
-        TD_GLOBAL td_real *before = to - gap * TD_POINT_ENTRY;
+        TD_GLOBAL td_real *before = to - gap * room;
         td_lanes depth = td_load_lanes(before + TD_E_DEPTH * TD_LANES), path = td_load_lanes(before + TD_E_PATH * TD_LANES);
         td_mask nearer = (entry.depth < depth) | ((entry.depth == depth) & (entry.path < path));
         if (!td_any(nearer)) break;
-        td_point_entry front = td_point_load_entry(before), behind = td_point_choose(&entry, &front, nearer);
-        td_point_store_entry(&behind, to);
-        entry = td_point_choose(&front, &entry, nearer);
+        td_point_entry front = td_point_load_entry(image, before), behind = td_point_choose(image, &entry, &front, nearer);
+        td_point_store_entry(image, &behind, to);
+        entry = td_point_choose(image, &front, &entry, nearer);
         to = before;
     }
-    td_point_store_entry(&entry, to);
+    td_point_store_entry(image, &entry, to);
     return passed;
 }
 
@@ -87,30 +117,31 @@ typedef struct td_point_order {
 enum { TD_POINT_PATIENCE = 8 };
 
 /* Adds an entry: in its place, or in any, for td_point_sort. */
-TD_INLINE void td_point_add(TD_GLOBAL td_real *entries, const td_point_entry *entry, td_point_order *order) {
+TD_INLINE void td_point_add(const td_image *image, TD_GLOBAL td_real *entries, const td_point_entry *entry,
+                            td_point_order *order) {
     if (order->loose)
-        td_point_store_entry(entry, entries + order->count * TD_POINT_ENTRY);
+        td_point_store_entry(image, entry, entries + order->count * td_point_room(image));
     else
-        order->passed += td_point_insert(entries, order->count, 1, entry);
+        order->passed += td_point_insert(image, entries, order->count, 1, entry);
     order->count++;
     order->loose |= order->passed > TD_POINT_PATIENCE * (order->count + TD_POINT_PATIENCE);
 }
 
 /* Shell's sort, by the gaps of Gonnet and Baeza-Yates (each 5/11 of the one before): 400 entries pass 6400 others, where their
  * places are any in each of 8 lanes, and 71 000 by insertion. */
-TD_INLINE void td_point_sort(TD_GLOBAL td_real *entries, int count) {
+TD_INLINE void td_point_sort(const td_image *image, TD_GLOBAL td_real *entries, int count) {
     for (int gap = count; gap > 1;) {
         gap = gap > 3 ? (5 * gap - 1) / 11 : 1;
         for (int k = gap; k < count; k++) {
-            const td_point_entry entry = td_point_load_entry(entries + k * TD_POINT_ENTRY);
-            (void)td_point_insert(entries, k, gap, &entry);
+            const td_point_entry entry = td_point_load_entry(image, entries + k * td_point_room(image));
+            (void)td_point_insert(image, entries, k, gap, &entry);
         }
     }
 }
 
 /* All are added: they have their places. */
-TD_INLINE void td_point_settle(TD_GLOBAL td_real *entries, const td_point_order *order) {
-    if (order->loose) td_point_sort(entries, order->count);
+TD_INLINE void td_point_settle(const td_image *image, TD_GLOBAL td_real *entries, const td_point_order *order) {
+    if (order->loose) td_point_sort(image, entries, order->count);
 }
 
 #endif

@@ -34,11 +34,12 @@ typedef struct td_point_slices {
 /* Paths as points read them: between two rows a curve, each number a0 + a1 s + a2 s^2 + a3 s^3 for s in [0, 1]; first all a0,
  * then all a1, ... A splat's curves follow one another: it has pieces << level. One whose determinant is 0 can't be used:
  * nothing is seen of it. */
-enum { TD_CURVE_REALS = 4 * TD_PATH_NUMBERS };
+enum { TD_CURVE_REALS = 4 * TD_PATH_NUMBERS, TD_BESIDE_REALS = 4 * TD_BESIDE_NUMBERS };
 typedef struct td_point_paths {
     TD_GLOBAL const int *path; /* of each Gaussian of the store: its first curve * TD_PATH_LEVELS + level; below 0: none */
     TD_GLOBAL const td_real *curves; /* TD_CURVE_REALS each */
     td_point_slices slices;
+    TD_GLOBAL const td_real *beside; /* TD_BESIDE_REALS each: green and blue, where luminance is red (TD_BESIDE_NUMBERS) */
 } td_point_paths;
 
 /* The sorted lists of all tiles. */
@@ -59,6 +60,18 @@ TD_INLINE void td_point_curve(TD_GLOBAL const td_real *from, TD_GLOBAL const td_
         curve[TD_PATH_NUMBERS + k] = lost ? 0 : start;
         curve[2 * TD_PATH_NUMBERS + k] = lost ? 0 : 3 * way - (2 * start + end);
         curve[3 * TD_PATH_NUMBERS + k] = lost ? 0 : (start + end) - 2 * way;
+    }
+}
+
+/* What is beside it. */
+TD_INLINE void td_point_curve_beside(TD_GLOBAL const td_real *from, TD_GLOBAL const td_real *to, td_real h,
+                                     TD_GLOBAL td_real *curve) {
+    for (int k = 0; k < TD_BESIDE_NUMBERS; k++) {
+        td_real way = to[k] - from[k], start = h * from[TD_BESIDE_NUMBERS + k], end = h * to[TD_BESIDE_NUMBERS + k];
+        curve[k] = from[k];
+        curve[TD_BESIDE_NUMBERS + k] = start;
+        curve[2 * TD_BESIDE_NUMBERS + k] = 3 * way - (2 * start + end);
+        curve[3 * TD_BESIDE_NUMBERS + k] = (start + end) - 2 * way;
     }
 }
 

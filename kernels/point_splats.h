@@ -110,6 +110,7 @@ TD_INLINE td_dual td_point_distance(const td_point_form *f, td_lanes inverse, co
  * optical depth in soft order. Both are kept at one place, a vector for each number, and what is worked out of the first three
  * takes their places. */
 enum { TD_V_POWER = 0, TD_V_OPACITY, TD_V_SLOPE, TD_V_LUMINANCE, TD_V_LUMINANCE_DOT, TD_V_DEPTH, TD_V_GROWTH };
+enum { TD_V_GREEN = TD_E_GREEN, TD_V_GREEN_DOT, TD_V_BLUE, TD_V_BLUE_DOT };
 enum { TD_V_ALPHA = TD_V_POWER, TD_V_ALPHA_DOT = TD_V_SLOPE, TD_V_TAKES = TD_V_OPACITY, TD_V_TAKES_DOT = TD_V_SLOPE };
 typedef struct td_point_view {
     td_lanes power, opacity, slope; /* alpha = opacity 2^power, alpha_dot = slope 2^power; */
@@ -168,6 +169,12 @@ TD_INLINE td_point_entry td_point_enter(const td_image *image, TD_GLOBAL const t
     entry.takes_dot = td_select(none, td_load_lanes(view + TD_V_TAKES_DOT * TD_LANES), *sees);
     entry.luminance = td_select(none, td_load_lanes(view + TD_V_LUMINANCE * TD_LANES), *sees);
     entry.luminance_dot = td_select(none, td_load_lanes(view + TD_V_LUMINANCE_DOT * TD_LANES), *sees);
+    entry.green = entry.green_dot = entry.blue = entry.blue_dot = none;
+    if (!td_is_coded(image)) return entry;
+    entry.green = td_select(none, td_load_lanes(view + TD_V_GREEN * TD_LANES), *sees);
+    entry.green_dot = td_select(none, td_load_lanes(view + TD_V_GREEN_DOT * TD_LANES), *sees);
+    entry.blue = td_select(none, td_load_lanes(view + TD_V_BLUE * TD_LANES), *sees);
+    entry.blue_dot = td_select(none, td_load_lanes(view + TD_V_BLUE_DOT * TD_LANES), *sees);
     return entry;
 }
 
@@ -179,6 +186,21 @@ TD_INLINE void td_point_store_view(const td_point_view *view, TD_GLOBAL td_real 
     td_store_lanes(to + TD_V_LUMINANCE_DOT * TD_LANES, view->luminance_dot);
     td_store_lanes(to + TD_V_DEPTH * TD_LANES, view->depth);
     td_store_lanes(to + TD_V_GROWTH * TD_LANES, view->growth);
+}
+
+/* Green and blue at the times of the lanes, on one curve for all or a curve each: at beside + at[lane]. */
+TD_INLINE void td_point_see_beside(TD_GLOBAL const td_real *beside, const int *curve, td_lanes way, td_lanes rate,
+                                   TD_GLOBAL td_real *view) {
+    int at[TD_LANES];
+    for (int lane = 0; lane < TD_LANES; lane++) at[lane] = curve[lane] / (TD_CURVE_REALS / TD_BESIDE_REALS);
+    td_point_eight of = td_point_load_eight(beside, at);
+    td_lanes green, green_slope, blue, blue_slope;
+    td_point_cubic(of.a, of.c, of.e, of.g, way, &green, &green_slope);
+    td_point_cubic(of.b, of.d, of.f, of.h, way, &blue, &blue_slope);
+    td_store_lanes(view + TD_V_GREEN * TD_LANES, green);
+    td_store_lanes(view + TD_V_GREEN_DOT * TD_LANES, green_slope * rate);
+    td_store_lanes(view + TD_V_BLUE * TD_LANES, blue);
+    td_store_lanes(view + TD_V_BLUE_DOT * TD_LANES, blue_slope * rate);
 }
 
 /* -- a list -------------------------------------------------------------------------------------------------------- */
@@ -209,34 +231,38 @@ TD_INLINE void td_point_note(const td_image *image, const td_point_entry *entry,
 enum { TD_POINT_BATCH = 64 };
 
 /* Enters the splats found, as what the points see: views go where entries will be, which are no more than they. */
-TD_INLINE void td_point_look(TD_GLOBAL const td_real *curves, const td_image *image, const int *found, int count,
+TD_INLINE void td_point_look(const td_point_paths *paths, const td_image *image, const int *found, int count,
                              const td_real *way, const td_real *rate, const int *curve, const int *together,
                              TD_GLOBAL td_real *entries, td_point_eye *eye) {
-    TD_GLOBAL td_real *views = entries + eye->order.count * TD_POINT_ENTRY;
+    const int room = td_point_room(image);
+    TD_GLOBAL td_real *views = entries + eye->order.count * room;
     int above[TD_POINT_BATCH], seen = 0;
     for (int i = 0; i < count; i++) {
         int level = found[i] & (TD_PATH_LEVELS - 1), lanes = level * TD_LANES;
-        TD_GLOBAL const td_real *own = curves + found[i] / TD_PATH_LEVELS * TD_CURVE_REALS;
+        TD_GLOBAL const td_real *own = paths->curves + found[i] / TD_PATH_LEVELS * TD_CURVE_REALS;
         td_point_eight value, slope;
         if (together[level])
             td_point_numbers_together(own + curve[lanes], way + lanes, &value, &slope);
         else
             td_point_numbers_apart(own, curve + lanes, way + lanes, &value, &slope);
         td_point_view view = td_point_see(image, &value, &slope, td_collect(rate + lanes), eye->x, eye->y);
-        td_point_store_view(&view, views + i * TD_POINT_ENTRY);
+        td_point_store_view(&view, views + i * room);
+        if (td_is_coded(image))
+            td_point_see_beside(paths->beside + found[i] / TD_PATH_LEVELS * TD_BESIDE_REALS, curve + lanes,
+                                td_collect(way + lanes), td_collect(rate + lanes), views + i * room);
     }
     for (int i = 0; i < count; i++) {
         above[seen] = i;
-        seen += td_point_rise(image, views + i * TD_POINT_ENTRY);
+        seen += td_point_rise(image, views + i * room);
     }
-    for (int k = 0; k < seen; k++) td_point_take(image, views + above[k] * TD_POINT_ENTRY);
+    for (int k = 0; k < seen; k++) td_point_take(image, views + above[k] * room);
     for (int k = 0; k < seen; k++) {
         td_mask sees;
-        td_point_entry entry = td_point_enter(image, views + above[k] * TD_POINT_ENTRY, eye->end, &sees);
+        td_point_entry entry = td_point_enter(image, views + above[k] * room, eye->end, &sees);
         if (!td_any(sees)) continue;
         entry.path = td_splat((td_real)found[above[k]]);
         td_point_note(image, &entry, sees, eye);
-        td_point_add(entries, &entry, &eye->order);
+        td_point_add(image, entries, &entry, &eye->order);
     }
 }
 

@@ -28,11 +28,12 @@ static td_share td_share_of_groups(int count) {
     return share;
 }
 
-static td_point_paths td_paths_make(__global const int *path, __global const td_real *curves, int pieces, int slices, int split,
-                                    int group) {
+static td_point_paths td_paths_make(__global const int *path, __global const td_real *curves, __global const td_real *beside,
+                                    int pieces, int slices, int split, int group) {
     td_point_paths paths;
     paths.path = path;
     paths.curves = curves;
+    paths.beside = beside;
     paths.slices.pieces = pieces;
     paths.slices.count = slices;
     paths.slices.split = split;
@@ -43,9 +44,9 @@ static td_point_paths td_paths_make(__global const int *path, __global const td_
 /* What points need of the `count` Gaussians in `seen`: their curves, c from row[2 c] to row[2 c + 1], lengths[c] seconds apart,
  * depths (Gaussians) to be sorted by, and `records` of tests. */
 typedef struct td_splats_to_make {
-    __global const td_real *rows, *lengths;
+    __global const td_real *rows, *rows_beside, *lengths;
     __global const int *row, *seen;
-    __global td_real *curves;
+    __global td_real *curves, *beside;
     __global int *depths;
     __global float *records;
     int count;
@@ -78,10 +79,14 @@ TD_APART void td_splats_apart(__constant const td_image *image_buffer, const td_
             int gaussian = of.seen[i + lane < of.count ? i + lane : i];
             mine[lane] = paths.path[gaussian];
             int first = mine[lane] / TD_PATH_LEVELS, end = first + (pieces << (mine[lane] & (TD_PATH_LEVELS - 1)));
-            for (int c = first; c < end; c++)
-                td_point_curve(of.rows + (long)of.row[2 * c] * TD_PATH_STRIDE,
-                               of.rows + (long)of.row[2 * c + 1] * TD_PATH_STRIDE, of.lengths[c],
+            for (int c = first; c < end; c++) {
+                const long from = of.row[2 * c], to = of.row[2 * c + 1];
+                td_point_curve(of.rows + from * TD_PATH_STRIDE, of.rows + to * TD_PATH_STRIDE, of.lengths[c],
                                of.curves + (long)c * TD_CURVE_REALS);
+                if (td_is_coded(&image))
+                    td_point_curve_beside(of.rows_beside + from * TD_BESIDE_STRIDE, of.rows_beside + to * TD_BESIDE_STRIDE,
+                                          of.lengths[c], of.beside + (long)c * TD_BESIDE_REALS);
+            }
             of.depths[gaussian] = td_point_depth_key(&paths, mine[lane]);
             at[lane] = (size_t)gaussian * (size_t)slices * TD_TEST_REALS;
         }
@@ -95,14 +100,17 @@ TD_APART void td_splats_apart(__constant const td_image *image_buffer, const td_
 __kernel void td_point_make_splats(__constant const td_image *image_buffer, __global const td_real *rows,
                                    __global const int *row, __global const td_real *lengths, __global const int *seen,
                                    int count, __global const int *path, int pieces, int slices, int split, int group,
-                                   __global td_real *curves, __global int *depths, __global float *records) {
-    const td_point_paths paths = td_paths_make(path, curves, pieces, slices, split, group);
+                                   __global td_real *curves, __global int *depths, __global float *records,
+                                   __global const td_real *rows_beside, __global td_real *beside) {
+    const td_point_paths paths = td_paths_make(path, curves, beside, pieces, slices, split, group);
     td_splats_to_make what;
     what.rows = rows;
     what.row = row;
     what.lengths = lengths;
     what.seen = seen;
     what.curves = curves;
+    what.rows_beside = rows_beside;
+    what.beside = beside;
     what.depths = depths;
     what.records = records;
     what.count = count;
@@ -112,25 +120,26 @@ __kernel void td_point_make_splats(__constant const td_image *image_buffer, __gl
 
 /* Misfits of TD_LANES paths of a level per turn (td_path_try_each), in targets: the worst, then, where they are asked
  * for, each `stride` on, those of each curve. */
-TD_APART void td_misfits_apart(__constant const td_image *image_buffer, __global const td_real *rows, __global const int *first,
-                               td_share groups, int level, __global const td_real *lengths, int pieces, td_real target,
-                               td_real rounding, __global td_real *misfits, int stride, int asks_each) {
+TD_APART void td_misfits_apart(__constant const td_image *image_buffer, __global const td_real *rows,
+                               __global const td_real *beside, __global const int *first, td_share groups, int level,
+                               __global const td_real *lengths, int pieces, td_real target, td_real rounding,
+                               __global td_real *misfits, int stride, int asks_each) {
     const td_image image = *image_buffer;
     const td_path_terms terms = {target, 0, rounding, 0};
     for (int k = groups.first; k < groups.end; k += groups.step) {
         const int i = k * TD_LANES;
-        const td_lanes worst = td_path_try_each(rows, td_load_ints(first + i), level, pieces, lengths, &terms, &image,
+        const td_lanes worst = td_path_try_each(rows, beside, td_load_ints(first + i), level, pieces, lengths, &terms, &image,
                                                 misfits + stride + i, asks_each ? stride : 0);
         td_store_lanes(misfits + i, worst);
     }
 }
 
 __kernel void td_point_find_misfits(__constant const td_image *image_buffer, __global const td_real *rows,
-                                    __global const int *first, int count, int level, __global const td_real *lengths,
-                                    int pieces, td_real target, td_real rounding, __global td_real *misfits, int stride,
-                                    int asks_each) {
-    td_misfits_apart(image_buffer, rows, first, td_share_of_groups(count), level, lengths, pieces, target, rounding, misfits,
-                     stride, asks_each);
+                                    __global const td_real *beside, __global const int *first, int count, int level,
+                                    __global const td_real *lengths, int pieces, td_real target, td_real rounding,
+                                    __global td_real *misfits, int stride, int asks_each) {
+    td_misfits_apart(image_buffer, rows, beside, first, td_share_of_groups(count), level, lengths, pieces, target, rounding,
+                     misfits, stride, asks_each);
 }
 
 /* Of a tile, those of its candidates that have paths, by depth, `listed` (at the candidates), and their tests of the splats'
@@ -216,7 +225,7 @@ typedef struct td_values_to_find {
     __global const td_point_chunk *chunks;
     __global td_real *entries, *values;
     int count;
-    td_real backdrop, backdrop_dot;
+    td_point_backdrop backdrop;
 } td_values_to_find;
 
 /* Chunks by turns, neighbours together: the host may be at work on a core, too, and who has that one gets less done. */
@@ -236,7 +245,7 @@ TD_APART void td_values_apart(__constant const td_image *image_buffer, const td_
             const td_point_chunk chunk = of.chunks[i];
             const td_point_tile tile = of.tiles[chunk.tile];
             td_point_chunk_values(&chunk, &tile, of.counts[chunk.tile], &paths, &lists, &points, &image, of.entries,
-                                  of.backdrop, of.backdrop_dot, of.values);
+                                  &of.backdrop, of.values);
         }
 }
 
@@ -246,8 +255,10 @@ __kernel void td_point_values(__constant const td_image *image_buffer, __global 
                               int group, __global const int *listed, __global const float *tests,
                               __global const td_real *columns, int stride, __global const int *piece,
                               __global const td_point_chunk *chunks, int chunk_count, __global td_real *entries, int rows,
-                              td_real backdrop, td_real backdrop_dot, __global td_real *values, volatile __global int *turn) {
-    const td_point_paths paths = td_paths_make(listed, curves, pieces, slices, split, group);
+                              td_real backdrop, td_real backdrop_dot, __global td_real *values, volatile __global int *turn,
+                              __global const td_real *beside, td_real green, td_real blue) {
+    const td_image image = *image_buffer;
+    const td_point_paths paths = td_paths_make(listed, curves, beside, pieces, slices, split, group);
     td_point_lists lists;
     lists.path = listed;
     lists.tests = tests;
@@ -261,10 +272,12 @@ __kernel void td_point_values(__constant const td_image *image_buffer, __global 
     what.tiles = tiles;
     what.counts = counts;
     what.chunks = chunks;
-    what.entries = entries + (long)get_global_id(0) * rows * TD_POINT_ENTRY;
+    what.entries = entries + (long)get_global_id(0) * rows * td_point_room(&image);
     what.values = values;
     what.count = chunk_count;
-    what.backdrop = backdrop;
-    what.backdrop_dot = backdrop_dot;
+    what.backdrop.first = backdrop;
+    what.backdrop.first_dot = backdrop_dot;
+    what.backdrop.green = green;
+    what.backdrop.blue = blue;
     td_values_apart(image_buffer, &paths, &lists, &points, &what, turn);
 }

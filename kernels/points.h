@@ -52,24 +52,23 @@ TD_INLINE int td_point_enter_all(const td_point_chunk *chunk, const td_point_til
                 td_point_soon(paths->curves + path / TD_PATH_LEVELS * TD_CURVE_REALS + curve[level * TD_LANES]);
                 found[count++] = path;
             }
-        td_point_look(paths->curves, image, found, count, way, rate, curve, together, entries, &eye);
+        td_point_look(paths, image, found, count, way, rate, curve, together, entries, &eye);
     }
-    td_point_settle(entries, &eye.order);
+    td_point_settle(image, entries, &eye.order);
     return eye.order.count;
 }
 
 /* Values of a chunk's points: values[2 * point] = L, [2 * point + 1] = L_dot. taken: places of the tile's list; entries: room
- * of the work-item's own for as many, TD_POINT_ENTRY each. */
+ * of the work-item's own for as many, td_point_room each. */
 TD_INLINE void td_point_chunk_values(const td_point_chunk *chunk, const td_point_tile *tile, int taken,
                                      const td_point_paths *paths, const td_point_lists *lists, const td_point_arrays *points,
-                                     const td_image *image, TD_GLOBAL td_real *entries, td_real backdrop, td_real backdrop_dot,
+                                     const td_image *image, TD_GLOBAL td_real *entries, const td_point_backdrop *behind,
                                      TD_GLOBAL td_real *values) {
     td_real L[TD_LANES], L_dot[TD_LANES];
     td_lanes planes[3];
     int count = td_point_enter_all(chunk, tile, taken, paths, lists, points, image, entries);
     td_point_light light = td_point_composite(image, entries, count);
-    td_finish_luminance(td_fma(light.t, backdrop, light.y),
-                        td_fma(light.t_dot, backdrop, td_fma(light.t, backdrop_dot, light.y_dot)), image->log_eps, planes);
+    td_point_finish(image, &light, behind, planes);
     td_spread(planes[0], L);
     td_spread(planes[1], L_dot);
     for (int lane = 0; lane < chunk->count; lane++) {

@@ -53,19 +53,30 @@ TD_INLINE td_dual td_luminance_of(const td_colour *colour, const td_image *image
     return td_dual_plus(luminance, image->luminance[2], colour->channel[2]);
 }
 
+/* The largest of |r|, |g| and |b|, and of their rates nothing: what a sort asks where light isn't linear in them. */
+TD_INLINE td_dual td_largest_channel(const td_colour *colour) {
+    td_lanes largest = td_splat(0.0f);
+    for (int c = 0; c < 3; c++) largest = td_larger(largest, td_size(colour->channel[c].v));
+    return td_dual_make(largest, td_splat(0.0f));
+}
+
 /* Not a number where the splat is broken. */
 TD_INLINE void td_lay_luminance(td_dual luminance, td_mask broken, td_lanes entry[TD_RECORD_STRIDE]) {
     entry[TD_R_LUMINANCE] = td_select(luminance.v, td_not_a_number(), broken);
     entry[TD_R_LUMINANCE_DOT] = luminance.d;
 }
 
-/* Luminance always; colour where asked for. */
+/* Luminance, or the largest channel, always; colour where asked for. */
 TD_INLINE void td_store_colour(const td_colour *colour, td_mask broken, const td_image *image, const td_sink *sink,
                                td_lanes entry[TD_RECORD_STRIDE]) {
-    td_lay_luminance(td_luminance_of(colour, image), broken, entry);
-    if (td_outputs(image) < TD_OUT_COLOUR) return;
+    td_dual light = td_luminance_of(colour, image);
+    if (td_is_coded(image)) light = td_largest_channel(colour);
+    td_lay_luminance(light, broken, entry);
+    if (!td_has_colours(image)) return;
     for (int c = 0; c < 3; c++) {
-        td_scatter(sink->colours, TD_COLOUR_STRIDE, c, colour->channel[c].v);
+        td_lanes value = colour->channel[c].v;
+        if (td_is_coded(image)) value = td_select(value, td_not_a_number(), broken); /* luminance isn't composited */
+        td_scatter(sink->colours, TD_COLOUR_STRIDE, c, value);
         td_scatter(sink->colours, TD_COLOUR_STRIDE, 3 + c, colour->channel[c].d);
     }
 }

@@ -156,16 +156,16 @@ TD_INLINE void td_add_sums(const td_soft *soft, const td_image *image, td_lanes 
             to->feature[k] = td_fma(w, from->feature[k], to->feature[k]);
             to->feature[TD_FEATURES + k] = td_fma(w_dot, from->feature[k], rate);
         }
-    } else {
+    } else if (td_with_luminance(image)) {
         to->luminance = td_fma(w, from->luminance, to->luminance);
         to->luminance_dot = td_fma(w_dot, from->luminance, td_fma(w, from->luminance_dot, to->luminance_dot));
     }
     td_add_weight(image, w * soft->a, td_fma(w_dot, soft->a, w * soft->a_dot), to);
-    if (!td_with_colour(image)) return;
-    for (int c = 0; c < (td_with_decoder(image) ? 0 : 3); c++) {
+    for (int c = 0; c < (td_with_channels(image) ? 3 : 0); c++) {
         to->colour[c] = td_fma(w, from->colour[c], to->colour[c]);
         to->colour[3 + c] = td_fma(w_dot, from->colour[c], td_fma(w, from->colour[3 + c], to->colour[3 + c]));
     }
+    if (!td_with_colour(image)) return;
     to->depth = td_fma(w, from->depth, to->depth);
     to->depth_dot = td_fma(w_dot, from->depth, td_fma(w, from->depth_dot, to->depth_dot));
 }
@@ -182,32 +182,33 @@ TD_INLINE void td_soft_fall_all(const td_soft_step *step, const td_image *image,
     td_soft_fall(step, &soft->a, &soft->a_dot);
     if (td_with_decoder(image))
         for (int k = 0; k < TD_FEATURES; k++) td_soft_fall(step, &sums->feature[k], &sums->feature[TD_FEATURES + k]);
-    else
+    else if (td_with_luminance(image))
         td_soft_fall(step, &sums->luminance, &sums->luminance_dot);
+    for (int c = 0; c < (td_with_channels(image) ? 3 : 0); c++) td_soft_fall(step, &sums->colour[c], &sums->colour[3 + c]);
     if (!td_with_colour(image)) return;
-    for (int c = 0; c < (td_with_decoder(image) ? 0 : 3); c++) td_soft_fall(step, &sums->colour[c], &sums->colour[3 + c]);
     td_soft_fall(step, &sums->depth, &sums->depth_dot);
 }
 
 /* Where densities have become next to nothing they become nothing, before they slow processors down. */
-TD_INLINE void td_soft_clear(const td_image *image, td_soft *soft) {
+TD_INLINE void td_soft_clear(const td_image *image, td_soft *soft, td_channels *channels) {
     td_sums *sums = &soft->sums;
     td_lanes some = td_select(td_splat(0.0f), td_splat(1.0f), soft->a > TD_REAL(1e-20));
     soft->a = soft->a * some;
     soft->a_dot = soft->a_dot * some;
+    if (td_by_channels(image)) td_channels_clear(some, channels);
     if (td_with_decoder(image))
         for (int k = 0; k < 2 * TD_FEATURES; k++) sums->feature[k] = sums->feature[k] * some;
     sums->luminance = sums->luminance * some;
     sums->luminance_dot = sums->luminance_dot * some;
+    for (int c = 0; c < (td_with_channels(image) ? 6 : 0); c++) sums->colour[c] = sums->colour[c] * some;
     if (!td_with_colour(image)) return;
-    for (int c = 0; c < 6; c++) sums->colour[c] = sums->colour[c] * some;
     sums->depth = sums->depth * some;
     sums->depth_dot = sums->depth_dot * some;
 }
 
 /* Light goes one step on: T falls, and the image gains W B, W = (T - T_after) / A. Where A is small T - T_after has few digits
  * right, but B is no larger than A times a colour, so that they are enough; where A is 0 so is B. */
-TD_INLINE void td_soft_go(const td_soft *soft, const td_soft_step *step, const td_image *image, td_composite *pixels) {
+TD_INLINE td_shown td_soft_go(const td_soft *soft, const td_soft_step *step, const td_image *image, td_composite *pixels) {
     td_lanes t = pixels->transmittance, t_dot = pixels->transmittance_dot;
     td_lanes fall = td_exp2(soft->a * step->power);
     td_lanes after = t * fall;
@@ -218,6 +219,9 @@ TD_INLINE void td_soft_go(const td_soft *soft, const td_soft_step *step, const t
     td_add_sums(soft, image, w, w_dot, &pixels->sums);
     pixels->transmittance = after;
     pixels->transmittance_dot = after_dot;
+    td_shown shown;
+    shown.w = w, shown.w_dot = w_dot;
+    return shown;
 }
 
 /* Rules that drop splats, by the light that is left behind all so far: where they blend it; tau is 0 elsewhere. */
@@ -235,22 +239,19 @@ TD_INLINE td_mask td_soft_admit(const td_image *image, td_lanes wanted, td_compo
     return on;
 }
 
-/* Blends splat k of a group, of optical depth a where `on`, and goes on to the next, where that is near, or to the end of what
- * this one reaches. */
-TD_INLINE void td_blend_soft(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
-                             const td_soft_steps *steps, int k, td_lanes a, td_lanes a_dot, td_mask on, td_soft *soft,
-                             td_composite *pixels) {
+/* Blends splat k of a group, of optical depth a, and goes on to the next, where that is near, or to the end of what this one
+ * reaches. */
+TD_INLINE td_shown td_blend_soft(TD_GLOBAL const td_real *record, TD_GLOBAL const td_real *colour, const td_image *image,
+                                 const td_soft_steps *steps, int k, td_lanes a, td_lanes a_dot, td_soft *soft,
+                                 td_composite *pixels) {
     td_soft_step step = {steps->m[k], steps->m_dot[k], steps->left[k], steps->power[k]};
-    if (td_drops_splats(image)) {
-        a = td_select(td_splat(0.0f), a, on);
-        a_dot = td_select(td_splat(0.0f), a_dot, on);
-    }
     soft->open = steps->near[k];
     td_accumulate(record, colour, image, a, a_dot, &soft->sums);
     soft->a = soft->a + a;
     soft->a_dot = soft->a_dot + a_dot;
-    td_soft_go(soft, &step, image, pixels);
+    td_shown shown = td_soft_go(soft, &step, image, pixels);
     td_soft_fall_all(&step, image, soft);
+    return shown;
 }
 
 #endif

@@ -305,7 +305,8 @@ TD_INLINE int td_truth_list(const td_list *list, const td_surfaces *surfaces, co
     td_group group;
     td_soft_steps steps;
     td_finder_start(list, block, &finder);
-    for (td_next_group(list, block, &finder, &group); group.count > 0; td_next_group(list, block, &finder, &group)) {
+    for (td_next_group(list, image, block, &finder, &group); group.count > 0;
+         td_next_group(list, image, block, &finder, &group)) {
         if (td_soft_order(image)) td_soft_measure(list, image, &group, &steps);
         for (int k = 0; k < group.count; k++) { /* a third of the time was waiting for them */
             td_soon(surfaces->places + group.row[k] * TD_RECORD_STRIDE);

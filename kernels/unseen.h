@@ -108,7 +108,7 @@ TD_INLINE td_lanes td_surplus(td_dual start, td_dual middle, td_dual end, td_rea
  * function up to degree 4 reaches, sqrt(9 / (4 pi)). */
 TD_INLINE td_lanes td_colour_surplus(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
                                      const int row[3], td_real duration) {
-    td_lanes sum = td_splat(0.0f), luminance = td_splat(image->log_eps);
+    td_lanes sum = td_splat(0.0f), luminance = td_splat(image->transfer.dark);
     td_sh_source sh[3];
     for (int i = 0; i < 3; i++) sh[i] = td_sh_source_of(view, image, source, td_count_from(row[i]));
     for (int k = 0; k < image->sh_stride; k++) {
@@ -120,7 +120,7 @@ TD_INLINE td_lanes td_colour_surplus(TD_GLOBAL const td_view *view, const td_ima
         td_lanes colour = td_fma(td_larger(x[0].v, td_larger(x[1].v, x[2].v)), TD_REAL(0.28209479177387814), td_splat(0.5f));
         if (k < 3) luminance = td_fma(weight, td_larger(colour, td_splat(0.0f)), luminance);
     }
-    return TD_REAL(0.8462843753216345) * sum / luminance;
+    return TD_REAL(0.8462843753216345) * image->transfer.steepest * sum / luminance;
 }
 
 /* Whether between these ends something isn't what they imply: the mask of the Gaussians of which it may be seen. `peak`: their

@@ -20,6 +20,7 @@ typedef struct recipe {
     int32_t width, height; /* [px] */
     double duration_s, macro_step_s;
     double truth_step_s; /* 0: an eighth of macro_step_s */
+    int32_t transfer;    /* of its colours, whatever its file says */
 } recipe;
 
 /* -- rooms ------------------------------------------------------------------------------------------------------------- */
@@ -167,25 +168,35 @@ static tides_status make_trained(bench_scene *s, const char *file, tides_error *
 /* Under error control each macro step in which something moves is looked into, so that its steps are half as long at most.
  * Macro steps are a run file's default, 10 ms, or the whole run. */
 static const recipe recipes[] = {
-    {"fan", "a textured fan before a room, handheld camera", make_fan, NULL, 240, 180, 0.005, 0.005, 0},
-    {"handheld", "a textured room at rest, handheld camera", make_handheld, NULL, 240, 180, 0.005, 0.005, 0},
-    {"occluder", "a ball at 1200 px/s before a textured wall, camera at rest", make_occluder, NULL, 240, 180, 0.020, 0.010, 0},
-    {"nearly_static", "a disc on 2 % of the view turns, all else at rest", make_nearly_static, NULL, 240, 180, 0.020, 0.010, 0},
+    {"fan", "a textured fan before a room, handheld camera", make_fan, NULL, 240, 180, 0.005, 0.005, 0, 0},
+    {"handheld", "a textured room at rest, handheld camera", make_handheld, NULL, 240, 180, 0.005, 0.005, 0, 0},
+    {"occluder", "a ball at 1200 px/s before a textured wall, camera at rest", make_occluder, NULL, 240, 180, 0.020, 0.010, 0,
+     0},
+    {"nearly_static", "a disc on 2 % of the view turns, all else at rest", make_nearly_static, NULL, 240, 180, 0.020, 0.010, 0,
+     0},
     {"vibration", "a ball before a textured plane and the camera vibrate, 100, 137.5 and 200 Hz", make_vibration, NULL, 120, 90,
-     0.0147, 0.010, 5e-4},
+     0.0147, 0.010, 5e-4, 0},
     {"flicker", "textured planes under lamps at 100 Hz and 1 kHz, camera at rest", make_flicker, NULL, 120, 90, 0.0103, 0.010,
-     1e-4},
+     1e-4, 0},
     {"trained", "guitar of 20 000 splats, camera in orbit", NULL, "playcanvas/guitar_20k_inria_sh0.ply", 240, 180, 0.006, 0.006,
-     2.5e-4},
+     2.5e-4, TIDES_TRANSFER_LINEAR},
     {"playbot", "playbot of 3 000 splats, camera in orbit", NULL, "playcanvas/playbot_lod5_inria_sh2.ply", 240, 180, 0.006,
-     0.006, 2.5e-4},
+     0.006, 2.5e-4, TIDES_TRANSFER_LINEAR},
+    {"trained_srgb", "the same guitar, its colours decoded", NULL, "playcanvas/guitar_20k_inria_sh0.ply", 240, 180, 0.006,
+     0.006, 2.5e-4, TIDES_TRANSFER_SRGB},
+    {"playbot_srgb", "the same playbot, its colours decoded", NULL, "playcanvas/playbot_lod5_inria_sh2.ply", 240, 180, 0.006,
+     0.006, 2.5e-4, TIDES_TRANSFER_SRGB},
 };
 enum { RECIPES = sizeof recipes / sizeof recipes[0] };
-static const recipe any_file = {"", "a trained scene, camera in orbit", NULL, NULL, 240, 180, 0.006, 0.006, 2.5e-4};
+static const recipe any_file = {"",     "a trained scene, camera in orbit",
+                                NULL,   NULL,
+                                240,    180,
+                                0.006,  0.006,
+                                2.5e-4, TIDES_TRANSFER_FILE};
 
 const char *const *bench_scene_names(void) {
-    static const char *const names[] = {"fan",     "handheld", "occluder", "nearly_static", "vibration", "flicker",
-                                        "trained", "playbot",  NULL};
+    static const char *const names[] = {"fan",     "handheld", "occluder",     "nearly_static", "vibration", "flicker",
+                                        "trained", "playbot",  "trained_srgb", "playbot_srgb",  NULL};
     return names;
 }
 
@@ -201,6 +212,7 @@ static void lay_out(bench_scene *s, const recipe *r, int32_t quick) {
     s->truth_step_s = r->truth_step_s > 0 ? r->truth_step_s : r->macro_step_s / BENCH_TRUTH_SPLIT;
     tides_image_params_defaults(&s->image);
     s->image.log_eps = 0.01;
+    s->image.transfer = r->transfer;
     tides_sensor_defaults(&s->sensor);
     s->sensor.threshold_on = s->sensor.threshold_off = 0.2;
     s->sensor.max_events_per_step = 64;

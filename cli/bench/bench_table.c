@@ -108,6 +108,8 @@ static int32_t add_verdict(cJSON *json, const bench_rows *rows, const char *scen
            cJSON_AddNumberToObject(json, "worst_residual", v.worst_residual);
 }
 
+static const char *const transfers[] = {"file", "linear", "srgb", "gamma"}; /* TIDES_TRANSFER_* */
+
 int32_t bench_header_scene(cJSON *header, const bench_scene *scene, const bench_rows *rows) {
     cJSON *json = cJSON_CreateObject();
     if (!cJSON_AddItemToArray(cJSON_GetObjectItem(header, "scenes"), json)) return 0;
@@ -119,7 +121,8 @@ int32_t bench_header_scene(cJSON *header, const bench_scene *scene, const bench_
         cJSON_AddNumberToObject(json, "start_s", scene->start) && cJSON_AddNumberToObject(json, "stop_s", scene->stop) &&
         cJSON_AddNumberToObject(json, "macro_step_s", scene->macro_step_s) &&
         cJSON_AddNumberToObject(json, "threshold", scene->sensor.threshold_on) &&
-        cJSON_AddNumberToObject(json, "log_eps", scene->image.log_eps);
+        cJSON_AddNumberToObject(json, "log_eps", scene->image.log_eps) &&
+        cJSON_AddStringToObject(json, "transfer", transfers[scene->image.transfer - TIDES_TRANSFER_FILE]);
     cJSON *truths = ok ? cJSON_AddArrayToObject(json, "exact") : NULL;
     ok = truths != NULL;
     for (int32_t rules = 0; ok && rules < BENCH_RULES; rules++)

@@ -268,6 +268,7 @@ tides_status bench_world_make(const char *name, int32_t quick, bench_scene *scen
         if (strcmp(worlds[i].name, name) == 0) w = &worlds[i];
     if (!w || (!w->file && !w->add)) {
         tides_status status = bench_scene_make(w ? "fan" : name, quick, scene, error);
+        if (status == TIDES_OK) scene->image.transfer = TIDES_TRANSFER_LINEAR;
         if (status == TIDES_OK && w) snprintf(scene->name, sizeof scene->name, "%s", w->name), scene->sentence = w->sentence;
         return status;
     }
@@ -277,6 +278,7 @@ tides_status bench_world_make(const char *name, int32_t quick, bench_scene *scen
     bench_lay_out(&made, w->name, w->sentence);
     snprintf(file, sizeof file, "%s/data/%s", shared && *shared ? shared : "../shared", w->file ? w->file : "");
     made.stop = FRAMES_S;
+    made.image.transfer = TIDES_TRANSFER_LINEAR; /* as what they are held against has it */
     tides_status status = tides_scene_create(&made.scene, error);
     if (status == TIDES_OK)
         status = w->add ? w->add(made.scene, quick ? w->quick : w->count, error)

@@ -11,7 +11,8 @@ static void tell_losses(const tides_scene *scene, const char *out) {
         const char *what;
     } losses[] = {{TIDES_LOSES_HARMONICS, "SH beyond the constant: colours don't change with the view"},
                   {TIDES_LOSES_TRAINED, "how the scene was trained: image.antialias must say it in runs of this file"},
-                  {TIDES_LOSES_UP, "where up is: camera.up must say it"}};
+                  {TIDES_LOSES_UP, "where up is: camera.up must say it"},
+                  {TIDES_LOSES_TRANSFER, "colours that aren't srgb: image.transfer must say it in runs of this file"}};
     const int32_t lost = tides_scene_losses(scene, out);
     const char *ending = strrchr(out, '.');
     for (size_t i = 0; ending && i < sizeof losses / sizeof losses[0]; i++)

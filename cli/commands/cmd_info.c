@@ -97,11 +97,20 @@ static tides_status motion_facts(const tides_scene *scene, cJSON *facts, tides_e
     return sweep_facts(scene, start, stop, facts, error);
 }
 
+/* What its colours are of light: as .ply files say it, or that objects differ. */
+static const char *transfer_of(const tides_scene *scene) {
+    static const char *const names[] = {"linear", "srgb", "gamma"};
+    int32_t transfer;
+    double gamma;
+    return tides_scene_transfer(scene, &transfer, &gamma, NULL) == TIDES_OK ? names[transfer] : "mixed";
+}
+
 /* How it was trained, and what a user may not expect of it. */
 static void tag_facts(const tides_scene *scene, cJSON *facts) {
     static const char *const names[] = {NULL, "plain", "antialiased", "mixed"}; /* TIDES_TRAINED_* */
     const char *trained = names[tides_scene_trained(scene)], *line = tides_scene_notes(scene);
     if (trained) cJSON_AddStringToObject(facts, "trained", trained);
+    cJSON_AddStringToObject(facts, "colour_transfer", transfer_of(scene));
     cJSON *notes = *line ? cJSON_AddArrayToObject(facts, "notes") : NULL;
     for (size_t length; *line; line += length + (line[length] == '\n')) {
         char note[1024];

@@ -120,8 +120,9 @@ static const cli_command commands[] = {
      "live: latency of a run that is told a pose every millisecond, at 346x260; live.json, .csv and a plot.\n"
      "all: each of them. index.html is a page of all results in the folder.\n"
      "Scenes: fan, handheld, occluder, nearly_static, vibration, flicker; trained and playbot where $TIDES_SHARED/data has "
-     "them. Of live: random, surfaces, demo; guitar and playbot.",
-      1, cmd_bench, 0},
+     "them, at image.transfer linear, and trained_srgb, playbot_srgb. Of live: random, surfaces, demo; guitar "
+     "and playbot.",
+     1, cmd_bench, 0},
 };
 
 enum { COMMANDS = sizeof commands / sizeof commands[0] };

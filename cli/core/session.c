@@ -19,6 +19,20 @@ void cli_tell_unseen(const cli_common *common, const char *who) {
         fprintf(stderr, "tides: nothing of the scene was in view%s, at any time: look at the path, or at camera.up\n", who);
 }
 
+/* What colours are of light, and who says so; objects that differ are refused where they are drawn. */
+static void tell_transfer(const cli_common *common, const tides_session_facts *s) {
+    int32_t transfer = s->values.image.transfer;
+    double gamma = s->values.image.gamma;
+    const int by_file = transfer == TIDES_TRANSFER_FILE;
+    if (by_file && tides_scene_transfer(s->scene, &transfer, &gamma, NULL) != TIDES_OK) return;
+    const char *who = by_file ? "the scene" : "image.transfer";
+    if (transfer == TIDES_TRANSFER_GAMMA)
+        cli_note(common, "colours are light^(1/%g), as %s says, and decoded", gamma, who);
+    else
+        cli_note(common, "colours are %s, as %s says",
+                 transfer == TIDES_TRANSFER_SRGB ? "sRGB and decoded to light" : "linear light", who);
+}
+
 tides_status cli_session_open(const char *file, const cli_list *sets, const cli_common *common, const cli_output *outputs,
                               size_t count, tides_session **session, tides_error *error) {
     tides_session_facts s;
@@ -43,6 +57,7 @@ tides_status cli_session_open(const char *file, const cli_list *sets, const cli_
         cli_tell_lines(common, tides_scene_notes(s.scene));
         if (s.values.image.antialias == TIDES_ANTIALIAS_FILE && tides_scene_trained(s.scene) == TIDES_TRAINED_ANTIALIASED)
             cli_note(common, "image.antialias: on, as the scene's file says that it was trained so");
+        tell_transfer(common, &s);
         cli_note(common, "scene of %lld Gaussians in %d objects, %dx%d px", (long long)tides_scene_count(s.scene),
                  tides_scene_objects(s.scene), s.intrinsics.width, s.intrinsics.height);
     }

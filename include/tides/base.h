@@ -57,6 +57,10 @@ enum {
 #undef TIDES_STATUS_ENUM
 };
 
+/* How values are coded light: LINEAR: they are light; SRGB: light by IEC 61966-2-1; GAMMA: value^gamma. FILE, of what may be
+ * told by a file: what that says. */
+enum { TIDES_TRANSFER_FILE = -1, TIDES_TRANSFER_LINEAR = 0, TIDES_TRANSFER_SRGB = 1, TIDES_TRANSFER_GAMMA = 2 };
+
 /* What the numbers of a file's times are. AUTO: as the reader says. INDEX, of camera paths: numbers of poses, not times. */
 enum { TIDES_TIME_AUTO = 0, TIDES_TIME_S, TIDES_TIME_MS, TIDES_TIME_US, TIDES_TIME_NS, TIDES_TIME_INDEX };
 

@@ -8,18 +8,17 @@
 extern "C" {
 #endif
 
-/* How stored values become luminance. LINEAR: they are proportional to light. SRGB: they are sRGB-encoded, and decoded before
- * r, g and b are weighed. Which stored value is 1 is options->full_scale's to say. Without it integers count to their type's
+/* How stored values become luminance (TIDES_TRANSFER_LINEAR or _SRGB): sRGB-encoded ones are decoded before r, g and b are
+ * weighed. Which stored value is 1 is options->full_scale's to say. Without it integers count to their type's
  * largest value, floats to 1, or to 255 where they are whole numbers beyond 16 up to there (tides_frames_note says so). What
  * doesn't look like that, TIDES_BAD_CONFIG, wants the option: integers of 16 bits or more that fill less than a quarter of
- * their range (10 bits, say), floats beyond 16, and whole ones from 2 to 16. */
-enum { TIDES_TRANSFER_LINEAR = 0, TIDES_TRANSFER_SRGB = 1 };
-
-/* Fill with tides_frames_options_defaults: no file, no rate, auto, linear, the weights of BT.709, luminance, full scale as
+ * their range (10 bits, say), floats beyond 16, and whole ones from 2 to 16.
+ *
+ * Fill with tides_frames_options_defaults: no file, no rate, auto, linear, the weights of BT.709, luminance, full scale as
  * the values tell. */
 typedef struct tides_frames_options {
     uint32_t size;
-    int32_t transfer;         /* TIDES_TRANSFER_* */
+    int32_t transfer;         /* TIDES_TRANSFER_LINEAR or _SRGB */
     int32_t unit;             /* TIDES_TIME_* of timestamp files and of arrays with times; AUTO: as its header says, else
                                  microseconds in image_timestamps.txt (DSEC), else the unit in which frames come 1 to 1000
                                  times a second, or count from 1970 */

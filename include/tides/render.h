@@ -50,16 +50,19 @@ typedef struct tides_image_params {
     int32_t sh_degree;         /* bands above this are ignored, 0..4 */
     double dilation;           /* added to the diagonal of the 2D covariance [px^2] */
     double luminance[3];       /* Y = luminance . (r, g, b) */
-    double log_eps;            /* L = ln(Y + log_eps), 1e-9 to 1e6 */
-    double background[3];      /* r g b, >= 0 */
+    double log_eps;            /* the black level: light of the dark and the photocurrent's offset, as a share of full scale
+                                  (Y = 1); L = ln(Y + log_eps), 1e-9 to 1e6 */
+    double background[3];      /* r g b, >= 0: light, whatever the transfer is */
     tides_smoothing smoothing; /* soft order and tapers */
     int32_t colour_filter; /* TIDES_FILTER_*: other than OFF each pixel's luminance is one channel, and so are L and all that
                               comes of it; `luminance` must then be the default. Takes three times as long */
-    int32_t reserved;
+    int32_t transfer;      /* TIDES_TRANSFER_*: what composited colours are of light; FILE: as the scene's objects say
+                         (tides_scene_transfer) */
+    double gamma;          /* with GAMMA: light = colour^gamma, 1 to 5 */
 } tides_image_params;
 
 /* smooth, as the file says, 4, 0.3, (0.2126, 0.7152, 0.0722), 1e-3, black, (0.1/255 to 1/255, 1e-5, 1.25, 1e-4, ellipses), no
- * filter. */
+ * filter, as the file says, 2.2. */
 TIDES_API void tides_image_params_defaults(tides_image_params *params);
 
 /* clang-format off */
@@ -72,7 +75,7 @@ enum {
     TIDES_ALPHA_DOT = 4,     /*                                                      [1/s] */
     TIDES_COVERAGE = 5,      /* accumulated blending mass, the sum of blend weights  [1]   */
     TIDES_CONTRIBUTORS = 6,  /* splats blended                                       [count] */
-    TIDES_R = 7, TIDES_G = 8, TIDES_B = 9,              /* linear colour             [1]   */
+    TIDES_R = 7, TIDES_G = 8, TIDES_B = 9,              /* light of each channel     [1]   */
     TIDES_R_DOT = 10, TIDES_G_DOT = 11, TIDES_B_DOT = 12, /*                         [1/s] */
     TIDES_Z = 13,            /* mean depth of what is blended, 0 where alpha is 0    [scene units] */
     TIDES_Z_DOT = 14,        /*                                                      [scene units/s] */

@@ -40,6 +40,9 @@ typedef struct tides_gaussians {
     const float *sh;            /* coefficient, then r g b  (N x K x 3) */
     double origin[3];           /* [scene units] what means are relative to: a Gaussian is at origin + mean */
     const double *mean_double;  /* [scene units] NULL, or the means in double, in place of `mean`   (N x 3) */
+    int32_t transfer;           /* TIDES_TRANSFER_LINEAR (0), _SRGB or _GAMMA: what composited colours are of light */
+    int32_t reserved;
+    double gamma; /* with GAMMA: light = colour^gamma, 1 to 5 */
 } tides_gaussians;
 
 /* An empty scene. */
@@ -144,7 +147,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_save(const tides_scene *scen
 enum {
     TIDES_LOSES_HARMONICS = 1, /* all SH but the constant: colours don't change with the view */
     TIDES_LOSES_TRAINED = 2,   /* tides_scene_trained */
-    TIDES_LOSES_UP = 4         /* tides_scene_up */
+    TIDES_LOSES_UP = 4,        /* tides_scene_up */
+    TIDES_LOSES_TRANSFER = 8,  /* tides_scene_transfer: it is taken for srgb when it is read */
+    TIDES_LOSES_EXPONENT = 16  /* of a format: that of a gamma alone; tides_scene_losses has TRANSFER then */
 };
 TIDES_API int32_t tides_scene_losses(const tides_scene *scene, const char *file);
 
@@ -193,6 +198,13 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_bounds_at(const tides_scene 
  * or "default" (Brush, splat-transform), "antialiased 1" or "0" (Postshot), or its filter_3D (mip-splatting); a .spz's flag 1;
  * a SOG's "model"; "antialiased" in the cfg.yml of gsplat's checkpoints. tides_scene_save keeps it in .h5, .ply and .spz. */
 TIDES_API int32_t tides_scene_trained(const tides_scene *scene);
+
+/* How the colours of all objects code light, TIDES_TRANSFER_*, and with GAMMA its exponent: one image can only be decoded in
+ * one way. TIDES_BAD_CONFIG, naming two objects, where they differ. An empty scene is LINEAR. Files say it in a .ply's
+ * comment "ColourTransfer: linear" ("srgb", "gamma 2.2"), an .h5's attribute colour_transfer, a glTF's colorSpace;
+ * tides_scene_save keeps it there. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_scene_transfer(const tides_scene *scene, int32_t *transfer, double *gamma,
+                                                             tides_error *error);
 
 /* Which way up is in the scene, a direction of any length: what its first file that is at rest says (.h5; a .ply's comments
  * "up x y z", Brush's "Vertical axis: x y z", and nerfstudio's "Vertical Axis: z"), what tides_generate makes, or what was

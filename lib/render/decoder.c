@@ -31,6 +31,10 @@ tides_status td_store_find_decoder(const tides_scene *scene, td_store *store, ti
     return TIDES_OK;
 }
 
+/* The largest colour that a decoder without bounds makes, for how much light may change with it. A choice: trained ones
+ * reach 1. */
+static const double largest_colour = 2;
+
 /* Most that the luminance changes where no feature changes by more than 1: slopes of relu are at most 1, of the sigmoid 1/4. */
 static double gain_of(const double *weights, const td_real luminance[3], int decoder) {
     double gain = 0;
@@ -50,4 +54,9 @@ void td_image_set_decoder(const tides_scene *scene, const td_store *store, td_im
     if (!store->decoder) return;
     image->decoder = (int)td_motion_setting(find(scene), "decoder", 0);
     image->decoder_gain = gain_of(store->decoder, image->luminance, image->decoder);
+    if (image->is_coded) {
+        td_real growth;
+        (void)td_light_of(image, image->decoder == TD_DECODER_PLAIN ? largest_colour : 1, &growth);
+        image->decoder_gain *= growth;
+    }
 }

@@ -57,6 +57,6 @@ tides_status td_exact_halve(td_exact *exact, const td_halve_request *request, ti
     return exact->type->halve(exact, request, error);
 }
 
-tides_status td_exact_rows(td_exact *exact, int count, double *rows, tides_error *error) {
-    return exact->type->rows(exact, count, rows, error);
+tides_status td_exact_rows(td_exact *exact, int count, double *rows, double *beside, tides_error *error) {
+    return exact->type->rows(exact, count, rows, beside, error);
 }

@@ -11,11 +11,12 @@ typedef struct opencl_exact {
     int first_rate; /* row that rates begin with */
     int objects;
     int sh_float;                                                   /* SH are floats */
+    int is_coded;                                                   /* rows have green and blue beside them */
     cl_kernel kernel, halve_kernel;                                 /* the latter where something moves by itself */
     td_buffer image, object, geometry, rates, sh, sh_rates, owners; /* the scene */
     td_buffer views, jobs, gaussians, places;                       /* a request */
     td_buffer from, to, lengths;                                    /* paths to halve */
-    td_buffer rows;
+    td_buffer rows, beside;
 } opencl_exact;
 
 static tides_status write_doubles(opencl_exact *e, td_buffer *buffer, size_t first, const double *from, size_t count,
@@ -44,10 +45,16 @@ static tides_status move(td_exact *exact, const td_moved_rows *moved, tides_erro
     return status;
 }
 
+/* So many rows, and what is beside them, which is one number where nothing is. */
+static tides_status grow_rows(opencl_exact *e, int count, tides_error *error) {
+    const size_t rows = (size_t)count, beside = e->is_coded ? rows * TD_BESIDE_STRIDE : 1;
+    const tides_status status = td_buffer_grow(e->device, &e->rows, rows * TD_PATH_STRIDE * sizeof(double), error);
+    return status == TIDES_OK ? td_buffer_grow(e->device, &e->beside, beside * sizeof(double), error) : status;
+}
+
 static tides_status send(opencl_exact *e, const td_node_request *request, tides_error *error) {
     size_t ints = (size_t)request->count * sizeof(cl_int), views = (size_t)request->slots * (size_t)e->objects * TD_VIEW_REALS;
-    tides_status status =
-        td_buffer_grow(e->device, &e->rows, (size_t)request->row_count * TD_PATH_STRIDE * sizeof(double), error);
+    tides_status status = grow_rows(e, request->row_count, error);
     if (status == TIDES_OK)
         status = td_buffer_write(e->device, &e->views, request->views, views * sizeof *request->views, error);
     if (status == TIDES_OK)
@@ -68,7 +75,8 @@ static tides_status nodes(td_exact *exact, const td_node_request *request, tides
                                      TD_BUFFER_ARGUMENT(e->geometry),  TD_BUFFER_ARGUMENT(e->rates),
                                      TD_BUFFER_ARGUMENT(e->sh),        TD_BUFFER_ARGUMENT(e->sh_rates),
                                      TD_BUFFER_ARGUMENT(e->owners),    TD_VALUE_ARGUMENT(first_rate),
-                                     TD_VALUE_ARGUMENT(first_moved),   TD_BUFFER_ARGUMENT(e->rows)};
+                                     TD_VALUE_ARGUMENT(first_moved),   TD_BUFFER_ARGUMENT(e->rows),
+                                     TD_BUFFER_ARGUMENT(e->beside)};
     status = td_launch(e->device, e->kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
     return td_finish(e->device, status, error);
 }
@@ -77,11 +85,14 @@ static tides_status halve(td_exact *exact, const td_halve_request *request, tide
     opencl_exact *e = (opencl_exact *)exact;
     const cl_int count = request->count, level = request->level, pieces = request->pieces;
     size_t local, global = td_even_items((int)e->device->info.lanes, count, &local);
-    const size_t ints = (size_t)count * sizeof(cl_int), row = TD_PATH_STRIDE;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(e->rows),   TD_BUFFER_ARGUMENT(e->from), TD_BUFFER_ARGUMENT(e->to),
-                                     TD_VALUE_ARGUMENT(count),      TD_VALUE_ARGUMENT(level),    TD_VALUE_ARGUMENT(pieces),
+    const size_t ints = (size_t)count * sizeof(cl_int);
+    const cl_int is_coded = e->is_coded;
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(e->rows),   TD_BUFFER_ARGUMENT(e->beside),
+                                     TD_VALUE_ARGUMENT(is_coded),   TD_BUFFER_ARGUMENT(e->from),
+                                     TD_BUFFER_ARGUMENT(e->to),     TD_VALUE_ARGUMENT(count),
+                                     TD_VALUE_ARGUMENT(level),      TD_VALUE_ARGUMENT(pieces),
                                      TD_BUFFER_ARGUMENT(e->lengths)};
-    tides_status status = td_buffer_grow(e->device, &e->rows, (size_t)request->row_count * row * sizeof(double), error);
+    tides_status status = grow_rows(e, request->row_count, error);
     if (status == TIDES_OK) status = td_buffer_write(e->device, &e->from, request->from, ints, error);
     if (status == TIDES_OK) status = td_buffer_write(e->device, &e->to, request->to, ints, error);
     if (status == TIDES_OK)
@@ -91,15 +102,17 @@ static tides_status halve(td_exact *exact, const td_halve_request *request, tide
     return td_finish(e->device, status, error);
 }
 
-static tides_status rows(td_exact *exact, int count, double *to, tides_error *error) {
+static tides_status rows(td_exact *exact, int count, double *to, double *beside, tides_error *error) {
     opencl_exact *e = (opencl_exact *)exact;
-    return td_buffer_read(e->device, &e->rows, to, (size_t)count * TD_PATH_STRIDE * sizeof *to, error);
+    const tides_status status = td_buffer_read(e->device, &e->rows, to, (size_t)count * TD_PATH_STRIDE * sizeof *to, error);
+    if (status != TIDES_OK || !beside) return status;
+    return td_buffer_read(e->device, &e->beside, beside, (size_t)count * TD_BESIDE_STRIDE * sizeof *beside, error);
 }
 
 static void destroy(td_exact *exact) {
     opencl_exact *e = (opencl_exact *)exact;
-    td_buffer *buffers[] = {&e->image, &e->object,    &e->geometry, &e->rates, &e->sh,   &e->sh_rates, &e->owners, &e->views,
-                            &e->jobs,  &e->gaussians, &e->places,   &e->rows,  &e->from, &e->to,       &e->lengths};
+    td_buffer *buffers[] = {&e->image, &e->object,    &e->geometry, &e->rates, &e->sh,   &e->sh_rates, &e->owners,  &e->views,
+                            &e->jobs,  &e->gaussians, &e->places,   &e->rows,  &e->from, &e->to,       &e->lengths, &e->beside};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     if (e->kernel) clReleaseKernel(e->kernel);
     if (e->halve_kernel) clReleaseKernel(e->halve_kernel);
@@ -110,6 +123,10 @@ static const td_exact_class opencl_class = {move, nodes, halve, rows, destroy};
 
 const td_buffer *td_exact_row_buffer(const td_exact *exact) {
     return exact->type == &opencl_class ? &((const opencl_exact *)exact)->rows : NULL;
+}
+
+const td_buffer *td_exact_beside_buffer(const td_exact *exact) {
+    return exact->type == &opencl_class ? &((const opencl_exact *)exact)->beside : NULL;
 }
 
 /* The store's SH as floats, or as doubles, as the kernel takes them. */
@@ -148,6 +165,7 @@ static tides_status build(opencl_exact *e, const td_image_numbers *numbers, int 
     memset(&decisions, 0, sizeof decisions);
     memcpy((char *)&decisions + TD_IMAGE_REALS * sizeof(td_real), numbers->whole, sizeof numbers->whole);
     decisions.moving = moving;
+    e->is_coded = decisions.is_coded;
     char *image = td_opencl_defines("path_nodes.cl", &decisions, TD_OUT_SIGNAL, error);
     char *defines = image ? td_format(error, "%s%s", image, e->sh_float ? "#define TD_BUILD_SH_FLOAT 1\n" : "") : NULL;
     free(image);

@@ -38,9 +38,9 @@ static tides_status halve(td_exact *exact, const td_halve_request *request, tide
     return reference->type->halve_paths(reference, request, error);
 }
 
-static tides_status rows(td_exact *exact, int count, double *to, tides_error *error) {
+static tides_status rows(td_exact *exact, int count, double *to, double *beside, tides_error *error) {
     td_backend *reference = ((twin *)exact)->reference;
-    return reference->type->path_rows(reference, count, to, error);
+    return reference->type->path_rows(reference, count, to, beside, error);
 }
 
 static void destroy(td_exact *exact) {

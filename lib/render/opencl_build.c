@@ -15,7 +15,8 @@ enum {
     BY_SOFT_ORDER = 128,
     BY_DECODER = 256,
     BY_LENS = 512,
-    BY_ALL = 1023,
+    BY_CODED = 1024,
+    BY_ALL = 2047,
     BY_PROJECTION = BY_SH | BY_ANTIALIAS | BY_CUT | BY_EXTENT | BY_MOVING | BY_SOFT_ORDER | BY_LENS
 };
 
@@ -26,11 +27,11 @@ static int decisions_of(const char *files) {
         const char *files;
         int decisions;
     } known[] = {{TD_FIRST_KERNELS, BY_ANTIALIAS | BY_CUT | BY_MOVING | BY_SOFT_ORDER | BY_LENS},
-                 {TD_PROJECT_KERNELS, BY_PROJECTION | BY_OUTPUTS | BY_DECODER},
-                 {"composite.cl", BY_CUT | BY_STOP | BY_OUTPUTS | BY_SOFT_ORDER | BY_DECODER | BY_LENS},
+                 {TD_PROJECT_KERNELS, BY_PROJECTION | BY_OUTPUTS | BY_DECODER | BY_CODED},
+                 {"composite.cl", BY_CUT | BY_STOP | BY_OUTPUTS | BY_SOFT_ORDER | BY_DECODER | BY_LENS | BY_CODED},
                  {"interpolate.cl", 0},
                  {"misfit.cl", BY_PROJECTION},
-                 {"path_nodes.cl", BY_PROJECTION}};
+                 {"path_nodes.cl", BY_PROJECTION | BY_CODED}};
     for (size_t i = 0; i < sizeof known / sizeof *known; i++)
         if (strcmp(known[i].files, files) == 0) return known[i].decisions;
     return BY_ALL;
@@ -50,9 +51,10 @@ char *td_opencl_defines(const char *files, const td_image *image, int outputs, t
                {"OUTPUTS", outputs},
                {"SOFT_ORDER", image->soft_order},
                {"DECODER", image->decoder},
-               {"LENS", image->lens_model}};
+               {"LENS", image->lens_model},
+               {"CODED", image->is_coded}};
     int decisions = decisions_of(files);
-    char text[512] = "";
+    char text[640] = "";
     for (size_t i = 0, used = 0; i < sizeof all / sizeof *all; i++)
         if (decisions >> i & 1)
             used += (size_t)snprintf(text + used, sizeof text - used, "#define TD_BUILD_%s %d\n", all[i].name, all[i].value);

@@ -322,8 +322,7 @@ static tides_status begin_launch(const tides_renderer *renderer, td_points *p, c
                                    next->count,
                                    p->chunks,
                                    chunks,
-                                   renderer->backdrops[0].luminance,
-                                   renderer->backdrops[0].luminance_dot};
+                                   td_points_backdrop_of(&renderer->image, renderer->backdrops)};
     tides_status status = finish_launch(p, error);
     if (status == TIDES_OK) status = p->engine->type->lists(p->engine, p->wanted, wanted, error);
     if (status != TIDES_OK) p->begun = -1; /* which lists are there isn't known */

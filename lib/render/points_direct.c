@@ -159,8 +159,7 @@ static tides_status look(const tides_renderer *renderer, td_points_direct *direc
                                    points,
                                    direct->chunks,
                                    points,
-                                   renderer->backdrops[0].luminance,
-                                   renderer->backdrops[0].luminance_dot};
+                                   td_points_backdrop_of(&renderer->image, renderer->backdrops)};
     td_points_engine *engine = direct->engine;
     tides_status status = engine->type->begin(engine, &interval, error);
     if (status == TIDES_OK) status = engine->type->lists(engine, direct->numbers, points, error);

@@ -6,9 +6,11 @@
 #include <stdlib.h>
 
 enum {
-    ENTRY_REALS = 7,  /* TD_POINT_ENTRY of kernels/points.h, by lanes */
-    CURVE_REALS = 32, /* TD_CURVE_REALS */
-    TEST_REALS = 8,   /* TD_TEST_REALS */
+    ENTRY_REALS = 7,        /* td_point_room of kernels/point_entries.h, by lanes, */
+    CODED_ENTRY_REALS = 11, /* and where light isn't linear in colours */
+    CURVE_REALS = 32,       /* TD_CURVE_REALS */
+    BESIDE_REALS = 8,       /* TD_BESIDE_REALS */
+    TEST_REALS = 8,         /* TD_TEST_REALS */
     /* Work-items: on a CPU one for each of its threads, which take turns; on a GPU as many as memory for their rooms has
      * room for, up to what fills a large one several times over. */
     GPU_WORKERS = 1 << 16,
@@ -28,7 +30,8 @@ typedef struct opencl_points {
     td_buffer seen, depths, records;                         /* its splats */
     td_buffer wanted, keys, listed, tests, counts;           /* lists */
     td_buffer columns, piece, chunks, values, turn;          /* a batch */
-    td_buffer entries;
+    td_buffer entries, beside;                               /* beside: curves of green and blue */
+    int is_coded;
     td_points_interval at;
     int longest; /* of the lists */
     double *out; /* where values under way go */
@@ -40,17 +43,24 @@ static int on_gpu(const opencl_points *p) { return p->base.lanes == 1; }
 /* The last lanes write a little further. */
 static cl_int misfit_stride(const td_points_misfits *request) { return request->count + TD_PAD; }
 
-static tides_status launch_misfits(opencl_points *p, const td_buffer *rows, const td_points_misfits *request, cl_int asks_each,
-                                   tides_error *error) {
+static tides_status launch_misfits(opencl_points *p, const td_buffer *rows, const td_buffer *beside,
+                                   const td_points_misfits *request, cl_int asks_each, tides_error *error) {
     size_t local, global = td_even_items(p->base.lanes, request->count, &local);
     const cl_int count = request->count, level = request->level, pieces = request->pieces, stride = misfit_stride(request);
     const cl_double target = request->target, rounding = DBL_EPSILON / 2;
-    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image), {rows, NULL, 0},
-                                     TD_BUFFER_ARGUMENT(p->first), TD_VALUE_ARGUMENT(count),
-                                     TD_VALUE_ARGUMENT(level),     TD_BUFFER_ARGUMENT(p->piece_lengths),
-                                     TD_VALUE_ARGUMENT(pieces),    TD_VALUE_ARGUMENT(target),
-                                     TD_VALUE_ARGUMENT(rounding),  TD_BUFFER_ARGUMENT(p->misfits),
-                                     TD_VALUE_ARGUMENT(stride),    TD_VALUE_ARGUMENT(asks_each)};
+    const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),
+                                     {rows, NULL, 0},
+                                     {beside, NULL, 0},
+                                     TD_BUFFER_ARGUMENT(p->first),
+                                     TD_VALUE_ARGUMENT(count),
+                                     TD_VALUE_ARGUMENT(level),
+                                     TD_BUFFER_ARGUMENT(p->piece_lengths),
+                                     TD_VALUE_ARGUMENT(pieces),
+                                     TD_VALUE_ARGUMENT(target),
+                                     TD_VALUE_ARGUMENT(rounding),
+                                     TD_BUFFER_ARGUMENT(p->misfits),
+                                     TD_VALUE_ARGUMENT(stride),
+                                     TD_VALUE_ARGUMENT(asks_each)};
     return td_launch(p->device, p->misfit_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
 }
 
@@ -66,7 +76,9 @@ static tides_status misfits(td_points_engine *engine, const td_points_misfits *r
     if (status == TIDES_OK)
         status = td_buffer_write(p->device, &p->piece_lengths, request->lengths, pieces * sizeof(cl_double), error);
     if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->misfits, all * sizeof(cl_double), error);
-    if (status == TIDES_OK) status = launch_misfits(p, td_exact_row_buffer(request->exact), request, each > 0, error);
+    if (status == TIDES_OK)
+        status = launch_misfits(p, td_exact_row_buffer(request->exact), td_exact_beside_buffer(request->exact), request,
+                                each > 0, error);
     if (status == TIDES_OK) status = td_buffer_read(p->device, &p->misfits, host, all * sizeof *host, error);
     for (int i = 0; i < request->count && status == TIDES_OK; i++) {
         fit->worst[i] = (float)host[i];
@@ -81,6 +93,7 @@ static tides_status make_splats(opencl_points *p, tides_error *error) {
     const cl_int count = p->at.seen_count;
     size_t local, global = td_even_items(p->base.lanes, count, &local);
     const td_buffer *rows = p->at.exact ? td_exact_row_buffer(p->at.exact) : &p->image;
+    const td_buffer *rows_beside = p->at.exact ? td_exact_beside_buffer(p->at.exact) : &p->image;
     const td_points_slices *slices = &p->at.slices;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),     {rows, NULL, 0},
                                      TD_BUFFER_ARGUMENT(p->row),       TD_BUFFER_ARGUMENT(p->lengths),
@@ -88,7 +101,8 @@ static tides_status make_splats(opencl_points *p, tides_error *error) {
                                      TD_BUFFER_ARGUMENT(p->path),      TD_VALUE_ARGUMENT(slices->pieces),
                                      TD_VALUE_ARGUMENT(slices->count), TD_VALUE_ARGUMENT(slices->split),
                                      TD_VALUE_ARGUMENT(slices->group), TD_BUFFER_ARGUMENT(p->curves),
-                                     TD_BUFFER_ARGUMENT(p->depths),    TD_BUFFER_ARGUMENT(p->records)};
+                                     TD_BUFFER_ARGUMENT(p->depths),    TD_BUFFER_ARGUMENT(p->records),
+                                     {rows_beside, NULL, 0},           TD_BUFFER_ARGUMENT(p->beside)};
     return td_launch(p->device, p->splat_kernel, 1, &global, &local, TD_ARGUMENTS(arguments), NULL, error);
 }
 
@@ -107,6 +121,7 @@ static tides_status begin(td_points_engine *engine, const td_points_interval *in
         {&p->row, interval->row, 2 * curves * sizeof(cl_int)},
         {&p->lengths, interval->lengths, curves * sizeof(cl_double)},
         {&p->curves, NULL, curves * CURVE_REALS * sizeof(cl_double)},
+        {&p->beside, NULL, p->is_coded ? curves * BESIDE_REALS * sizeof(cl_double) : 0},
         {&p->candidates, interval->candidates, (size_t)interval->candidate_count * sizeof(cl_int)},
         {&p->tiles, interval->tiles, tiles * sizeof *interval->tiles},
         {&p->wanted, NULL, tiles * sizeof(cl_int)},
@@ -150,7 +165,7 @@ static tides_status lists(td_points_engine *engine, const int *tiles, int count,
 /* Work-items for so many chunks, and their rooms. */
 static tides_status reserve_rooms(opencl_points *p, int chunks, size_t *items, int *rows, tides_error *error) {
     const size_t places = p->longest > 0 ? (size_t)p->longest : 1;
-    const size_t room = places * ENTRY_REALS * (size_t)p->base.lanes * sizeof(cl_double);
+    const size_t room = places * (p->is_coded ? CODED_ENTRY_REALS : ENTRY_REALS) * (size_t)p->base.lanes * sizeof(cl_double);
     size_t most = on_gpu(p) ? GPU_WORKERS : (size_t)p->device->info.compute_units;
     if (most > room_limit / room) most = room_limit / room;
     if (most > (size_t)chunks) most = (size_t)chunks;
@@ -180,7 +195,7 @@ static tides_status launch_values(opencl_points *p, const td_points_batch *batch
                                   tides_error *error) {
     size_t local = on_gpu(p) ? GPU_GROUP : 1;
     const cl_int chunks = batch->chunk_count;
-    const cl_double backdrop = batch->backdrop, backdrop_dot = batch->backdrop_dot;
+    const td_points_backdrop behind = batch->backdrop;
     const td_argument arguments[] = {TD_BUFFER_ARGUMENT(p->image),
                                      TD_BUFFER_ARGUMENT(p->tiles),
                                      TD_BUFFER_ARGUMENT(p->counts),
@@ -198,10 +213,13 @@ static tides_status launch_values(opencl_points *p, const td_points_batch *batch
                                      TD_VALUE_ARGUMENT(chunks),
                                      TD_BUFFER_ARGUMENT(p->entries),
                                      TD_VALUE_ARGUMENT(rows),
-                                     TD_VALUE_ARGUMENT(backdrop),
-                                     TD_VALUE_ARGUMENT(backdrop_dot),
+                                     TD_VALUE_ARGUMENT(behind.first),
+                                     TD_VALUE_ARGUMENT(behind.first_dot),
                                      TD_BUFFER_ARGUMENT(p->values),
-                                     TD_BUFFER_ARGUMENT(p->turn)};
+                                     TD_BUFFER_ARGUMENT(p->turn),
+                                     TD_BUFFER_ARGUMENT(p->beside),
+                                     TD_VALUE_ARGUMENT(behind.green),
+                                     TD_VALUE_ARGUMENT(behind.blue)};
     return td_launch(p->device, p->value_kernel, 1, &items, &local, TD_ARGUMENTS(arguments), NULL, error);
 }
 
@@ -227,10 +245,10 @@ static tides_status finish(td_points_engine *engine, tides_error *error) {
 
 static void destroy(td_points_engine *engine) {
     opencl_points *p = (opencl_points *)engine;
-    td_buffer *buffers[] = {&p->first,   &p->piece_lengths, &p->misfits, &p->image,   &p->path,   &p->row,
-                            &p->curves,  &p->candidates,    &p->lengths, &p->tiles,   &p->wanted, &p->keys,
-                            &p->listed,  &p->seen,          &p->depths,  &p->records, &p->tests,  &p->counts,
-                            &p->columns, &p->piece,         &p->chunks,  &p->values,  &p->turn,   &p->entries};
+    td_buffer *buffers[] = {&p->first,      &p->piece_lengths, &p->misfits, &p->image,  &p->path,    &p->row,    &p->curves,
+                            &p->candidates, &p->lengths,       &p->tiles,   &p->wanted, &p->keys,    &p->listed, &p->seen,
+                            &p->depths,     &p->records,       &p->tests,   &p->counts, &p->columns, &p->piece,  &p->chunks,
+                            &p->values,     &p->turn,          &p->entries, &p->beside};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) td_buffer_release(buffers[i]);
     if (p->misfit_kernel) clReleaseKernel(p->misfit_kernel);
     if (p->splat_kernel) clReleaseKernel(p->splat_kernel);
@@ -264,8 +282,9 @@ static tides_status make_kernels(opencl_points *p, const td_image_numbers *numbe
                               "#define TD_BUILD_SH_DEGREE 0\n#define TD_BUILD_ANTIALIAS 0\n#define TD_BUILD_CUT_RULE %d\n"
                               "#define TD_BUILD_STOP_RULE 0\n#define TD_BUILD_EXTENT_RULE 0\n#define TD_BUILD_MOVING 0\n"
                               "#define TD_BUILD_OUTPUTS %d\n#define TD_BUILD_SOFT_ORDER %d\n#define TD_BUILD_DECODER "
-                              "0\n#define TD_BUILD_LENS 0\n",
-                              image.cut_rule, TD_OUT_SIGNAL, image.soft_order);
+                              "0\n#define TD_BUILD_LENS 0\n#define TD_BUILD_CODED %d\n",
+                              image.cut_rule, TD_OUT_SIGNAL, image.soft_order, image.is_coded);
+    p->is_coded = image.is_coded;
     tides_status status = defines ? TIDES_OK : TIDES_NO_MEMORY;
     for (size_t i = 0; i < sizeof kernels / sizeof *kernels && status == TIDES_OK; i++)
         status = td_kernel_create_double(p->device, "points.cl", defines, kernels[i].name, kernels[i].kernel, error);
@@ -288,13 +307,13 @@ static tides_status warm_up(opencl_points *p, tides_error *error) {
                                          .candidate_count = 1,
                                          .tiles = &nothing,
                                          .tile_count = 1};
-    const td_points_batch batch = {{no_length, no_length, no_length, no_length}, none, 0, NULL, 0, 0, 0};
+    const td_points_batch batch = {{no_length, no_length, no_length, no_length}, none, 0, NULL, 0, {0, 0, 0, 0}};
     const td_points_misfits nobody = {NULL, 1, none, 0, 1, no_length, 1, 1};
     td_buffer *misfit_buffers[] = {&p->first, &p->piece_lengths, &p->misfits};
     tides_status status = begin(&p->base, &interval, error);
     for (int i = 0; i < 3 && status == TIDES_OK; i++)
         status = td_buffer_reserve(p->device, misfit_buffers[i], sizeof(cl_double), error);
-    if (status == TIDES_OK) status = launch_misfits(p, &p->image, &nobody, 0, error);
+    if (status == TIDES_OK) status = launch_misfits(p, &p->image, &p->image, &nobody, 0, error);
     if (status == TIDES_OK) status = lists(&p->base, none, 1, error);
     if (status == TIDES_OK) status = td_buffer_reserve(p->device, &p->chunks, sizeof(td_points_chunk), error);
     if (status == TIDES_OK) status = values(&p->base, &batch, NULL, error);

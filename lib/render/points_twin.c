@@ -20,13 +20,14 @@ typedef struct twin {
     td_image image;
     td_points_interval interval;
     double *rows, *curves;
-    float *records; /* (gaussians x slices x TD_TEST_REALS) tests of each */
-    int *listed;    /* (candidate_count) the lists */
-    float *tests;   /* (candidate_count x slices x TD_TEST_REALS) */
-    int *count;     /* (tile_count) splats of each */
+    double *rows_beside, *beside; /* green and blue of these, where light isn't linear in colours */
+    float *records;               /* (gaussians x slices x TD_TEST_REALS) tests of each */
+    int *listed;                  /* (candidate_count) the lists */
+    float *tests;                 /* (candidate_count x slices x TD_TEST_REALS) */
+    int *count;                   /* (tile_count) splats of each */
     twin_key *keys;
     double *entries; /* of a point */
-    size_t list_capacity[4], curve_capacity, rows_capacity, key_capacity, entry_capacity;
+    size_t list_capacity[4], curve_capacity, rows_capacity, rows_beside_capacity, beside_capacity, key_capacity, entry_capacity;
 } twin;
 
 typedef char td_point_tile_is_as_here[sizeof(td_point_tile) == sizeof(td_points_tile) ? 1 : -1];
@@ -40,14 +41,17 @@ static int key_order(const void *a, const void *b) {
 
 static td_point_paths paths_of(const twin *t) {
     const td_points_slices *s = &t->interval.slices;
-    const td_point_paths paths = {t->interval.path, t->curves, {s->pieces, s->count, s->split, s->group}};
+    const td_point_paths paths = {t->interval.path, t->curves, {s->pieces, s->count, s->split, s->group}, t->beside};
     return paths;
 }
 
 static tides_status take_rows(twin *t, td_exact *exact, int count, tides_error *error) {
     const size_t reals = (size_t)count * TD_PATH_STRIDE;
     tides_status status = td_reserve((void **)&t->rows, &t->rows_capacity, reals, sizeof *t->rows, error);
-    return status == TIDES_OK ? td_exact_rows(exact, count, t->rows, error) : status;
+    if (status == TIDES_OK && t->image.is_coded)
+        status = td_reserve((void **)&t->rows_beside, &t->rows_beside_capacity, (size_t)count * TD_BESIDE_STRIDE,
+                            sizeof *t->rows_beside, error);
+    return status == TIDES_OK ? td_exact_rows(exact, count, t->rows, t->image.is_coded ? t->rows_beside : NULL, error) : status;
 }
 
 static tides_status misfits(td_points_engine *engine, const td_points_misfits *request, const td_points_fit *fit,
@@ -59,13 +63,22 @@ static tides_status misfits(td_points_engine *engine, const td_points_misfits *r
     if (!each) return TIDES_NO_MEMORY;
     tides_status status = take_rows(t, request->exact, request->row_count, error);
     for (int i = 0; i < request->count && status == TIDES_OK; i++) {
-        const double worst = td_path_try_each(t->rows, request->first[i], request->level, request->pieces, request->lengths,
-                                              &terms, &t->image, each, 1);
+        const double worst = td_path_try_each(t->rows, t->rows_beside, request->first[i], request->level, request->pieces,
+                                              request->lengths, &terms, &t->image, each, 1);
         fit->worst[i] = (float)worst;
         for (size_t curve = 0; curve < tried && fit->each; curve++) fit->each[curve * count + (size_t)i] = (float)each[curve];
     }
     free(each);
     return status;
+}
+
+static void make_curve(const twin *t, int i) {
+    const size_t curve = (size_t)i, from = (size_t)t->interval.row[2 * i], to = (size_t)t->interval.row[2 * i + 1];
+    const double h = t->interval.lengths[i];
+    td_point_curve(t->rows + from * TD_PATH_STRIDE, t->rows + to * TD_PATH_STRIDE, h, t->curves + curve * TD_CURVE_REALS);
+    if (t->image.is_coded)
+        td_point_curve_beside(t->rows_beside + from * TD_BESIDE_STRIDE, t->rows_beside + to * TD_BESIDE_STRIDE, h,
+                              t->beside + curve * TD_BESIDE_REALS);
 }
 
 /* Tests of all that have paths. */
@@ -91,11 +104,11 @@ static tides_status begin(td_points_engine *engine, const td_points_interval *in
     if (status == TIDES_OK)
         status = td_reserve((void **)&t->curves, &t->curve_capacity, (size_t)interval->curves * TD_CURVE_REALS,
                             sizeof *t->curves, error);
+    if (status == TIDES_OK && t->image.is_coded)
+        status = td_reserve((void **)&t->beside, &t->beside_capacity, (size_t)interval->curves * TD_BESIDE_REALS,
+                            sizeof *t->beside, error);
     if (status == TIDES_OK) status = take_rows(t, interval->exact, interval->row_count, error);
-    for (int i = 0; i < interval->curves && status == TIDES_OK; i++)
-        td_point_curve(t->rows + (size_t)interval->row[2 * i] * TD_PATH_STRIDE,
-                       t->rows + (size_t)interval->row[2 * i + 1] * TD_PATH_STRIDE, interval->lengths[i],
-                       t->curves + (size_t)i * TD_CURVE_REALS);
+    for (int i = 0; i < interval->curves && status == TIDES_OK; i++) make_curve(t, i);
     if (status == TIDES_OK) make_records(t);
     if (status == TIDES_OK) status = td_reserve((void **)&t->count, &capacity[2], tiles, sizeof *t->count, error);
     return status;
@@ -146,17 +159,19 @@ static tides_status values(td_points_engine *engine, const td_points_batch *batc
     twin *t = (twin *)engine;
     const td_point_paths paths = paths_of(t);
     const td_point_lists all = {t->listed, t->tests};
+    const td_points_backdrop *given_backdrop = &batch->backdrop;
+    const td_point_backdrop behind = {given_backdrop->first, given_backdrop->first_dot, given_backdrop->green,
+                                      given_backdrop->blue};
     const td_point_arrays points = {batch->column[0], batch->column[1], batch->column[2], batch->column[3], batch->piece};
     for (int i = 0; i < batch->chunk_count; i++) {
         const td_points_chunk *given = &batch->chunks[i];
         const td_point_tile tile = tile_of(t, given->tile);
         const td_point_chunk chunk = {given->tile, given->first, given->count};
         const int taken = t->count[given->tile];
-        const size_t room = (size_t)taken * TD_POINT_ENTRY;
+        const size_t room = (size_t)taken * (size_t)td_point_room(&t->image);
         tides_status status = td_reserve((void **)&t->entries, &t->entry_capacity, room, sizeof *t->entries, error);
         if (status != TIDES_OK) return status;
-        td_point_chunk_values(&chunk, &tile, taken, &paths, &all, &points, &t->image, t->entries, batch->backdrop,
-                              batch->backdrop_dot, out);
+        td_point_chunk_values(&chunk, &tile, taken, &paths, &all, &points, &t->image, t->entries, &behind, out);
     }
     return TIDES_OK;
 }
@@ -173,6 +188,8 @@ static void destroy(td_points_engine *engine) {
     free(t->tests);
     free(t->rows);
     free(t->curves);
+    free(t->rows_beside);
+    free(t->beside);
     free(t->count);
     free(t->keys);
     free(t->entries);

@@ -38,8 +38,8 @@ typedef struct reference {
     td_stray *strays; /* (objects), of the last sweep */
     int *sweep_rows;
     size_t view_capacity, backdrop_capacity, record_capacity[10], hint_capacity, stray_capacity, sweep_row_capacity;
-    td_real *path_rows; /* record paths (reference_paths.h) */
-    size_t path_row_capacity;
+    td_real *path_rows, *path_beside; /* record paths (reference_paths.h) */
+    size_t path_row_capacity, path_beside_capacity;
     td_real *surfaces; /* ground truth (reference_truth.h) */
     size_t surface_capacity;
     int *object_numbers, scene_objects;
@@ -327,6 +327,7 @@ static void destroy(td_backend *backend) {
     free(r->surfaces);
     free(r->object_numbers);
     free(r->path_rows);
+    free(r->path_beside);
     free(r);
 }
 

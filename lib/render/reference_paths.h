@@ -29,6 +29,12 @@ static tides_status grow_rows_of_paths(td_real **array, size_t *capacity, size_t
     return status;
 }
 
+/* Green and blue of as many rows, where these are composited. */
+static tides_status grow_beside(reference *r, size_t rows, tides_error *error) {
+    if (!r->image.is_coded) return TIDES_OK;
+    return grow_rows_of_paths(&r->path_beside, &r->path_beside_capacity, rows * TD_BESIDE_STRIDE, error);
+}
+
 static tides_status nodes(td_backend *backend, const td_node_request *request, tides_error *error) {
     reference *r = (reference *)backend;
     double begun = td_now();
@@ -36,12 +42,14 @@ static tides_status nodes(td_backend *backend, const td_node_request *request, t
     td_image image = r->image;
     image.outputs = TD_OUT_SIGNAL;
     tides_status status = grow_rows_of_paths(&r->path_rows, &r->path_row_capacity, rows * TD_PATH_STRIDE, error);
+    if (status == TIDES_OK) status = grow_beside(r, rows, error);
     if (status == TIDES_OK) status = copy_views(r, request->views, request->slots, error);
     if (status != TIDES_OK) return status;
+    const td_node_sink sink = {r->path_rows, r->path_beside};
     for (int k = 0; k < request->job_count; k++) {
         const td_node_job *job = &request->jobs[k];
         for (int i = 0; i < job->count; i++)
-            td_node_group(job, i, request->gaussians, request->rows, r->object, r->views, &image, &r->source, r->path_rows);
+            td_node_group(job, i, request->gaussians, request->rows, r->object, r->views, &image, &r->source, &sink);
     }
     backend->stats.time_project_s += td_now() - begun;
     return TIDES_OK;
@@ -52,17 +60,23 @@ static tides_status halve_paths(td_backend *backend, const td_halve_request *req
     const size_t reals = (size_t)request->row_count * TD_PATH_STRIDE;
     td_real *lengths = NULL;
     tides_status status = grow_rows_of_paths(&r->path_rows, &r->path_row_capacity, reals, error);
+    if (status == TIDES_OK) status = grow_beside(r, (size_t)request->row_count, error);
     if (status == TIDES_OK) status = copy_array(request->lengths, (size_t)request->pieces, &lengths, error);
-    for (int i = 0; i < request->count && status == TIDES_OK; i++)
-        td_path_halve(r->path_rows, request->from[i], request->to[i], request->level, request->pieces, lengths);
+    for (int i = 0; i < request->count && status == TIDES_OK; i++) {
+        const int from = request->from[i], to = request->to[i];
+        td_path_halve(r->path_rows, TD_PATH_NUMBERS, from, to, request->level, request->pieces, lengths);
+        if (r->image.is_coded)
+            td_path_halve(r->path_beside, TD_BESIDE_NUMBERS, from, to, request->level, request->pieces, lengths);
+    }
     free(lengths);
     return status;
 }
 
-static tides_status path_rows(td_backend *backend, int count, double *rows, tides_error *error) {
+static tides_status path_rows(td_backend *backend, int count, double *rows, double *beside, tides_error *error) {
     const reference *r = (const reference *)backend;
     (void)error;
     memcpy(rows, r->path_rows, (size_t)count * TD_PATH_STRIDE * sizeof *rows);
+    if (beside) memcpy(beside, r->path_beside, (size_t)count * TD_BESIDE_STRIDE * sizeof *beside);
     return TIDES_OK;
 }
 #endif

@@ -5,6 +5,7 @@
 #include "td_renderer.h"
 #include "td_struct.h"
 #include "td_swaps.h"
+#include "td_transfer.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,15 +25,6 @@ static tides_status create_backend(tides_renderer *renderer, tides_error *error)
     if (td_device_is_double(renderer->device))
         return td_backend_create_f64(&renderer->store, &numbers, &renderer->backend, error);
     return td_backend_create_f32(&renderer->store, &numbers, &renderer->backend, error);
-}
-
-/* The backdrop doesn't change with time in this version: its rates are 0. */
-static void set_backdrop(td_backdrop *backdrop, const tides_image_params *params) {
-    memset(backdrop, 0, sizeof *backdrop);
-    for (int c = 0; c < 3; c++) {
-        backdrop->colour[c] = params->background[c];
-        backdrop->luminance += params->luminance[c] * params->background[c];
-    }
 }
 
 static tides_status check_arguments(const tides_device *device, const tides_scene *scene, const tides_intrinsics *intrinsics,
@@ -80,6 +72,7 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     made->told = (td_share){.width = 1, .stage = "rendering"};
     status = td_image_resolve(params, intrinsics, tides_scene_sh_degree(scene), &made->image, error);
     if (status == TIDES_OK) status = td_image_take_training(params, scene, &made->image, error);
+    if (status == TIDES_OK) status = td_image_take_transfer(params, scene, &made->image, error);
     /* Hard order blends splats of one depth in the scene's. */
     if (status == TIDES_OK)
         status = td_store_create(scene, params->rules == TIDES_RULES_SMOOTH, made->image.soft_order, &made->store, error);
@@ -98,7 +91,7 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     status = allocate(made, error);
     if (status != TIDES_OK) goto done;
     made->backdrop_capacity = 1;
-    set_backdrop(made->backdrops, params);
+    td_backdrop_set(&made->image, params->background, made->backdrops);
     if (progress && progress(user, 0, "building kernels")) {
         status = td_fail(error, TIDES_CANCELLED, "stopped on request while building kernels");
         goto done;

@@ -8,6 +8,7 @@
  * smooth is inria made continuous in time: each jump of inria is a false event or a wrong timestamp (DESIGN 3.1). */
 #include "camera/td_lens.h"
 #include "td_renderer.h"
+#include "td_transfer.h"
 
 #include <math.h>
 
@@ -134,6 +135,8 @@ void tides_image_params_defaults(tides_image_params *params) {
                                                 .dilation = 0.3,
                                                 .luminance = {0.2126, 0.7152, 0.0722},
                                                 .log_eps = 1e-3,
+                                                .transfer = TIDES_TRANSFER_FILE,
+                                                .gamma = 2.2,
                                                 .smoothing = {.taper_begin = 0.1 / 255,
                                                               .taper_end = 1.0 / 255,
                                                               .stop_change = 1e-5,
@@ -163,6 +166,7 @@ tides_status td_image_resolve(const tides_image_params *params, const tides_intr
     image->sh_degree = params->sh_degree < scene_sh_degree ? params->sh_degree : scene_sh_degree;
     image->sh_stride = 3 * (scene_sh_degree + 1) * (scene_sh_degree + 1);
     image->outputs = TD_OUT_SIGNAL;
+    td_image_set_transfer(TIDES_TRANSFER_LINEAR, 1, image);
     return TIDES_OK;
 }
 

@@ -15,8 +15,8 @@ enum {
     TD_VIEW_REALS = 32,
     TD_STRAY_REALS = 32,
     TD_BACKDROP_REALS = 8,
-    TD_IMAGE_REALS = 38,
-    TD_IMAGE_INTS = 14,
+    TD_IMAGE_REALS = 46,
+    TD_IMAGE_INTS = 16,
     TD_JOB_INTS = 11,
     TD_MOVER_WHOLE = TD_MOVER_INTS + 8
 };
@@ -249,10 +249,10 @@ typedef struct td_backend_class {
     tides_status (*moved_rows)(td_backend *backend, const td_moved_rows *rows, tides_error *error);
     int draws; /* 1: knows td_batch.pictures */
     /* Record paths, for td_exact's twin; NULL but in the double reference. Projects Gaussians at nodes; td_path_halve
-     * (path_node.h); the first `count` rows (x TD_PATH_STRIDE). */
+     * (path_node.h); the first `count` rows (x TD_PATH_STRIDE), and what is beside them (x TD_BESIDE_STRIDE) where it isn't NULL. */
     tides_status (*nodes)(td_backend *backend, const td_node_request *request, tides_error *error);
     tides_status (*halve_paths)(td_backend *backend, const td_halve_request *request, tides_error *error);
-    tides_status (*path_rows)(td_backend *backend, int count, double *rows, tides_error *error);
+    tides_status (*path_rows)(td_backend *backend, int count, double *rows, double *beside, tides_error *error);
 } td_backend_class;
 
 struct td_backend {

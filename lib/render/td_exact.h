@@ -13,7 +13,7 @@ typedef struct td_exact_class {
     tides_status (*move)(td_exact *exact, const td_moved_rows *moved, tides_error *error);
     tides_status (*nodes)(td_exact *exact, const td_node_request *request, tides_error *error);
     tides_status (*halve)(td_exact *exact, const td_halve_request *request, tides_error *error);
-    tides_status (*rows)(td_exact *exact, int count, double *rows, tides_error *error);
+    tides_status (*rows)(td_exact *exact, int count, double *rows, double *beside, tides_error *error);
     void (*destroy)(td_exact *exact);
 } td_exact_class;
 
@@ -37,9 +37,11 @@ tides_status td_exact_nodes(td_exact *exact, td_backend *backend, const td_node_
 /* Twice as many rows for some paths. */
 tides_status td_exact_halve(td_exact *exact, const td_halve_request *request, tides_error *error);
 
-/* The first `count` rows (x TD_PATH_STRIDE) to the host; and where the device has them, NULL in the twin. */
-tides_status td_exact_rows(td_exact *exact, int count, double *rows, tides_error *error);
+/* The first `count` rows (x TD_PATH_STRIDE) to the host, and what is beside them (x TD_BESIDE_STRIDE), unless that is NULL; and
+ * where the device has them, NULL in the twin. */
+tides_status td_exact_rows(td_exact *exact, int count, double *rows, double *beside, tides_error *error);
 const td_buffer *td_exact_row_buffer(const td_exact *exact);
+const td_buffer *td_exact_beside_buffer(const td_exact *exact);
 
 /* The classes (exact_opencl.c, exact_twin.c). */
 tides_status td_exact_create_opencl(tides_device *device, const td_store *store, const td_image_numbers *image,

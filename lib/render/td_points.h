@@ -47,6 +47,16 @@ typedef struct td_points_interval {
     int tile_count;
 } td_points_interval;
 
+/* What is behind everything: luminance, or red, green and blue where light isn't linear in these (td_point_backdrop). */
+typedef struct td_points_backdrop {
+    double first, first_dot, green, blue;
+} td_points_backdrop;
+
+static inline td_points_backdrop td_points_backdrop_of(const td_image *image, const td_backdrop *backdrop) {
+    if (!image->is_coded) return (td_points_backdrop){backdrop->luminance, backdrop->luminance_dot, 0, 0};
+    return (td_points_backdrop){backdrop->colour[0], backdrop->colour_dot[0], backdrop->colour[1], backdrop->colour[2]};
+}
+
 /* Points, tile by tile; arrays are readable for TD_PAD further ones. */
 typedef struct td_points_batch {
     const double *column[TD_POINT_COLUMNS]; /* pixel centres x and y, s, h */
@@ -54,7 +64,7 @@ typedef struct td_points_batch {
     int count;
     const td_points_chunk *chunks;
     int chunk_count;
-    double backdrop, backdrop_dot; /* luminance behind everything */
+    td_points_backdrop backdrop;
 } td_points_batch;
 
 /* What misfits are asked for of: paths of a level, by their first rows (count; readable for TD_PAD further ones). */

@@ -59,14 +59,17 @@ enum { TD_SWAP_PARTS = 1 << 13 };
 typedef struct td_swap {
     int32_t block; /* tile * TD_TILE_BLOCKS + the tile's block */
     int32_t part;
-    float light;
-    float wide; /* so many parts before and after it next to nothing of it is left */
+    float light; /* of colours, where light isn't linear in these (td_renderer_swap_scale) */
+    float wide;  /* so many parts before and after it next to nothing of it is left */
 } td_swap;
 
 /* Looks for those of the interval swept last (swaps.c); none in hard order, where the image jumps at each. Then those of a
  * block of a tile, in order of time: (count). */
 tides_status td_renderer_find_swaps(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error);
 const td_swap *td_renderer_swaps(const tides_renderer *renderer, int tile, int block, int *count);
+
+/* What swaps' light is measured by where exp(log_luminance) is `light`: so much of it changes log_luminance by 1, about. */
+double td_renderer_swap_scale(const tides_renderer *renderer, double light);
 
 /* Of the interval swept last: 1 where something that the tile may see moves on the screen, and the most diameters of its own
  * that one of these travels. */
@@ -181,7 +184,7 @@ int td_renderer_is_double(const tides_renderer *renderer);
 
 /* What decides its images besides scene, paths and device, as numbers: image formation as resolved, intrinsics, blur,
  * background, colour filter. The same numbers make the same images. */
-enum { TD_IMAGE_FACTS = 58 };
+enum { TD_IMAGE_FACTS = 68 };
 void td_renderer_image_facts(const tides_renderer *renderer, double facts[TD_IMAGE_FACTS]);
 
 #endif

@@ -32,6 +32,9 @@ static const int32_t models[] = {TIDES_MODEL_HERMITE, TIDES_MODEL_QUADRATIC, TID
 /* In the order of image.antialias's. */
 static const int32_t antialiases[] = {TIDES_ANTIALIAS_FILE, TIDES_ANTIALIAS_TRUE, TIDES_ANTIALIAS_FALSE};
 
+/* In the order of image.transfer's. */
+static const int32_t transfers[] = {TIDES_TRANSFER_FILE, TIDES_TRANSFER_LINEAR, TIDES_TRANSFER_SRGB, TIDES_TRANSFER_GAMMA};
+
 /* In the order of camera.lens's; run_open.c sees to the first. */
 static const int32_t lens_models[] = {TIDES_LENS_NONE, TIDES_LENS_NONE, TIDES_LENS_RADTAN, TIDES_LENS_EQUIDISTANT};
 
@@ -43,7 +46,7 @@ const td_param td_params[] = {
      .fallback = "null"},
     {CHOICE("scene.invalid", scene_options.invalid, "error|drop",
             "Gaussians of files that are NaN or infinite: refuse the file, or leave them out")},
-    {VECTOR3("scene.background", image.background, "", 0, 1e6, "linear colour behind everything")},
+    {VECTOR3("scene.background", image.background, "", 0, 1e6, "light behind everything, r g b")},
     {NUMBER("scene.duration_s", scene_duration_s, "s", 1e-9, TD_FURTHEST_TIME,
             "seconds that motions last; null takes the scene's own"),
      .fallback = "null"},
@@ -97,6 +100,9 @@ const td_param td_params[] = {
             "subtracted from every time of the path file")},
     {BOOLEAN("camera.raw_positions", path.raw_positions,
              "nerfies: leave out scene.json's scale and center (as 4DGaussians does)")},
+    {ROW("camera.lux", NUMBER, TD_NO_FIELD,
+         "illuminance at Y = 1; iebcs.scale and the circuit's photocurrent follow from it; null: unknown"),
+     .unit = "lux", .lower = 1e-9, .upper = 1e9, .fallback = "null"},
     {STRING("camera.views", path.views,
             "of the path file's poses only these, as Python slices: 7, 0:100:10 or 3,5,-1; null: all"),
      .fallback = "null"},
@@ -125,7 +131,12 @@ const td_param td_params[] = {
     {INTEGER("image.sh_degree", image.sh_degree, "", 0, 4, "spherical-harmonics bands above this degree are ignored")},
     {NUMBER("image.dilation", image.dilation, "px^2", 0, 100, "added to the diagonal of every splat's 2-D covariance")},
     {VECTOR3("image.luminance", image.luminance, "", 0, 100, "weights of r, g, b in luminance Y")},
-    {NUMBER("image.log_eps", image.log_eps, "", 1e-9, 1e6, "L = ln(Y + log_eps)")},
+    {CHOICE("image.transfer", image.transfer, "file|linear|srgb|gamma",
+            "what composited colours are of light; file: as the scene's files say, else srgb"),
+     .constants = transfers},
+    {NUMBER("image.gamma", image.gamma, "", 1, 5, "with image.transfer gamma: light = colour^gamma")},
+    {NUMBER("image.log_eps", image.log_eps, "", 1e-9, 1e6,
+            "black level: light of the dark and photocurrent's offset, a share of Y = 1; L = ln(Y + log_eps)")},
 
     {CHOICE("sensor.colour_filter", image.colour_filter, "off|rggb|grbg|gbrg|bggr",
             "what pixels see through: each one channel of light, by its place in cells of 2x2 (R, G / G, B)")},
@@ -133,6 +144,9 @@ const td_param td_params[] = {
     {NUMBER("sensor.threshold_off", sensor.threshold_off, "log units", 1e-4, 100, "C-: fall of L that fires an OFF event")},
     {TEXT("sensor.preset", "values for keys that aren't given: a sensor's name (~/.config/tides/presets too), or a JSON file"),
      .fallback = "null", .ideal = "null"},
+    {ROW("sensor.dark_lux", NUMBER, TD_NO_FIELD,
+         "light of the dark: of camera.lux, that share is image.log_eps unless it is given; null: not said"),
+     .unit = "lux", .lower = 1e-9, .upper = 1e9, .fallback = "null"},
     {NUMBER("sensor.threshold_sigma", sensor.threshold_sigma, "log units", 0, 100,
             "spread of the thresholds from pixel to pixel"),
      .ideal = "0"},

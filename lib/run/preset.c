@@ -2,8 +2,9 @@
  * the preset.
  *
  * A preset is a JSON object { "about": text, group: { name: value, ... } } with the names of the run file's groups sensor,
- * frontend and readout; a value may be { "value": value, "source": text } to say where it comes from. Those of share/presets
- * are in the library, by the names of their files; one's own are found by name in ~/.config/tides/presets. */
+ * frontend and readout, and image's log_eps, the sensor's black level; a value may be { "value": value, "source": text } to say
+ * where it comes from. Those of share/presets are in the library, by the names of their files; one's own are found by name in
+ * ~/.config/tides/presets. */
 #include "device/td_kernel_source.h"
 #include "td_folder.h"
 #include "td_kinds.h"
@@ -119,7 +120,8 @@ static tides_status load(const tides_run *run, const char *name, char **text, ti
 /* -- values -------------------------------------------------------------------------------------------------------------- */
 
 static int may_hold(const char *group) {
-    return strcmp(group, "sensor") == 0 || strcmp(group, "frontend") == 0 || strcmp(group, "readout") == 0;
+    return strcmp(group, "sensor") == 0 || strcmp(group, "frontend") == 0 || strcmp(group, "readout") == 0 ||
+           strcmp(group, "image") == 0;
 }
 
 /* The keys that a preset would have set otherwise. */
@@ -161,6 +163,10 @@ static tides_status apply(tides_run *run, const char *where, const char *group, 
     int length = snprintf(key, sizeof key, "%s.%s", group, item->string);
     const tides_param *row = length > 0 && (size_t)length < sizeof key ? td_param_find(key) : NULL;
     if (!row || strcmp(key, "sensor.preset") == 0) return td_param_unknown(where, key, error);
+    if (strcmp(group, "image") == 0 && strcmp(key, "image.log_eps") != 0)
+        return td_fail(error, TIDES_BAD_CONFIG,
+                       "%s: %s: of image a preset holds log_eps alone, its sensor's black level; the rest is the scene's",
+                       where, key);
     const cJSON *value = cJSON_IsObject(item) ? cJSON_GetObjectItemCaseSensitive(item, "value") : item;
     if (!value)
         return td_fail(error, TIDES_BAD_CONFIG, "%s: %s has no value; write { \"value\": ..., \"source\": \"...\" }", where,
@@ -180,7 +186,8 @@ static tides_status apply_all(tides_run *run, const char *where, const cJSON *ro
             snprintf(shown, sizeof shown, "%.40s", group->string);
             td_one_line(shown);
             return td_fail(error, TIDES_BAD_CONFIG,
-                           "%s: \"%s\": a preset holds \"about\" and the objects sensor, frontend, readout", where, shown);
+                           "%s: \"%s\": a preset holds \"about\" and the objects sensor, frontend, readout, image", where,
+                           shown);
         }
         cJSON_ArrayForEach(item, group) {
             if (status == TIDES_OK) status = apply(run, where, group->string, item, kept, error);

@@ -70,6 +70,9 @@ void td_rig_move_imu(const tides_run *run, double T[16]);
 /* 1 where the name is a video's: .y4m, or "-" for one from a pipe. */
 int32_t td_run_is_video(const char *file);
 
+/* run_light.c: what follows from how much light Y = 1 is, and from the dark, for the rows that nobody gives. */
+tides_status td_run_light(tides_run *run, tides_error *error);
+
 /* preset.c: the values of sensor.preset for the rows that nobody gives who is stronger. */
 tides_status td_run_preset(tides_run *run, tides_error *error);
 /* 1 where it is a path, and not the name of one of ours. */

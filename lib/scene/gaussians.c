@@ -52,7 +52,8 @@ tides_status td_gaussians_copy(td_gaussians *gaussians, const tides_gaussians *s
     if (source->trained < TIDES_TRAINED_UNKNOWN || source->trained > TIDES_TRAINED_MIXED)
         return td_fail(error, TIDES_BAD_ARGUMENT, "trained is %d: none of TIDES_TRAINED_*", (int)source->trained);
     td_gaussians made = {0};
-    tides_status status = td_gaussians_create(&made, source->count, source->sh_degree, error);
+    tides_status status = td_transfer_check("", source->transfer, source->gamma, error);
+    if (status == TIDES_OK) status = td_gaussians_create(&made, source->count, source->sh_degree, error);
     if (!made.sh) return status;
     size_t n = (size_t)made.count;
     if (source->mean) memcpy(made.mean, source->mean, n * 3 * sizeof(float));
@@ -62,6 +63,7 @@ tides_status td_gaussians_copy(td_gaussians *gaussians, const tides_gaussians *s
     }
     memcpy(made.origin, source->origin, sizeof made.origin);
     made.trained = source->trained;
+    td_gaussians_tag(&made, source->transfer, source->gamma);
     memcpy(made.log_scale, source->log_scale, n * 3 * sizeof(float));
     memcpy(made.quaternion, source->quaternion, n * 4 * sizeof(float));
     memcpy(made.opacity_logit, source->opacity_logit, n * sizeof(float));
@@ -85,6 +87,8 @@ tides_gaussians td_gaussians_view(const td_gaussians *gaussians) {
     return (tides_gaussians){.count = gaussians->count,
                              .sh_degree = gaussians->sh_degree,
                              .trained = gaussians->trained,
+                             .transfer = gaussians->transfer,
+                             .gamma = gaussians->gamma,
                              .mean = gaussians->mean,
                              .log_scale = gaussians->log_scale,
                              .quaternion = gaussians->quaternion,

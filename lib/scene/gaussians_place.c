@@ -202,6 +202,7 @@ tides_status td_gaussians_join(td_gaussians *parts, size_t count, td_gaussians *
         status = td_gaussians_create(&made, total, degree, error);
     if (!status && wide) status = td_gaussians_widen(&made, error);
     made.trained = trained;
+    if (count > 1 && parts[0].says_transfer) td_gaussians_tag(&made, parts[0].transfer, parts[0].gamma);
     for (size_t i = 0, at = 0; !status && count > 1 && i < count; i++) {
         append(&made, at, &parts[i]);
         at += (size_t)parts[i].count;

@@ -10,8 +10,8 @@
  * Compressed splats are a .spz in a bufferView, by drafts of three names; they say that it unpacks to glTF's axes.
  *
  * glTF's axes are left, up, front; a 3DGS .ply's are right, down, front: half a turn about z, by which other converters take a
- * .ply to glTF. colorSpace may be sRGB or linear light: values are what the scene was trained to, as in any splat file. Order
- * of depth is the renderer's own affair (sortingMethod), and animations aren't read. */
+ * .ply to glTF. colorSpace says whether colours code light as sRGB does or are linear in it. Order of depth is the renderer's
+ * own affair (sortingMethod), and animations aren't read. */
 #include "td_base.h"
 #include "td_gltf.h"
 #include "td_scene.h"
@@ -59,6 +59,12 @@ static tides_status check_extension(const td_gltf *g, const primitive *p) {
                        "perspective are read",
                        g->path, unknown);
     return TIDES_OK;
+}
+
+/* What it says of light: a name that begins with "lin" is linear's; what isn't said is the first of the extension's, sRGB. */
+static void take_space(const primitive *p, td_gaussians *part) {
+    const char *space = td_json_text(p->extension, "colorSpace");
+    if (space) td_gaussians_tag(part, strncmp(space, "lin", 3) == 0 ? TIDES_TRANSFER_LINEAR : TIDES_TRANSFER_SRGB, 0);
 }
 
 /* Index of an attribute's accessor by its name or an early draft's; -1: none. */
@@ -210,6 +216,7 @@ static tides_status read_part(td_gltf *g, const primitive *p, const double map[1
     tides_status status = p->spz < 0 ? read_attributes(g, p, logarithms, part) : td_gltf_view(g, p->spz, &bytes, &size, NULL);
     if (!status && p->spz >= 0) status = td_spz_parse(g->path, bytes, size, part, g->error);
     if (status) return status;
+    take_space(p, part);
     turn_axes(map, p->spz >= 0, turned);
     return td_gaussians_place(part, turned, g->error);
 }
@@ -254,6 +261,16 @@ static tides_status read_places(td_gltf *g, const td_gltf_place *places, size_t 
     return td_fail(g->error, TIDES_BAD_FILE, "%s: has splats, but no node of its scene shows them", g->path);
 }
 
+/* All that one file shows is one object, decoded in one way. */
+static tides_status check_spaces(const td_gltf *g, const td_gaussians *parts, size_t count) {
+    for (size_t i = 1; i < count; i++)
+        if (parts[i].transfer != parts[0].transfer || parts[i].says_transfer != parts[0].says_transfer)
+            return td_fail(g->error, TIDES_UNSUPPORTED,
+                           "%s: its primitives' colorSpace is srgb of some and linear of others: save them to a file each",
+                           g->path);
+    return TIDES_OK;
+}
+
 static tides_status read_splats(td_gltf *g, td_gaussians *gaussians) {
     td_gltf_place *places = NULL;
     size_t count = 0, made = 0;
@@ -263,6 +280,7 @@ static tides_status read_splats(td_gltf *g, td_gaussians *gaussians) {
     tides_status status = parts ? find_meshes(g, wanted, &logarithms) : TIDES_NO_MEMORY;
     if (!status) status = td_gltf_places(g, wanted, &places, &count);
     if (!status) status = read_places(g, places, count, logarithms, parts, &made);
+    if (!status) status = check_spaces(g, parts, made);
     if (!status) status = td_gaussians_join(parts, made, gaussians, g->error);
     if (!status && (status = td_gltf_note_rest(g, wanted, &gaussians->notes)) != TIDES_OK) td_gaussians_free(gaussians);
     for (size_t i = 0; i < made; i++) td_gaussians_free(&parts[i]);

@@ -121,13 +121,16 @@ static char *describe(const td_gaussians *g, double bytes, double box[2][3]) {
                               "\"extensionsUsed\":[\"" TD_GLTF_SPLATS "\"],"
                               "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
                               "\"meshes\":[{\"primitives\":[{\"mode\":0,\"attributes\":{},\"extensions\":{"
-                              "\"" TD_GLTF_SPLATS "\":{\"kernel\":\"ellipse\",\"colorSpace\":\"srgb_rec709_display\"}}}]}],"
+                              "\"" TD_GLTF_SPLATS "\":{\"kernel\":\"ellipse\"}}}]}],"
                               "\"buffers\":[{}]}");
     const cJSON *mesh = cJSON_GetArrayItem(cJSON_GetObjectItem(json, "meshes"), 0);
     const cJSON *primitive = cJSON_GetArrayItem(cJSON_GetObjectItem(mesh, "primitives"), 0);
+    cJSON *splats = cJSON_GetObjectItem(cJSON_GetObjectItem(primitive, "extensions"), TD_GLTF_SPLATS);
+    const char *space = g->transfer == TIDES_TRANSFER_LINEAR ? TD_GLTF_LINEAR : TD_GLTF_SRGB;
     cJSON *buffer = cJSON_GetArrayItem(cJSON_GetObjectItem(json, "buffers"), 0);
     if (json) add_attributes(json, cJSON_GetObjectItem(primitive, "attributes"), g, box);
-    char *text = json && cJSON_AddNumberToObject(buffer, "byteLength", bytes) ? cJSON_PrintUnformatted(json) : NULL;
+    const int is_whole = json && cJSON_AddStringToObject(splats, "colorSpace", space) != NULL;
+    char *text = is_whole && cJSON_AddNumberToObject(buffer, "byteLength", bytes) ? cJSON_PrintUnformatted(json) : NULL;
     cJSON_Delete(json);
     return text;
 }

@@ -231,8 +231,18 @@ static void parse_mode(parser *p) {
     if (td_ply_word_is(line->words[2], "1")) p->header->mode = (td_ply_word){compensated, strlen(compensated)};
 }
 
+/* "comment ColourTransfer: linear" is ours, "srgb" and "gamma 2.2" too. */
+static void parse_transfer(parser *p) {
+    static const char *const name[] = {"ColourTransfer:", NULL};
+    const td_ply_line *line = &p->line;
+    if (!comment_is(line, name)) return;
+    p->header->transfer = line->count > 2 ? line->words[2] : line->words[1];
+    p->header->exponent = line->count > 3 ? line->words[3] : (td_ply_word){NULL, 0};
+}
+
 static tides_status parse_comment(parser *p) {
     parse_mode(p);
+    parse_transfer(p);
     return parse_up(p);
 }
 

@@ -267,10 +267,22 @@ static tides_status take_mode(const binding *b, td_gaussians *gaussians) {
                    TD_PLY_QUOTE(mode));
 }
 
+/* What they say of light. */
+static tides_status take_transfer(const binding *b, td_gaussians *gaussians) {
+    const td_ply_word kind = b->header->transfer, exponent = b->header->exponent;
+    char text[TD_TRANSFER_TEXT], where[160];
+    if (kind.length == 0) return TIDES_OK;
+    snprintf(text, sizeof text, "%.*s%s%.*s", (int)(kind.length < 15 ? kind.length : 15), kind.text, exponent.length ? " " : "",
+             (int)(exponent.length < 20 ? exponent.length : 20), exponent.length ? exponent.text : "");
+    snprintf(where, sizeof where, "%.100s: its comment ColourTransfer", b->file->path);
+    return td_transfer_read(where, text, gaussians, b->error);
+}
+
 static tides_status parse(const char *path, const void *data, size_t size, int32_t lenient, td_gaussians *gaussians,
                           tides_error *error) {
     td_ply_file file = {path, data, size};
     td_ply_header header;
+    td_gaussians made = {0};
     tides_status status = td_ply_header_parse(&file, &header, error);
     if (status) return status;
     binding b = {.file = &file,
@@ -283,15 +295,17 @@ static tides_status parse(const char *path, const void *data, size_t size, int32
     else if (td_ply_word_reads(header.mode, "2dgs"))
         status = td_splat_refuse_discs(path, error);
     else if (td_ply_is_packed(&header))
-        status = td_ply_packed_read(&file, &header, gaussians, error);
+        status = td_ply_packed_read(&file, &header, &made, error);
     else
-        status = read_gaussians(&b, gaussians);
-    if (!status) {
-        memcpy(gaussians->up, header.up, sizeof gaussians->up);
-        status = take_mode(&b, gaussians);
-        if (!status) status = note_activated(gaussians, error);
-        if (status) td_gaussians_free(gaussians);
-    }
+        status = read_gaussians(&b, &made);
+    if (!status) memcpy(made.up, header.up, sizeof made.up);
+    if (!status) status = take_mode(&b, &made);
+    if (!status) status = note_activated(&made, error);
+    if (!status) status = take_transfer(&b, &made);
+    if (status)
+        td_gaussians_free(&made);
+    else
+        *gaussians = made;
     td_ply_header_free(&header);
     return status;
 }

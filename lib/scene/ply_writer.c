@@ -24,6 +24,9 @@ static void write_header(FILE *out, const td_gaussians *g, int wide) {
     if (up[0] != 0 || up[1] != 0 || up[2] != 0) fprintf(out, "comment up %.17g %.17g %.17g\n", up[0], up[1], up[2]);
     if (g->trained == TIDES_TRAINED_PLAIN || g->trained == TIDES_TRAINED_ANTIALIASED)
         fprintf(out, "comment SplatRenderMode: %s\n", g->trained == TIDES_TRAINED_PLAIN ? "default" : "mip");
+    char transfer[TD_TRANSFER_TEXT];
+    td_transfer_say(g->transfer, g->gamma, transfer);
+    fprintf(out, "comment ColourTransfer: %s\n", transfer);
     fprintf(out, "element vertex %lld\n", (long long)g->count);
     static const char *const first[] = {"x", "y", "z", "nx", "ny", "nz"};
     for (size_t i = 0; i < sizeof first / sizeof first[0]; i++)

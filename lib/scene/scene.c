@@ -2,6 +2,7 @@
  * enters is checked here, so that nothing later has to; files are read and written elsewhere. */
 #include "camera/td_trajectory.h"
 #include "td_base.h"
+#include "td_folder.h"
 #include "td_scene.h"
 
 #include <float.h>
@@ -79,6 +80,16 @@ static tides_status take_notes(tides_scene *scene, td_gaussians *gaussians, cons
 
 static int32_t is_direction(const double v[3]) { return fabs(v[0]) > 0 || fabs(v[1]) > 0 || fabs(v[2]) > 0; }
 
+/* What a file's colours are that doesn't say it: splats are trained on pictures, as these are coded. Of our own format's, which
+ * says it since December 2026, that is only a guess. */
+static tides_status assume_transfer(td_gaussians *gaussians, const char *source, tides_error *error) {
+    if (!source || gaussians->says_transfer) return TIDES_OK;
+    gaussians->transfer = TIDES_TRANSFER_SRGB;
+    if (!td_ends_in(source, ".h5")) return TIDES_OK;
+    return td_note(&gaussians->notes, error,
+                   "doesn't say what its colours are of light, and is taken for sRGB: image.transfer = linear where it isn't");
+}
+
 tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const tides_trajectory *trajectory, double scale,
                            const char *name, const char *source, int32_t *index, tides_error *error) {
     if (scene->count >= INT32_MAX)
@@ -98,7 +109,8 @@ tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const ti
         return name ? td_fail_within(error, status, "object %zu ('%.80s')", scene->count, name)
                     : td_fail_within(error, status, "%s", numbered);
     }
-    if ((status = take_notes(scene, gaussians, source ? source : object.name, error)) != TIDES_OK) {
+    if ((status = assume_transfer(gaussians, source, error)) != TIDES_OK ||
+        (status = take_notes(scene, gaussians, source ? source : object.name, error)) != TIDES_OK) {
         object_free(&object);
         return status;
     }

@@ -161,14 +161,19 @@ static const struct format {
 } formats[] = {
     {is_pointer, {.read = refuse_pointer}, NULL, "", NULL, 0},
     {is_ply, {.parse = td_ply_parse}, td_ply_write, ".ply", "3DGS by property name; compressed too", 0},
-    {is_spz, {.parse = td_spz_parse}, td_spz_write, ".spz", "Niantic's, versions 1 to 4", TIDES_LOSES_UP},
+    {is_spz,
+     {.parse = td_spz_parse},
+     td_spz_write,
+     ".spz",
+     "Niantic's, versions 1 to 4",
+     TIDES_LOSES_UP | TIDES_LOSES_TRANSFER},
     {is_sog, {.parse = td_sog_parse}, NULL, ".sog", "PlayCanvas's, versions 1 and 2", 0},
     {is_gltf,
      {.choose = td_gltf_read},
      td_gltf_write,
      ".glb .gltf",
      "glTF with KHR_gaussian_splatting",
-     TIDES_LOSES_TRAINED | TIDES_LOSES_UP},
+     TIDES_LOSES_TRAINED | TIDES_LOSES_UP | TIDES_LOSES_EXPONENT},
     {is_sog_lod, {.choose = td_sog_read_lod}, NULL, "lod-meta.json", "streamed SOG, or its folder", 0},
     {is_sog_folder, {.read = td_sog_read_folder}, NULL, "meta.json", "unpacked SOG, or its folder", 0},
     {is_hdf5, {NULL, NULL, NULL}, NULL, ".h5", "TIDES's own, which holds everything", 0},
@@ -178,7 +183,7 @@ static const struct format {
      td_splat_write,
      ".splat",
      "antimatter15's",
-     TIDES_LOSES_HARMONICS | TIDES_LOSES_TRAINED | TIDES_LOSES_UP},
+     TIDES_LOSES_HARMONICS | TIDES_LOSES_TRAINED | TIDES_LOSES_UP | TIDES_LOSES_TRANSFER},
 };
 enum { FORMATS = sizeof formats / sizeof formats[0] };
 

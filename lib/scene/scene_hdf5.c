@@ -96,6 +96,17 @@ static tides_status read_trained(const td_place *place, int32_t *trained) {
     return status;
 }
 
+/* Files before December 2026 haven't got it. */
+static tides_status read_transfer(const td_place *place, td_gaussians *made) {
+    char *text = NULL, where[300];
+    if (H5Aexists(place->id, "colour_transfer") <= 0) return TIDES_OK;
+    tides_status status = td_place_read_text(place, "colour_transfer", &text);
+    snprintf(where, sizeof where, "%.150s: colour_transfer of %.60s", place->file, place->where);
+    if (!status) status = td_transfer_read(where, text, made, place->error);
+    free(text);
+    return status;
+}
+
 static tides_status read_gaussians(const td_place *place, td_gaussians *gaussians) {
     int32_t degree = 0;
     uint64_t count = 0;
@@ -104,6 +115,7 @@ static tides_status read_gaussians(const td_place *place, td_gaussians *gaussian
     if (!status) status = td_gaussians_create(&made, (int64_t)count, degree, place->error);
     if (status) return status;
     status = read_trained(place, &made.trained);
+    if (!status) status = read_transfer(place, &made);
     if (!status) status = read_means(place, &made);
     if (!status) status = td_place_read(place, "log_scale", H5T_NATIVE_FLOAT, made.log_scale);
     if (!status) status = td_place_read(place, "quaternion", H5T_NATIVE_FLOAT, made.quaternion);

@@ -33,6 +33,9 @@ static tides_status write_gaussians(const td_place *place, const td_gaussians *g
     tides_status status = td_place_write_int(place, "sh_degree", g->sh_degree);
     if (!status && g->trained != TIDES_TRAINED_UNKNOWN)
         status = td_place_write_text(place, "trained", td_trained_names[g->trained]);
+    char transfer[TD_TRANSFER_TEXT];
+    td_transfer_say(g->transfer, g->gamma, transfer);
+    if (!status) status = td_place_write_text(place, "colour_transfer", transfer);
     if (!status) status = write_means(place, g);
     if (!status) status = td_place_write(place, "log_scale", stored, given, 2, (uint64_t[]){n, 3}, g->log_scale);
     if (!status) status = td_place_write(place, "quaternion", stored, given, 2, (uint64_t[]){n, 4}, g->quaternion);

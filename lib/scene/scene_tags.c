@@ -3,8 +3,10 @@
 #include "td_base.h"
 #include "td_folder.h"
 #include "td_scene.h"
+#include "td_text.h"
 
 #include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 
 int32_t td_trained_join(int32_t a, int32_t b) {
@@ -18,11 +20,84 @@ int32_t tides_scene_trained(const tides_scene *scene) {
     return trained;
 }
 
+/* The exponents that are taken: f must be convex (kernels/compositing.h). */
+static const double least_gamma = 1, most_gamma = 5;
+
+tides_status td_transfer_check(const char *what, int32_t transfer, double gamma, tides_error *error) {
+    if (transfer < TIDES_TRANSFER_LINEAR || transfer > TIDES_TRANSFER_GAMMA)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "%stransfer: %d is none of TIDES_TRANSFER_*", what, (int)transfer);
+    if (transfer == TIDES_TRANSFER_GAMMA && !(gamma >= least_gamma && gamma <= most_gamma))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "%sgamma: %g is out of range; it must lie in [%g, %g]", what, gamma,
+                       least_gamma, most_gamma);
+    return TIDES_OK;
+}
+
+static const char *const transfer_names[] = {"linear", "srgb", "gamma"};
+
+/* The fewest digits that say the exponent. */
+void td_transfer_say(int32_t transfer, double gamma, char text[TD_TRANSFER_TEXT]) {
+    if (transfer == TIDES_TRANSFER_GAMMA)
+        snprintf(text, TD_TRANSFER_TEXT, "gamma %s", TD_SHORT(gamma));
+    else
+        snprintf(text, TD_TRANSFER_TEXT, "%s", transfer_names[transfer]);
+}
+
+tides_status td_transfer_read(const char *where, const char *text, td_gaussians *gaussians, tides_error *error) {
+    char word[16] = "", rest[2];
+    td_plain_numbers numbers;
+    tides_status status = td_plain_begin(&numbers, where, error);
+    if (status != TIDES_OK) return status;
+    double gamma = 1;
+    const int read = sscanf(text, "%15s %lf %1s", word, &gamma, rest);
+    td_plain_end(&numbers);
+    int32_t transfer = TIDES_TRANSFER_GAMMA;
+    while (transfer >= 0 && strcmp(word, transfer_names[transfer]) != 0) transfer--;
+    const int wanted = transfer == TIDES_TRANSFER_GAMMA ? 2 : 1;
+    if (transfer < 0 || read != wanted || td_transfer_check("", transfer, gamma, NULL) != TIDES_OK)
+        return td_fail(error, TIDES_BAD_FILE,
+                       "%s is \"%.40s\": should be linear, srgb, or gamma and an exponent from %g to %g, as in \"gamma 2.2\"",
+                       where, text, least_gamma, most_gamma);
+    td_gaussians_tag(gaussians, transfer, gamma);
+    return TIDES_OK;
+}
+
+tides_status tides_scene_transfer(const tides_scene *scene, int32_t *transfer, double *gamma, tides_error *error) {
+    *transfer = TIDES_TRANSFER_LINEAR;
+    *gamma = 1;
+    for (size_t i = 0; scene && i < scene->count; i++) {
+        const td_gaussians *first = &scene->objects[0].gaussians, *g = &scene->objects[i].gaussians;
+        if (g->transfer != first->transfer || (g->transfer == TIDES_TRANSFER_GAMMA && fabs(g->gamma - first->gamma) > 0)) {
+            char one[TD_TRANSFER_TEXT], other[TD_TRANSFER_TEXT];
+            td_transfer_say(first->transfer, first->gamma, one);
+            td_transfer_say(g->transfer, g->gamma, other);
+            return td_fail(error, TIDES_BAD_CONFIG,
+                           "the colours of '%.80s' are %s, those of '%.80s' %s, and one image is decoded in one way: tag their "
+                           "files "
+                           "alike, or say which with image.transfer",
+                           scene->objects[0].name, one, scene->objects[i].name, other);
+        }
+        *transfer = g->transfer;
+        *gamma = g->transfer == TIDES_TRANSFER_GAMMA ? g->gamma : 1;
+    }
+    return TIDES_OK;
+}
+
 int64_t tides_scene_dropped(const tides_scene *scene) { return scene ? scene->dropped : 0; }
 
 const char *tides_scene_notes(const tides_scene *scene) { return scene && scene->notes ? scene->notes : ""; }
 
 /* -- losses -- */
+
+/* The ways in which objects code light, but for one that every reader takes for granted: srgb. */
+static int32_t transfers_of(const tides_scene *scene) {
+    int32_t held = 0;
+    for (size_t i = 0; scene && i < scene->count; i++) {
+        const int32_t transfer = scene->objects[i].gaussians.transfer;
+        if (transfer != TIDES_TRANSFER_SRGB) held |= TIDES_LOSES_TRANSFER;
+        if (transfer == TIDES_TRANSFER_GAMMA) held |= TIDES_LOSES_EXPONENT;
+    }
+    return held;
+}
 
 int32_t tides_scene_losses(const tides_scene *scene, const char *file) {
     double up[3];
@@ -36,5 +111,6 @@ int32_t tides_scene_losses(const tides_scene *scene, const char *file) {
     if (tides_scene_sh_degree(scene) > 0) held |= TIDES_LOSES_HARMONICS;
     if (tides_scene_trained(scene) != TIDES_TRAINED_UNKNOWN) held |= TIDES_LOSES_TRAINED;
     if (tides_scene_up(scene, up)) held |= TIDES_LOSES_UP;
-    return lost & held;
+    lost &= held | transfers_of(scene);
+    return lost & TIDES_LOSES_EXPONENT ? (lost & ~TIDES_LOSES_EXPONENT) | TIDES_LOSES_TRANSFER : lost;
 }

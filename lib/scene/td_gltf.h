@@ -8,6 +8,11 @@
 
 /* The extension that holds splats, and what a binary file is marked with. */
 #define TD_GLTF_SPLATS "KHR_gaussian_splatting"
+
+/* Its colour spaces: both of a display, coded as sRGB or linear. */
+#define TD_GLTF_SRGB "srgb_rec709_display"
+#define TD_GLTF_LINEAR "lin_rec709_display"
+
 enum {
     TD_GLTF_MAGIC = 0x46546c67,
     TD_GLTF_JSON = 0x4e4f534a,

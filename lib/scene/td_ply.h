@@ -50,6 +50,7 @@ typedef struct td_ply_header {
     size_t lines;     /* of the header, its last one included */
     double up[3];     /* what comments say of where up is; zeros: nothing */
     td_ply_word mode; /* of the last comment that says how its splats are drawn: "mip", "default", "2dgs"; empty: none does */
+    td_ply_word transfer, exponent; /* the words of "comment ColourTransfer: gamma 2.2"; empty: none */
     td_ply_element *elements;
     td_ply_property *properties; /* of all elements, in order */
     size_t element_count, property_count, element_capacity, property_capacity;

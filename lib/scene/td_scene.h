@@ -16,7 +16,10 @@ typedef struct td_gaussians {
     double *mean_double; /* NULL, or means as a reader found them, more exact than `mean`: until td_scene_take */
     double up[3];        /* what their file says of where up is; zeros: nothing */
     int32_t trained;     /* TIDES_TRAINED_*, as it says */
-    char *notes;         /* NULL, or lines that the scene's user should hear of their file */
+    int32_t transfer;    /* TIDES_TRANSFER_LINEAR and on; of a file that doesn't say it, what td_scene_take makes of that */
+    int32_t says_transfer;
+    double gamma; /* with GAMMA */
+    char *notes;  /* NULL, or lines that the scene's user should hear of their file */
 } td_gaussians;
 
 typedef struct td_object {
@@ -66,6 +69,21 @@ tides_gaussians td_gaussians_view(const td_gaussians *gaussians);
 
 /* How two sets together were trained: what one of them says, MIXED where they disagree. */
 int32_t td_trained_join(int32_t a, int32_t b);
+
+/* What a file says of the transfer. */
+static inline void td_gaussians_tag(td_gaussians *gaussians, int32_t transfer, double gamma) {
+    gaussians->transfer = transfer;
+    gaussians->gamma = transfer == TIDES_TRANSFER_GAMMA ? gamma : 0;
+    gaussians->says_transfer = 1;
+}
+
+/* As files and messages say it: "linear", "srgb", "gamma 2.2"; and back: TIDES_BAD_FILE, whose message begins with `where`. */
+enum { TD_TRANSFER_TEXT = 40 };
+void td_transfer_say(int32_t transfer, double gamma, char text[TD_TRANSFER_TEXT]);
+tides_status td_transfer_read(const char *where, const char *text, td_gaussians *gaussians, tides_error *error);
+
+/* TIDES_BAD_ARGUMENT where it is none, or its exponent is out of range; `what` stands before "transfer" and "gamma". */
+tides_status td_transfer_check(const char *what, int32_t transfer, double gamma, tides_error *error);
 
 /* Fails with `blame` (TIDES_BAD_ARGUMENT, TIDES_BAD_FILE), naming Gaussian and property, unless the values can be rendered:
  * all finite, quaternions that can be normalised, exp(log_scale) within float's range, means and coefficients within

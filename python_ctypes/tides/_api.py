@@ -26,14 +26,16 @@ TIDES_NO_DEVICE = 8
 TIDES_DEVICE_FAILED = 9
 TIDES_CANCELLED = 10
 TIDES_OUT_OF_RANGE = 11
+TIDES_TRANSFER_FILE = -1
+TIDES_TRANSFER_LINEAR = 0
+TIDES_TRANSFER_SRGB = 1
+TIDES_TRANSFER_GAMMA = 2
 TIDES_TIME_AUTO = 0
 TIDES_TIME_S = 1
 TIDES_TIME_MS = 2
 TIDES_TIME_US = 3
 TIDES_TIME_NS = 4
 TIDES_TIME_INDEX = 5
-TIDES_TRANSFER_LINEAR = 0
-TIDES_TRANSFER_SRGB = 1
 TIDES_LABEL_CAUSE = 1
 TIDES_LABEL_FIRED = 2
 TIDES_LABEL_FRONTEND = 4
@@ -73,6 +75,8 @@ TIDES_INVALID_DROP = 1
 TIDES_LOSES_HARMONICS = 1
 TIDES_LOSES_TRAINED = 2
 TIDES_LOSES_UP = 4
+TIDES_LOSES_TRANSFER = 8
+TIDES_LOSES_EXPONENT = 16
 TIDES_REFRACTORY_HOLD = 0
 TIDES_REFRACTORY_DROP_KEEP = 1
 TIDES_REFRACTORY_DROP_CONSUME = 2
@@ -318,7 +322,7 @@ tides_progress = CFUNCTYPE(c_int, c_void_p, c_double, c_char_p)
 
 class tides_frames_options(Structure):
     """uint32_t size;
-    int32_t transfer; /* TIDES_TRANSFER_* */
+    int32_t transfer; /* TIDES_TRANSFER_LINEAR or _SRGB */
     int32_t unit; /* TIDES_TIME_* of timestamp files and of arrays with times; AUTO: as its header says, else
     microseconds in image_timestamps.txt (DSEC), else the unit in which frames come 1 to 1000
     times a second, or count from 1970 */
@@ -1258,6 +1262,9 @@ class tides_gaussians(Structure):
     const float *sh; /* coefficient, then r g b (N x K x 3) */
     double origin[3]; /* [scene units] what means are relative to: a Gaussian is at origin + mean */
     const double *mean_double; /* [scene units] NULL, or the means in double, in place of `mean` (N x 3) */
+    int32_t transfer; /* TIDES_TRANSFER_LINEAR (0), _SRGB or _GAMMA: what composited colours are of light */
+    int32_t reserved;
+    double gamma; /* with GAMMA: light = colour^gamma, 1 to 5 */
     """
 
     count: int
@@ -1270,6 +1277,9 @@ class tides_gaussians(Structure):
     sh: Any
     origin: Any
     mean_double: Any
+    transfer: int
+    reserved: int
+    gamma: float
 
     _fields_ = [
         ("count", c_int64),
@@ -1282,6 +1292,9 @@ class tides_gaussians(Structure):
         ("sh", P(c_float)),
         ("origin", c_double * 3),
         ("mean_double", P(c_double)),
+        ("transfer", c_int32),
+        ("reserved", c_int32),
+        ("gamma", c_double),
     ]
 
 
@@ -1524,12 +1537,15 @@ class tides_image_params(Structure):
     int32_t sh_degree; /* bands above this are ignored, 0..4 */
     double dilation; /* added to the diagonal of the 2D covariance [px^2] */
     double luminance[3]; /* Y = luminance . (r, g, b) */
-    double log_eps; /* L = ln(Y + log_eps), 1e-9 to 1e6 */
-    double background[3]; /* r g b, >= 0 */
+    double log_eps; /* the black level: light of the dark and the photocurrent's offset, as a share of full scale
+    (Y = 1); L = ln(Y + log_eps), 1e-9 to 1e6 */
+    double background[3]; /* r g b, >= 0: light, whatever the transfer is */
     tides_smoothing smoothing; /* soft order and tapers */
     int32_t colour_filter; /* TIDES_FILTER_*: other than OFF each pixel's luminance is one channel, and so are L and all that
     comes of it; `luminance` must then be the default. Takes three times as long */
-    int32_t reserved;
+    int32_t transfer; /* TIDES_TRANSFER_*: what composited colours are of light; FILE: as the scene's objects say
+    (tides_scene_transfer) */
+    double gamma; /* with GAMMA: light = colour^gamma, 1 to 5 */
     """
 
     size: int
@@ -1542,7 +1558,8 @@ class tides_image_params(Structure):
     background: Any
     smoothing: tides_smoothing
     colour_filter: int
-    reserved: int
+    transfer: int
+    gamma: float
 
     _fields_ = [
         ("size", c_uint32),
@@ -1555,7 +1572,8 @@ class tides_image_params(Structure):
         ("background", c_double * 3),
         ("smoothing", tides_smoothing),
         ("colour_filter", c_int32),
-        ("reserved", c_int32),
+        ("transfer", c_int32),
+        ("gamma", c_double),
     ]
 
 
@@ -3978,6 +3996,10 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_scene_sh_degree": (c_int32, [P(tides_scene)], "scene"),
     # int32_t tides_scene_trained(const tides_scene *scene)
     "tides_scene_trained": (c_int32, [P(tides_scene)], "scene"),
+    # tides_status tides_scene_transfer(const tides_scene *scene, int32_t *transfer, double *gamma, tides_error *error)
+    "tides_scene_transfer": (c_int32, [
+        P(tides_scene), P(c_int32), P(c_double), P(tides_error)
+    ], "scene transfer gamma error"),
     # int32_t tides_scene_up(const tides_scene *scene, double up[3])
     "tides_scene_up": (c_int32, [P(tides_scene), P(c_double)], "scene up"),
     # void tides_sensor_defaults(tides_sensor *sensor)

@@ -38,11 +38,11 @@ EVENT_TRUTH = np.dtype(
 
 
 class ImageParams(Value, _api.tides_image_params):
-    """Image formation: rules ("smooth", "inria", "gsplat"), antialias ("file", as the scene's files say; True, False), sh_degree, dilation [px^2], luminance (3), log_eps,
-    background (3), linear r g b, colour_filter ("off", "rggb", "grbg", "gbrg", "bggr")."""
+    """Image formation: rules ("smooth", "inria", "gsplat"), antialias ("file", as the scene's files say; True, False), sh_degree, dilation [px^2], luminance (3), log_eps (the
+    black level, a share of full scale), background (3), light, colour_filter ("off", "rggb", "grbg", "gbrg", "bggr"), transfer ("file", "linear", "srgb", "gamma"), gamma."""
 
     _defaults, _groups = "tides_image_params_defaults", ("image.", "scene.", "sensor.")
-    _words = {"rules": "TIDES_RULES_", "antialias": "TIDES_ANTIALIAS_", "colour_filter": "TIDES_FILTER_"}
+    _words = {"rules": "TIDES_RULES_", "antialias": "TIDES_ANTIALIAS_", "colour_filter": "TIDES_FILTER_", "transfer": "TIDES_TRANSFER_"}
 
 
 def colour_filter(name: str, height: int, width: int) -> np.ndarray:

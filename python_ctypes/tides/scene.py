@@ -27,6 +27,13 @@ def _trained(number: int) -> str:
     return next(word for word, one in _TRAINED.items() if one == number)
 
 
+_TRANSFER = {word: one for word, one in constants("TIDES_TRANSFER_").items() if one >= 0}
+
+
+def _transfer(number: int) -> str:
+    return next(word for word, one in _TRANSFER.items() if one == number)
+
+
 def scene_formats() -> list[Facts]:
     """The formats of scene files: endings (separated by blanks), summary, writes, losses (TIDES_LOSES_*)."""
     made, one = [], _api.tides_scene_format()
@@ -40,7 +47,7 @@ class Gaussians:
     """Raw parameters, as trained, float32: mean (n x 3) [scene units] (float64 where it is given in that, so far from 0 that
     float32 would lose digits that matter), log_scale (n x 3) ln [scene units], quaternion (n x 4) wxyz, opacity_logit (n), sh
     (n x k x 3) with k = (degree + 1)^2, in INRIA's order and sign. How they were trained: "unknown", "plain", "antialiased",
-    "mixed"."""
+    "mixed". What composited colours are of light: transfer "linear", "srgb" or "gamma" with its exponent."""
 
     mean: np.ndarray
     log_scale: np.ndarray
@@ -48,10 +55,13 @@ class Gaussians:
     opacity_logit: np.ndarray
     sh: np.ndarray
     trained: str = "unknown"
+    transfer: str = "linear"
+    gamma: float = 0.0
 
     def __post_init__(self) -> None:
         n = len(np.asarray(self.mean))
         choice("trained", self.trained, _TRAINED)
+        choice("transfer", self.transfer, _TRANSFER)
         self.mean = means(self.mean, (n, 3))
         self.log_scale = array(self.log_scale, np.float32, (n, 3), "log_scale")
         self.quaternion = array(self.quaternion, np.float32, (n, 4), "quaternion")
@@ -91,6 +101,7 @@ class Gaussians:
         """For C; it points into this object's arrays."""
         arrays = (self.log_scale, self.quaternion, self.opacity_logit, self.sh)
         made = _api.tides_gaussians(len(self), self.sh_degree, _TRAINED[self.trained], None, *(pointer(one, c_float) for one in arrays))
+        made.transfer, made.gamma = _TRANSFER[self.transfer], self.gamma
         give_means(made, self.mean)
         return made
 
@@ -102,7 +113,7 @@ class Gaussians:
         origin = np.array(struct.origin)
         if origin.any():
             arrays["mean"] = origin + arrays["mean"]
-        return cls(**arrays, trained=_trained(struct.trained))
+        return cls(**arrays, trained=_trained(struct.trained), transfer=_transfer(struct.transfer), gamma=struct.gamma)
 
 
 @dataclass(frozen=True)
@@ -293,6 +304,14 @@ class Scene(Handle):
         """How all objects were trained that say so, and so must be drawn: "unknown", "plain", "antialiased" (mip-splatting's
         compensated opacities), "mixed". ImageParams(antialias="file") goes by it."""
         return _trained(lib.tides_scene_trained(self._pointer))
+
+    @property
+    def transfer(self) -> str:
+        """What composited colours of all objects are of light: "linear", "srgb", or "gamma", whose exponent is the objects'.
+        ImageParams(transfer="file") goes by it. BadConfig where objects differ."""
+        transfer, gamma = c_int32(), c_double()
+        call("tides_scene_transfer", self._pointer, byref(transfer), byref(gamma))
+        return _transfer(transfer.value)
 
     @property
     def dropped(self) -> int:

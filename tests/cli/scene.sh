@@ -64,6 +64,27 @@ expect 0 tides info tagged.spz
 out "^trained +antialiased"
 expect 0 tides convert tagged.ply tagged.glb
 err "a .glb has no place for how the scene was trained: image.antialias must say it"
+# What colours are of light: shown, gone by, kept, and said where it is lost; what says nothing is sRGB.
+sed 's/^format ascii 1.0/&\ncomment ColourTransfer: linear/' scene.ply >light.ply
+expect 0 tides info light.ply
+out "^colour_transfer +linear"
+expect 0 tides info scene.ply
+out "^colour_transfer +srgb"
+for transfer in file linear srgb; do
+    expect 0 tides simulate run.json -vo light.h5 --stats $transfer.json --set scene.file=light.ply --set image.transfer=$transfer
+done
+err "colours are sRGB and decoded to light, as image.transfer says"
+[ "$(value file.json events)" = "$(value linear.json events)" ] || fail "the file's transfer isn't gone by"
+[ "$(value plain.json events)" = "$(value srgb.json events)" ] || fail "a scene without a transfer is sRGB"
+[ "$(value linear.json events)" != "$(value srgb.json events)" ] || fail "sRGB should be decoded"
+expect 0 tides convert light.ply light.glb
+expect 0 tides convert light.glb again.ply
+expect 0 tides info again.ply
+out "^colour_transfer +linear"
+expect 0 tides convert light.ply light.splat
+err "a .splat has no place for colours that aren't srgb: image.transfer must say it"
+refuse 1 "'again' are linear, those of 'tagged' srgb.*image.transfer" tides simulate run.json -o no.h5 \
+    --set scene.file=again.ply --set 'scene.objects=[{"file": "tagged.ply"}]'
 sed 's/scale_2/flat/; s/^format ascii 1.0/&\ncomment SplatRenderMode: 2dgs/' scene.ply >discs.ply
 refuse 1 "discs.ply: holds discs, 2-D Gaussians as 2DGS.*train the scene with 3-D Gaussians" tides info discs.ply
 

@@ -50,6 +50,15 @@ echo '{ "sensor": { "treshold_on": 1 } }' >bad.json
 refuse 1 "preset bad.json: unknown key .*did you mean" tides simulate run.json -o x.h5 --set sensor.preset=bad.json
 echo '{ "stepping": { "mode": "fixed" } }' >bad.json
 refuse 1 "stepping.*a preset holds" tides simulate run.json -o x.h5 --set sensor.preset=bad.json
+echo '{ "image": { "transfer": "srgb" } }' >bad.json
+refuse 1 "image.transfer: of image a preset holds log_eps alone" tides simulate run.json -o x.h5 --set sensor.preset=bad.json
+echo '{ "image": { "log_eps": { "value": 0.051, "source": "measured" } } }' >dark.json
+expect 0 tides simulate run.json -qo dark.h5 --set sensor.preset=dark.json
+expect 0 tides simulate run.json -qo same.h5 --set image.log_eps=0.051
+expect 0 tides info dark.h5 --json
+count=$(value out events)
+expect 0 tides info same.h5 --json
+[ "$count" = "$(value out events)" ] || fail "a preset's black level should be the black level"
 echo '{ "sensor": { "threshold_on": { "source": "?" } } }' >bad.json
 refuse 1 "sensor.threshold_on has no value" tides simulate run.json -o x.h5 --set sensor.preset=bad.json
 echo '{ "sensor": ' >bad.json

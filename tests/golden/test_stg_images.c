@@ -78,6 +78,7 @@ static double *render(const stg_world *world, int frame, int which) {
     assert_non_null(out);
     for (int c = 0; c < CHANNELS; c++) planes.plane[channels[c]] = out + (size_t)c * pixels;
     tides_image_params_defaults(&params);
+    params.transfer = TIDES_TRANSFER_LINEAR; /* theirs are of colours as they are */
     params.rules = TIDES_RULES_INRIA;
     tides_trajectory *camera = camera_at(world, frame);
     scene_expect_ok(tides_renderer_create(device, world->scene, &world->camera, &params, NULL, NULL, &renderer, &error),

@@ -29,6 +29,7 @@ static inline random_recipe pair_ordinary(uint64_t seed) {
 typedef struct pair_setting {
     int rules, antialias;
     int sh_degree; /* evaluated, at most the scene's */
+    int transfer;  /* TIDES_TRANSFER_*, of gamma 2.2 */
 } pair_setting;
 
 typedef struct backend_pair {
@@ -163,6 +164,7 @@ static inline backend_pair pair_begin(const char *name, const random_recipe *rec
     pair.store = random_scene_store(&pair.scene, pair_times[0]);
     if (edit) edit(&pair.store);
     pair.image = random_scene_image(&pair.scene, setting->rules, setting->antialias, TD_OUT_SIGNAL);
+    if (setting->transfer) pair.image = random_scene_coded(&pair.image, setting->transfer, 2.2);
     pair.image.whole[3] = setting->sh_degree; /* width, height, objects, sh_degree (layout.h) */
     pair.views = random_scene_views(&pair.scene, pair_times, PAIR_SLOTS);
     pair.backdrops = random_scene_backdrops(&pair.scene, pair_times, PAIR_SLOTS);

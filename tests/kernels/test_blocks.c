@@ -17,10 +17,10 @@ typedef struct case_setting {
     int lanes, outputs;
 } case_setting;
 
-static const case_setting settings[] = {{{TIDES_RULES_SMOOTH, 0, 3}, 16, TD_OUT_SIGNAL},
-                                        {{TIDES_RULES_SMOOTH, 1, 3}, 1, TD_OUT_DIAGNOSTICS},
-                                        {{TIDES_RULES_INRIA, 0, 3}, 8, TD_OUT_COLOUR},
-                                        {{TIDES_RULES_GSPLAT, 0, 3}, 16, TD_OUT_SIGNAL}};
+static const case_setting settings[] = {{{TIDES_RULES_SMOOTH, 0, 3, 0}, 16, TD_OUT_SIGNAL},
+                                        {{TIDES_RULES_SMOOTH, 1, 3, 0}, 1, TD_OUT_DIAGNOSTICS},
+                                        {{TIDES_RULES_INRIA, 0, 3, 0}, 8, TD_OUT_COLOUR},
+                                        {{TIDES_RULES_GSPLAT, 0, 3, 0}, 16, TD_OUT_SIGNAL}};
 
 /* Sets of all sizes; the first jobs' are one block each, and one is whole. */
 static void draw_sets(backend_pair *pair, uint64_t *state) {
@@ -114,7 +114,7 @@ static void check_list(backend_pair *pair, int which, const td_job *job) {
 
 static void test_lists_hold_what_touches(void **unused) {
     (void)unused;
-    const pair_setting smooth = {TIDES_RULES_SMOOTH, 0, 3};
+    const pair_setting smooth = {TIDES_RULES_SMOOTH, 0, 3, 0};
     tides_device *device = pair_device(16);
     random_recipe recipe = pair_ordinary(SEED);
     backend_pair pair = pair_make("lists", device, &recipe, &smooth, NULL);

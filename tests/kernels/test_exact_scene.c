@@ -40,6 +40,7 @@ typedef struct asked {
     int *gaussians, *rows; /* (NODES x count) */
     td_node_job *jobs;
     td_node_request request;
+    int is_coded; /* rows have green and blue beside them */
 } asked;
 
 static asked ask(const double *views, int first, int count, int real_count, int job_size) {
@@ -67,12 +68,14 @@ static void asked_free(asked *a) {
     free(a->jobs);
 }
 
+/* Rows, and behind all of them what is beside them. */
 static double *rows_of(td_exact *exact, td_backend *backend, const asked *a) {
-    double *rows = calloc((size_t)a->request.row_count * TD_PATH_STRIDE, sizeof *rows);
+    const size_t count = (size_t)a->request.row_count;
+    double *rows = calloc(count * (TD_PATH_STRIDE + TD_BESIDE_STRIDE), sizeof *rows), *beside = rows + count * TD_PATH_STRIDE;
     tides_error error;
     assert_non_null(rows);
     scene_expect_ok(td_exact_nodes(exact, backend, &a->request, &error), &error);
-    scene_expect_ok(td_exact_rows(exact, a->request.row_count, rows, &error), &error);
+    scene_expect_ok(td_exact_rows(exact, a->request.row_count, rows, a->is_coded ? beside : NULL, &error), &error);
     return rows;
 }
 
@@ -85,6 +88,12 @@ static void compare(const char *name, const asked *a, const double *found, const
                 fail_msg("%s: row %d, entry %d: %.17g on the device, %.17g in the reference", name, row, k, f[k], e[k]);
         used[e[TD_P_DET] > 0]++;
     }
+    if (!a->is_coded) return;
+    const size_t first = (size_t)a->request.row_count * TD_PATH_STRIDE, count = (size_t)a->request.row_count * TD_BESIDE_STRIDE;
+    for (size_t i = first + TD_BESIDE_STRIDE; i < first + count; i++)
+        if (memcmp(&found[i], &expected[i], sizeof *found) != 0 && !(isnan(found[i]) && isnan(expected[i])))
+            fail_msg("%s: number %d beside rows: %.17g on the device, %.17g in the reference", name, (int)(i - first), found[i],
+                     expected[i]);
 }
 
 /* -- Gaussians at rest, or with rates ------------------------------------------------------------------------------ */
@@ -97,7 +106,7 @@ static void make_needles(td_store *store) {
 }
 
 typedef struct setting {
-    int rules, antialias, sh_degree, moving, lanes, job_size, lens;
+    int rules, antialias, sh_degree, moving, lanes, job_size, lens, transfer;
 } setting;
 
 static void compare_store(const char *name, tides_device *device, const random_recipe *recipe, const setting *s,
@@ -106,9 +115,11 @@ static void compare_store(const char *name, tides_device *device, const random_r
     td_store store = random_scene_store(&scene, node_times[0]);
     if (edit) edit(&store);
     td_image_numbers image = random_scene_image(&scene, s->rules, s->antialias, TD_OUT_SIGNAL);
+    if (s->transfer) image = random_scene_coded(&image, s->transfer, 2.2);
     image.whole[3] = s->sh_degree; /* width, height, objects, sh_degree (layout.h) */
     double *views = random_scene_views(&scene, node_times, NODES), *rows[KINDS];
     asked a = ask(views, 0, store.count, store.count, s->job_size);
+    a.is_coded = s->transfer != TIDES_TRANSFER_LINEAR;
     tides_device *reference = open_device("reference"), *devices[KINDS] = {device, reference};
     tides_error error;
     for (int k = 0; k < KINDS; k++) {
@@ -129,11 +140,12 @@ static void compare_store(const char *name, tides_device *device, const random_r
 }
 
 static void test_opencl_equals_the_reference(void **state) {
-    static const setting settings[] = {{TIDES_RULES_SMOOTH, 0, 3, 0, 16, 64, TIDES_LENS_EQUIDISTANT},
-                                       {TIDES_RULES_SMOOTH, 1, 2, 1, 8, 1 << 20, TIDES_LENS_NONE},
-                                       {TIDES_RULES_INRIA, 0, 1, 1, 4, TD_PAD, TIDES_LENS_RADTAN},
-                                       {TIDES_RULES_GSPLAT, 1, 4, 0, 1, 48, TIDES_LENS_NONE},
-                                       {TIDES_RULES_SMOOTH, 0, 0, 0, 16, 64, TIDES_LENS_NONE}};
+    static const setting settings[] = {{TIDES_RULES_SMOOTH, 0, 3, 0, 16, 64, TIDES_LENS_EQUIDISTANT, 0},
+                                       {TIDES_RULES_SMOOTH, 1, 2, 1, 8, 1 << 20, TIDES_LENS_NONE, 0},
+                                       {TIDES_RULES_INRIA, 0, 1, 1, 4, TD_PAD, TIDES_LENS_RADTAN, 0},
+                                       {TIDES_RULES_GSPLAT, 1, 4, 0, 1, 48, TIDES_LENS_NONE, 0},
+                                       {TIDES_RULES_SMOOTH, 0, 0, 0, 16, 64, TIDES_LENS_NONE, 0},
+                                       {TIDES_RULES_SMOOTH, 0, 2, 1, 16, 64, TIDES_LENS_NONE, TIDES_TRANSFER_SRGB}};
     int used[2] = {0, 0};
     (void)state;
     for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
@@ -165,17 +177,22 @@ typedef struct moved {
     asked a;
 } moved;
 
+/* Whether light isn't linear in colours. */
+static int coded = 0;
+
 static moved moved_open(tides_device *device, const moving_scene *s, const char *of) {
     moved m = {of ? open_device(of) : NULL, NULL, NULL, {0}};
     tides_error error;
     m.renderer = make_renderer(of ? m.backend : device, s->scene, &s->base.camera, TIDES_RULES_SMOOTH);
     td_image_numbers image = td_image_pack(&m.renderer->image);
+    if (coded) image = random_scene_coded(&image, TIDES_TRANSFER_SRGB, 0);
     scene_expect_ok(td_renderer_sweep(m.renderer, s->base.path, node_times[0], node_times[NODES - 1], &error), &error);
     scene_expect_ok(td_renderer_views(m.renderer, s->base.path, node_times, NODES, &error), &error);
     assert_true(m.renderer->dynamic.gaussians > 2 * TD_PAD);
     m.a = ask((const double *)m.renderer->views, m.renderer->store.count + TD_PAD, m.renderer->dynamic.gaussians - TD_PAD,
               1 << 20, 32);
     scene_expect_ok(td_exact_create(device, &m.renderer->store, &image, &m.exact, &error), &error);
+    m.a.is_coded = coded;
     return m;
 }
 
@@ -242,10 +259,11 @@ static double *halved_rows(tides_device *device, const moving_scene *s, int leve
     *paths = count;
     free(rows_of(m.exact, m.renderer->backend, &m.a));
     const td_halve_request request = {from, to, count, level, pieces, lengths, *row_count};
-    double *rows = calloc((size_t)*row_count * TD_PATH_STRIDE, sizeof *rows);
+    const size_t all = (size_t)*row_count;
+    double *rows = calloc(all * (TD_PATH_STRIDE + TD_BESIDE_STRIDE), sizeof *rows), *beside = rows + all * TD_PATH_STRIDE;
     assert_non_null(rows);
     scene_expect_ok(td_exact_halve(m.exact, &request, &error), &error);
-    scene_expect_ok(td_exact_rows(m.exact, *row_count, rows, &error), &error);
+    scene_expect_ok(td_exact_rows(m.exact, *row_count, rows, coded ? beside : NULL, &error), &error);
     free(from);
     free(to);
     asked a = moved_close(&m);
@@ -280,16 +298,17 @@ static void test_twice_as_many_rows(void **state) {
         double lengths[2], h[NODES - 1];
     } cuts[] = {{1, 1, {0.01, 0}, {0.005, 0.005}}, {0, 2, {0.004, 0.006}, {0.004, 0.006}}};
     (void)state;
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 8; i++) {
         const int cut = i % 2;
-        tides_device *device = open_cpu(widths[i / 2]), *reference = open_device("reference");
+        coded = i >= 6;
+        tides_device *device = open_cpu(widths[i / 2 % 3]), *reference = open_device("reference");
         random_recipe recipe = random_recipe_defaults(SEED + (uint64_t)i);
         recipe.count = 200, recipe.objects = 3;
         moving_scene s = moving_scene_make(&recipe, 0.6);
         int rows[2], paths[2], used[2] = {0, 0};
         double *own = halved_rows(device, &s, cuts[cut].level, cuts[cut].pieces, cuts[cut].lengths, &rows[0], &paths[0]);
         double *twin = halved_rows(reference, &s, cuts[cut].level, cuts[cut].pieces, cuts[cut].lengths, &rows[1], &paths[1]);
-        const asked all = {.request = {.row_count = rows[0]}};
+        const asked all = {.request = {.row_count = rows[0]}, .is_coded = coded};
         assert_int_equal(rows[0], rows[1]);
         compare("rows made of rows", &all, own, twin, used);
         for (int k = 0; k < paths[0]; k++)
@@ -301,6 +320,7 @@ static void test_twice_as_many_rows(void **state) {
         tides_device_close(reference);
         tides_device_close(device);
     }
+    coded = 0;
 }
 
 /* A device without double precision leaves it to the twin. */

@@ -20,7 +20,7 @@ static void compare(const char *name, int32_t rules, double speed, create plain,
     random_recipe recipe = random_recipe_defaults(SEED + (uint64_t)rules);
     recipe.count = 3000;
     recipe.camera_speed = speed;
-    const pair_setting setting = {rules, 0, recipe.sh_degree};
+    const pair_setting setting = {rules, 0, recipe.sh_degree, 0};
     backend_pair pair = pair_begin(name, &recipe, &setting, NULL);
     tides_error error;
     scene_expect_ok(plain(&pair.store, &pair.image, &pair.backend[PAIR_REFERENCE], &error), &error);

@@ -98,14 +98,17 @@ typedef struct case_setting {
     int lens;
 } case_setting;
 
-static const case_setting settings[] = {{"smooth, degree 3", {TIDES_RULES_SMOOTH, 0, 3}, 3, 0, 16, 1, 0},
-                                        {"smooth, antialias, degree 4, moving", {TIDES_RULES_SMOOTH, 1, 4}, 4, 1, 8, 0, 0},
-                                        {"inria, antialias, degree 0", {TIDES_RULES_INRIA, 1, 0}, 0, 0, 4, 0, 0},
-                                        {"inria, degree 2, moving", {TIDES_RULES_INRIA, 0, 2}, 2, 1, 16, 0, 0},
-                                        {"gsplat, antialias, degree 1 of 3, moving", {TIDES_RULES_GSPLAT, 1, 1}, 3, 1, 1, 1, 0},
-                                        {"gsplat, degree 4", {TIDES_RULES_GSPLAT, 0, 4}, 4, 0, 16, 0, 0},
-                                        {"smooth, radtan, moving", {TIDES_RULES_SMOOTH, 0, 1}, 1, 1, 16, 0, TIDES_LENS_RADTAN},
-                                        {"inria, equidistant", {TIDES_RULES_INRIA, 1, 0}, 0, 0, 8, 0, TIDES_LENS_EQUIDISTANT}};
+static const case_setting settings[] =
+    {{"smooth, degree 3", {TIDES_RULES_SMOOTH, 0, 3, 0}, 3, 0, 16, 1, 0},
+     {"smooth, antialias, degree 4, moving", {TIDES_RULES_SMOOTH, 1, 4, 0}, 4, 1, 8, 0, 0},
+     {"inria, antialias, degree 0", {TIDES_RULES_INRIA, 1, 0, 0}, 0, 0, 4, 0, 0},
+     {"inria, degree 2, moving", {TIDES_RULES_INRIA, 0, 2, 0}, 2, 1, 16, 0, 0},
+     {"gsplat, antialias, degree 1 of 3, moving", {TIDES_RULES_GSPLAT, 1, 1, 0}, 3, 1, 1, 1, 0},
+     {"gsplat, degree 4", {TIDES_RULES_GSPLAT, 0, 4, 0}, 4, 0, 16, 0, 0},
+     {"smooth, radtan, moving", {TIDES_RULES_SMOOTH, 0, 1, 0}, 1, 1, 16, 0, TIDES_LENS_RADTAN},
+     {"inria, equidistant", {TIDES_RULES_INRIA, 1, 0, 0}, 0, 0, 8, 0, TIDES_LENS_EQUIDISTANT},
+     {"smooth, srgb", {TIDES_RULES_SMOOTH, 0, 3, TIDES_TRANSFER_SRGB}, 3, 1, 16, 1, 0},
+     {"gsplat, gamma", {TIDES_RULES_GSPLAT, 0, 1, TIDES_TRANSFER_GAMMA}, 1, 0, 1, 0, 0}};
 
 static backend_pair make_case(const scene_kind *kind, const case_setting *setting, tides_device *device) {
     random_recipe recipe = kind->recipe();

@@ -16,8 +16,10 @@
 enum { MOST = 700 };
 
 /* All that an entry holds comes of its path, so that a mixture of two would show. */
-static td_point_entry entry_of(double depth, int path) {
-    return (td_point_entry){path + 0.1, path + 0.2, path + 0.3, path + 0.4, depth, path + 0.5, path};
+static td_point_entry entry_of(const td_image *image, double depth, int path) {
+    td_point_entry entry = {path + 0.1, path + 0.2, path + 0.3, path + 0.4, depth, path + 0.5, path, 0, 0, 0, 0};
+    if (image->is_coded) entry.green = path + 0.6, entry.green_dot = path + 0.7, entry.blue = path + 0.8, entry.blue_dot = path;
+    return entry;
 }
 
 static int by_depth(const void *a, const void *b) {
@@ -26,25 +28,32 @@ static int by_depth(const void *a, const void *b) {
     return (x->path > y->path) - (x->path < y->path);
 }
 
-/* Adds `count` entries of these depths, and holds what comes of it against qsort. */
-static td_point_order check_order(const double *depth, const int *path, int count) {
-    static double entries[MOST * TD_POINT_ENTRY];
+/* Adds `count` entries of these depths, of luminance or of three channels, and holds what comes of it against qsort. */
+static td_point_order check_order_of(const td_image *image, const double *depth, const int *path, int count) {
+    static double entries[MOST * TD_POINT_CODED_NUMBERS];
     static td_point_entry wanted[MOST];
     td_point_order order = {0, 0, 0};
     for (int i = 0; i < count; i++) {
-        wanted[i] = entry_of(depth[i], path[i]);
-        td_point_add(entries, &wanted[i], &order);
+        wanted[i] = entry_of(image, depth[i], path[i]);
+        td_point_add(image, entries, &wanted[i], &order);
     }
     assert_int_equal(order.count, count);
-    td_point_settle(entries, &order);
+    td_point_settle(image, entries, &order);
     qsort(wanted, (size_t)count, sizeof *wanted, by_depth);
     for (int i = 0; i < count; i++) {
-        const td_point_entry got = td_point_load_entry(entries + i * TD_POINT_ENTRY);
+        const td_point_entry got = td_point_load_entry(image, entries + i * td_point_room(image));
         if (memcmp(&got, &wanted[i], sizeof got) != 0)
             fail_msg("%d of %d: depth %g, path %g, where depth %g, path %g belongs", i, count, got.depth, got.path,
                      wanted[i].depth, wanted[i].path);
     }
     return order;
+}
+
+static td_point_order check_order(const double *depth, const int *path, int count) {
+    static const td_image linear = {.is_coded = 0}, coded = {.is_coded = 1};
+    const td_point_order one = check_order_of(&linear, depth, path, count), other = check_order_of(&coded, depth, path, count);
+    assert_true(one.passed == other.passed && one.loose == other.loose);
+    return one;
 }
 
 /* Paths in any order: those of a list come by depth. */

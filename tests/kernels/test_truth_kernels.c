@@ -19,13 +19,13 @@ typedef struct case_setting {
     int lens;
 } case_setting;
 
-static const case_setting settings[] = {{"smooth", {TIDES_RULES_SMOOTH, 0, 0}, 16, 3, 0, 0.12, 0},
-                                        {"smooth, one lane, moving", {TIDES_RULES_SMOOTH, 1, 0}, 1, 3, 1, 0.12, 0},
-                                        {"smooth, one object", {TIDES_RULES_SMOOTH, 0, 0}, 8, 1, 0, 0.12, 0},
-                                        {"inria, twenty objects, moving", {TIDES_RULES_INRIA, 0, 0}, 16, 20, 1, 0.3, 0},
-                                        {"gsplat, smaller than a pixel", {TIDES_RULES_GSPLAT, 0, 0}, 4, 3, 1, 2e-3, 0},
-                                        {"radtan", {TIDES_RULES_SMOOTH, 0, 0}, 16, 1, 1, 0.12, TIDES_LENS_RADTAN},
-                                        {"equidistant", {TIDES_RULES_INRIA, 0, 0}, 8, 3, 0, 0.12, TIDES_LENS_EQUIDISTANT}};
+static const case_setting settings[] = {{"smooth", {TIDES_RULES_SMOOTH, 0, 0, 0}, 16, 3, 0, 0.12, 0},
+                                        {"smooth, one lane, moving", {TIDES_RULES_SMOOTH, 1, 0, 0}, 1, 3, 1, 0.12, 0},
+                                        {"smooth, one object", {TIDES_RULES_SMOOTH, 0, 0, 0}, 8, 1, 0, 0.12, 0},
+                                        {"inria, twenty objects, moving", {TIDES_RULES_INRIA, 0, 0, 0}, 16, 20, 1, 0.3, 0},
+                                        {"gsplat, smaller than a pixel", {TIDES_RULES_GSPLAT, 0, 0, 0}, 4, 3, 1, 2e-3, 0},
+                                        {"radtan", {TIDES_RULES_SMOOTH, 0, 0, 0}, 16, 1, 1, 0.12, TIDES_LENS_RADTAN},
+                                        {"equidistant", {TIDES_RULES_INRIA, 0, 0, 0}, 8, 3, 0, 0.12, TIDES_LENS_EQUIDISTANT}};
 
 /* Sheets of five splats a place: soft order has something to do. */
 static void make_sheets(td_store *store) {

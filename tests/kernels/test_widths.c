@@ -12,7 +12,7 @@
 #include <math.h>
 
 static const uint64_t SEED = 1009;
-static const pair_setting setting = {TIDES_RULES_SMOOTH, 0, 0};
+static const pair_setting setting = {TIDES_RULES_SMOOTH, 0, 0, 0};
 
 /* All Gaussians in the one tile of a small image, faint enough for every one to be blended; the camera looks along z. */
 static random_recipe one_tile(int count) {

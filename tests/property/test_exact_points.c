@@ -24,6 +24,9 @@ typedef struct point_world {
     double length; /* of the interval [s] */
 } point_world;
 
+/* What colours are of light. */
+static int32_t transfer = TIDES_TRANSFER_LINEAR;
+
 static tides_renderer *renderer_of(tides_device *device, const random_scene *s, double soft_depth, int antialias) {
     tides_renderer *renderer = NULL;
     tides_image_params params;
@@ -31,6 +34,7 @@ static tides_renderer *renderer_of(tides_device *device, const random_scene *s, 
     tides_image_params_defaults(&params);
     params.background[1] = 0.2;
     params.antialias = antialias;
+    params.transfer = transfer;
     params.smoothing.soft_depth = soft_depth;
     params.smoothing.stop_change = 1e-13; /* the frames' lists to their end */
     scene_expect_ok(tides_renderer_create(device, s->scene, &s->camera, &params, NULL, NULL, &renderer, &error), &error);
@@ -315,9 +319,31 @@ static void test_paths_with_corners(void **state) {
     check_against_frames(&recipe, 0.45, 1e-4, 1e-4, 0.1);
 }
 
+/* All of it where light isn't linear in colours, so that three channels are composited. */
+static void test_three_channels(void **state) {
+    static const int32_t transfers[] = {TIDES_TRANSFER_SRGB, TIDES_TRANSFER_GAMMA};
+    (void)state;
+    for (size_t i = 0; i < sizeof transfers / sizeof *transfers; i++) {
+        random_recipe recipe = recipe_of(1490 + i);
+        transfer = transfers[i];
+        recipe.count = 400;
+        recipe.moving = (int)i;
+        check_devices(&recipe, 0.005, 1e-4); /* hard order, whose kernels are others, is the reference's below */
+        check_against_frames(&recipe, 0, 1e-4, 1e-12, 1e-9);
+        check_against_frames(&recipe, 0, 0, 1e-12, 1e-9);
+        recipe.spread = 1.2;
+        recipe.moving = 0;
+        check_against_frames(&recipe, 1e-4, 1e-4, 1e-8, 1e-5);
+        check_against_frames(&recipe, 0.01, 1e-4, 1e-4, 0.1);
+    }
+    test_rates_are_those_of_the_values(NULL);
+    transfer = TIDES_TRANSFER_LINEAR;
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_bits_of_any_device_and_order),
                                        cmocka_unit_test(test_in_two_calls),
+                                       cmocka_unit_test(test_three_channels),
                                        cmocka_unit_test(test_behind_what_is_opaque),
                                        cmocka_unit_test(test_paths_with_corners),
                                        cmocka_unit_test(test_all_change_places),

@@ -7,6 +7,7 @@
 
 #include "motion/td_activate.h"
 #include "render/td_renderer.h"
+#include "render/td_transfer.h"
 
 #include "tests/support/random_scene.h"
 #include "tests/support/scene_folder.h"
@@ -221,6 +222,14 @@ td_image_numbers random_scene_image(const random_scene *scene, int rules, int an
     image.objects = scene->recipe.objects;
     image.moving = scene->recipe.moving;
     image.outputs = outputs;
+    return td_image_pack(&image);
+}
+
+td_image_numbers random_scene_coded(const td_image_numbers *numbers, int transfer, double gamma) {
+    td_image image;
+    memcpy(&image, numbers->real, sizeof numbers->real);
+    memcpy((char *)&image + sizeof numbers->real, numbers->whole, sizeof numbers->whole);
+    td_image_set_transfer(transfer, gamma, &image);
     return td_image_pack(&image);
 }
 

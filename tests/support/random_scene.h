@@ -52,6 +52,9 @@ double *random_scene_backdrops(const random_scene *scene, const double *times, i
 /* The image's numbers for rules TIDES_RULES_* (td_image_resolve), outputs and objects set. */
 td_image_numbers random_scene_image(const random_scene *scene, int rules, int antialias, int outputs);
 
+/* The same image of colours that code light as TIDES_TRANSFER_* and an exponent say. */
+td_image_numbers random_scene_coded(const td_image_numbers *image, int transfer, double gamma);
+
 /* A session of it by a run file's text, which names "scene.h5" and "path.json"; all three are written into `folder`. `sets` as
  * tides_session_load has them. Closed by the caller. */
 tides_session *random_scene_session(void *folder, const random_scene *scene, const char *run, const char *const *sets,

@@ -241,7 +241,8 @@ static void test_ply_round_trip(void **state) {
 /* INRIA's header, letter by letter, and the size that follows from it. */
 static void test_ply_layout(void **state) {
     static const char expected[] =
-        "ply\nformat binary_little_endian 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+        "ply\nformat binary_little_endian 1.0\ncomment ColourTransfer: linear\nelement vertex 2\n"
+        "property float x\nproperty float y\nproperty float z\n"
         "property float nx\nproperty float ny\nproperty float nz\nproperty float f_dc_0\nproperty float f_dc_1\n"
         "property float f_dc_2\nproperty float f_rest_0\nproperty float f_rest_1\nproperty float f_rest_2\n"
         "property float f_rest_3\nproperty float f_rest_4\nproperty float f_rest_5\nproperty float f_rest_6\n"

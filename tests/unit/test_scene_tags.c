@@ -133,8 +133,10 @@ static void formats(void **state) {
         int32_t lost, plain; /* what is lost of all; what a plain scene comes back as */
     } cases[] = {{"a.ply", 0, TIDES_TRAINED_PLAIN},
                  {"a.h5", 0, TIDES_TRAINED_PLAIN},
-                 {"a.spz", TIDES_LOSES_UP, TIDES_TRAINED_UNKNOWN}, /* its flag is 0 of scenes that nobody knows of, too */
-                 {"a.splat", TIDES_LOSES_HARMONICS | TIDES_LOSES_TRAINED | TIDES_LOSES_UP, TIDES_TRAINED_UNKNOWN},
+                 /* its flag is 0 of scenes that nobody knows of, too */
+                 {"a.spz", TIDES_LOSES_UP | TIDES_LOSES_TRANSFER, TIDES_TRAINED_UNKNOWN},
+                 {"a.splat", TIDES_LOSES_HARMONICS | TIDES_LOSES_TRAINED | TIDES_LOSES_UP | TIDES_LOSES_TRANSFER,
+                  TIDES_TRAINED_UNKNOWN},
                  {"a.glb", TIDES_LOSES_TRAINED | TIDES_LOSES_UP, TIDES_TRAINED_UNKNOWN}};
     const double up[3] = {0, 0, 1};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
@@ -154,6 +156,136 @@ static void formats(void **state) {
             tides_scene_destroy(scene);
             tides_scene_destroy(back);
         }
+}
+
+/* -- what colours are of light -- */
+
+typedef struct coding {
+    int32_t transfer;
+    double gamma;
+} coding;
+static const coding codings[] = {{TIDES_TRANSFER_LINEAR, 0}, {TIDES_TRANSFER_SRGB, 0}, {TIDES_TRANSFER_GAMMA, 2.2}};
+enum { CODINGS = sizeof codings / sizeof *codings };
+
+static tides_scene *coded_scene(const coding *c, const char *name) {
+    td_gaussians g = scene_random(5, 3, 1, SCENE_TRAINED);
+    tides_scene *scene = scene_new();
+    td_gaussians_tag(&g, c->transfer, c->gamma);
+    scene_add(scene, &g, NULL, 1, name);
+    td_gaussians_free(&g);
+    return scene;
+}
+
+static void check_coding(const tides_scene *scene, const coding *wanted, const char *file) {
+    int32_t transfer;
+    double gamma;
+    tides_error error;
+    scene_expect_ok(tides_scene_transfer(scene, &transfer, &gamma, &error), &error);
+    if (transfer != wanted->transfer || (transfer == TIDES_TRANSFER_GAMMA && gamma != wanted->gamma))
+        fail_msg("%s: transfer %d, gamma %g, where %d and %g were written", file, (int)transfer, gamma, (int)wanted->transfer,
+                 wanted->gamma);
+}
+
+/* Each format by way of each: a tag comes back where both have a place for it, and what is lost is said, and is srgb then. */
+static void transfers(void **state) {
+    static const char *const files[] = {"a.ply", "a.h5", "a.glb", "a.spz", "a.splat"};
+    enum { FILES = sizeof files / sizeof *files };
+    static const coding srgb = {TIDES_TRANSFER_SRGB, 0};
+    for (int first = 0; first < FILES; first++)
+        for (int second = 0; second < FILES; second++)
+            for (int k = 0; k < CODINGS; k++) {
+                char one[1024], other[1100];
+                coding now = codings[k];
+                tides_scene *scene = coded_scene(&now, "a"), *there = scene_new(), *back = scene_new();
+                snprintf(one, sizeof one, "%s", scene_in_folder(*state, files[first]));
+                snprintf(other, sizeof other, "%s.%s", one, strrchr(files[second], '.') + 1);
+                scene_save(scene, one);
+                if (tides_scene_losses(scene, one) & TIDES_LOSES_TRANSFER) now = srgb;
+                scene_load(there, one, NULL, 1);
+                check_coding(there, &now, one);
+                scene_save(there, other);
+                if (tides_scene_losses(there, other) & TIDES_LOSES_TRANSFER) now = srgb;
+                scene_load(back, other, NULL, 1);
+                check_coding(back, &now, other);
+                if (first <= 1 && second <= 1) check_coding(back, &codings[k], other);
+                assert_string_equal(tides_scene_notes(back), "");
+                tides_scene_destroy(scene);
+                tides_scene_destroy(there);
+                tides_scene_destroy(back);
+            }
+}
+
+/* What comments may say, and may not. */
+static void transfer_comments(void **state) {
+    static const struct {
+        const char *comment;
+        coding coding;
+    } right[] = {{"", {TIDES_TRANSFER_LINEAR, 0}}, /* says nothing */
+                 {"comment ColourTransfer: linear\n", {TIDES_TRANSFER_LINEAR, 0}},
+                 {"comment ColourTransfer: srgb\n", {TIDES_TRANSFER_SRGB, 0}},
+                 {"comment colourtransfer: gamma 1.8\r\n", {TIDES_TRANSFER_GAMMA, 1.8}}};
+    static const char *const wrong[] = {"comment ColourTransfer: log\n", "comment ColourTransfer: gamma\n",
+                                        "comment ColourTransfer: gamma 0.5\n", "comment ColourTransfer: srgb 2.2\n",
+                                        "comment ColourTransfer:\n"};
+    (void)state;
+    for (size_t i = 0; i < sizeof right / sizeof *right; i++) {
+        scene_bytes b = ply_with(right[i].comment, 0, NULL);
+        td_gaussians g = splat_parse(td_ply_parse, &b);
+        assert_true(g.transfer == right[i].coding.transfer && g.gamma == right[i].coding.gamma && g.says_transfer == (i > 0));
+        td_gaussians_free(&g);
+        free(b.data);
+    }
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        scene_bytes b = ply_with(wrong[i], 0, NULL);
+        splat_refused(td_ply_parse, &b, TIDES_BAD_FILE, "ColourTransfer|linear, srgb, or gamma");
+        free(b.data);
+    }
+}
+
+/* Untagged files are srgb, whatever their format; what is made in memory is what it says, or linear. */
+static void untagged(void **state) {
+    static const coding srgb = {TIDES_TRANSFER_SRGB, 0};
+    const char *file = scene_in_folder(*state, "untagged.ply");
+    scene_bytes b = ply_with("", 0, NULL);
+    tides_scene *scene = scene_new();
+    scene_file_write(file, b.data, b.size);
+    scene_load(scene, file, NULL, 1);
+    check_coding(scene, &srgb, file);
+    assert_string_equal(tides_scene_notes(scene), "");
+    tides_scene_destroy(scene);
+    free(b.data);
+}
+
+/* Two that differ are one scene, and no image, unless the image says. */
+static void draw_coded(const tides_scene *scene, int32_t transfer, tides_status wanted, const char *words) {
+    const tides_intrinsics camera = {.width = 24, .height = 24, .fx = 8, .fy = 8, .cx = 12, .cy = 12};
+    tides_image_params params;
+    tides_device *device = NULL;
+    tides_renderer *renderer = NULL;
+    tides_error error = {TIDES_OK, ""};
+    tides_image_params_defaults(&params);
+    assert_int_equal(params.transfer, TIDES_TRANSFER_FILE);
+    params.transfer = transfer;
+    scene_expect_ok(tides_device_open("reference", &device, &error), &error);
+    tides_status status = tides_renderer_create(device, scene, &camera, &params, NULL, NULL, &renderer, &error);
+    if (wanted == TIDES_OK)
+        scene_expect_ok(status, &error);
+    else
+        scene_expect_error(status, wanted, &error, words);
+    tides_renderer_destroy(renderer);
+    tides_device_close(device);
+}
+
+static void differing(void **state) {
+    (void)state;
+    tides_scene *scene = coded_scene(&codings[1], "chair");
+    td_gaussians g = scene_random(6, 2, 0, SCENE_TRAINED);
+    scene_add(scene, &g, NULL, 1, "ball");
+    draw_coded(scene, TIDES_TRANSFER_FILE, TIDES_BAD_CONFIG, "'chair' are srgb|'ball' linear|image.transfer");
+    draw_coded(scene, TIDES_TRANSFER_LINEAR, TIDES_OK, "");
+    draw_coded(scene, TIDES_TRANSFER_SRGB, TIDES_OK, "");
+    td_gaussians_free(&g);
+    tides_scene_destroy(scene);
 }
 
 /* -- drawing -- */
@@ -251,6 +383,10 @@ int main(void) {
         cmocka_unit_test(filtered),
         cmocka_unit_test(discs),
         cmocka_unit_test_setup_teardown(formats, scene_folder_setup, scene_folder_teardown),
+        cmocka_unit_test_setup_teardown(transfers, scene_folder_setup, scene_folder_teardown),
+        cmocka_unit_test(transfer_comments),
+        cmocka_unit_test_setup_teardown(untagged, scene_folder_setup, scene_folder_teardown),
+        cmocka_unit_test(differing),
         cmocka_unit_test(drawn_as_trained),
         cmocka_unit_test(in_run_files),
     };

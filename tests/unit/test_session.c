@@ -14,7 +14,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char splats[] = "ply\nformat ascii 1.0\nelement vertex 2\n"
+static const char splats[] = "ply\nformat ascii 1.0\ncomment ColourTransfer: linear\nelement vertex 2\n"
                              "property float x\nproperty float y\nproperty float z\n"
                              "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\nproperty float opacity\n"
                              "property float scale_0\nproperty float scale_1\nproperty float scale_2\n"

@@ -65,7 +65,8 @@ uint32_t td_refine_swap(const tides_simulator *s, const td_refine_step *step, in
         const td_swap *swap = td_units_swaps(s, step->tile, block, &count);
         if (count > 0 && of.light < 0)
             of.light = td_greater(least_share, share_of_tolerance * s->given.tolerance) *
-                       td_sensor_least_threshold(&s->sensor.sensor) * least_light(s, step->tile);
+                       td_sensor_least_threshold(&s->sensor.sensor) *
+                       td_renderer_swap_scale(s->renderer, least_light(s, step->tile));
         if (count > 0) find_nearest(swap, count, &of);
     }
     *begins = of.begins;

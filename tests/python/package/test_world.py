@@ -148,6 +148,20 @@ def test_tags_of_a_scene(cloud, tmp_path):
     assert scene.trained == "mixed"
     with pytest.raises(ValueError, match="trained: 'antialias' is none of .*did you mean 'antialiased'"):
         tides.Gaussians(cloud.mean, cloud.log_scale, cloud.quaternion, cloud.opacity_logit, cloud.sh, "antialias")
+    arrays = cloud.mean, cloud.log_scale, cloud.quaternion, cloud.opacity_logit, cloud.sh
+    coded = tides.Scene()
+    assert cloud.transfer == scene.transfer == "linear"
+    coded.add(tides.Gaussians(*arrays, transfer="gamma", gamma=1.8))
+    for name in ("b.ply", "b.h5"):
+        coded.save(tmp_path / name)
+        again = tides.Scene(tmp_path / name)
+        assert (again.transfer, again[0].gaussians.gamma) == ("gamma", 1.8) == (pickle.loads(pickle.dumps(again)).transfer, 1.8)
+    coded.add(cloud)
+    with pytest.raises(ValueError, match="image.transfer"):
+        coded.transfer
+    with pytest.raises(ValueError, match="transfer: 'sgrb' is none of .*did you mean 'srgb'"):
+        tides.Gaussians(*arrays, transfer="sgrb")
+    assert tides.ImageParams().transfer == "file" and tides.ImageParams(transfer="srgb").transfer == "srgb"
     assert tides.ImageParams().antialias == "file" and tides.ImageParams(antialias=True).antialias == "true"
 
 
