@@ -239,8 +239,9 @@ TD_INLINE td_lanes td_path_misfit(TD_GLOBAL const td_real *rows, TD_GLOBAL const
     return td_select(td_splat(TD_PATH_NEVER), td_select(td_splat(TD_PATH_WILD), misfit, near), there);
 }
 
-/* Misfits of TD_LANES splats over all pieces of the interval, the largest. `pieces` of lengths[piece] seconds, each cut into 2^level; a splat's rows begin at first[lane]. `level` is 1 at least. Curve
- * k's own misfits go to each[k x stride], with a stride of 0 nowhere. */
+/* Misfits of TD_LANES splats over all pieces of the interval, the largest. `pieces` of lengths[piece] seconds, each cut into
+ * 2^level; a splat's rows begin at first[lane]. `level` is 1 at least. Curve k's own misfits go to each[k x stride], with a
+ * stride of 0 nowhere. */
 TD_INLINE td_lanes td_path_try_each(TD_GLOBAL const td_real *rows, TD_GLOBAL const td_real *beside, td_index first, int level,
                                     int pieces, TD_GLOBAL const td_real *lengths, const td_path_terms *terms,
                                     const td_image *image, TD_GLOBAL td_real *each, int stride) {

@@ -440,9 +440,8 @@ static tides_status folder_facts(const char *file, cJSON *facts, tides_error *er
     if (tides_file_foreign(file, error) != TIDES_OK) return TIDES_BAD_FILE;
     return cli_error(error, status,
                      "%s: is a folder in which nothing is known: no trained model, no events of DSEC, EDS, ECD, MVSEC, "
-                     "BlinkFlow, HS-ERGB, BS-ERGB or "
-                     "rpg_vid2e, no camera path of COLMAP, nerfstudio, INRIA, LLFF, nerfies or EuRoC; pictures are for "
-                     "frames.file",
+                     "BlinkFlow, HS-ERGB, BS-ERGB or rpg_vid2e, no camera path of COLMAP, nerfstudio, INRIA, LLFF, nerfies or "
+                     "EuRoC; pictures are for frames.file",
                      file);
 }
 

@@ -107,7 +107,7 @@ static const cli_command commands[] = {
      "file has none for the method. Exact are a scene's events with steps halved until little moves, and between frames\n"
      "those of straight lines in log luminance. A method that fails takes no other with it.\n"
      "The keys for --set are listed by tides simulate --help.",
-      1, cmd_compare, 0},
+     1, cmd_compare, 0},
     {"bench", "accuracy|ablation|blocks|determinism|live|stability|all [-o DIR] [--quick] [--scene NAME] [--row NAME]",
      "Measure run time against the error of event times, and try to break it.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Appends those of the stretch; `*past` once one lies behind it: events are sorted by time. Where none of them is in the stretch
- * all are looked at: what is to be said then is from when to when they last. */
+/* Appends those of the stretch; `*past` once one lies behind it: events are sorted by time. Where none of them is in the
+ * stretch all are looked at: what is to be said then is from when to when they last. */
 static tides_status keep(const char *path, cli_window *window, size_t *capacity, const tides_event *events, size_t count,
                          int *past, tides_error *error) {
     for (size_t i = 0; i < count && !(*past && window->count); i++) {

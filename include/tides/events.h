@@ -144,9 +144,9 @@ typedef struct tides_event_reader tides_event_reader;
 
 /* Opens an event file of any format, found from what it holds, or of the named format. Events come in the file's order, in
  * nanoseconds on the file's clock. A folder may be named too: a sequence of DSEC, EDS, ECD, MVSEC, BlinkFlow, HS-ERGB or
- * BS-ERGB, or numbered .npz of rpg_vid2e, whose files are read one after the other (lib/events/event_folder.c has the layouts); where it holds both cameras
- * of DSEC, name one. TIDES_FILE_NOT_FOUND (no file, or a folder without any of these), TIDES_BAD_FILE (no event file, or a
- * damaged one), TIDES_UNSUPPORTED. A reader is for one thread at a time. */
+ * BS-ERGB, or numbered .npz of rpg_vid2e, whose files are read one after the other (lib/events/event_folder.c has the layouts);
+ * where it holds both cameras of DSEC, name one. TIDES_FILE_NOT_FOUND (no file, or a folder without any of these),
+ * TIDES_BAD_FILE (no event file, or a damaged one), TIDES_UNSUPPORTED. A reader is for one thread at a time. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_open(const char *path, const char *format,
                                                                 tides_event_reader **reader, tides_error *error);
 

@@ -65,8 +65,8 @@ herr_t td_h5_read_rows(hid_t dataset, hid_t type, uint64_t first, size_t count, 
 herr_t td_h5_append_chunk(hid_t dataset, hid_t type, uint64_t first, size_t count, const void *values, void *scratch);
 #define TD_H5_CHUNK_ROOM(bytes) (2 * (bytes) + (bytes) / 64 + 1024) /* deflate may add 5 bytes per 16 kB, and a few */
 
-/* All values of a dataset, packed in the same way: of `extent` (the second 0: one dimension), of `size` bytes each, in chunks of
- * `rows` whole rows, shuffled and deflated. Negative where there was no memory, too. */
+/* All values of a dataset, packed in the same way: of `extent` (the second 0: one dimension), of `size` bytes each, in chunks
+ * of `rows` whole rows, shuffled and deflated. Negative where there was no memory, too. */
 herr_t td_h5_write_chunks(hid_t dataset, const hsize_t extent[2], hsize_t rows, size_t size, const void *values);
 
 #endif

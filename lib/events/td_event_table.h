@@ -51,8 +51,8 @@ tides_status td_table_guess(const td_table_column *columns, int count, td_table_
  * are only how the file writes numbers. */
 tides_status td_table_unit(const td_table_column *times, int whole, int *digits, tides_error *error);
 
-/* Adds to `told` in which unit times without one were taken. `expected`: the format has them so, and only few decimals of seconds,
- * a rate that no sensor is likely to have and nanoseconds need a word. */
+/* Adds to `told` in which unit times without one were taken. `expected`: the format has them so, and only few decimals of
+ * seconds, a rate that no sensor is likely to have and nanoseconds need a word. */
 void td_table_tell_unit(const td_table_column *times, int digits, int expected, char *told, size_t size);
 
 /* Adds to `told` where times fall by more than half of what they span: putting such in order may mix what came one after the

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define OPACITY_LOGIT 2.944       /* logit of 0.95 */
-#define OVERLAP 0.62              /* standard deviation over spacing: smooth and without holes */
-#define THICKNESS 0.002           /* [m] standard deviation along the normal */
+#define OPACITY_LOGIT 2.944 /* logit of 0.95 */
+#define OVERLAP 0.62        /* standard deviation over spacing: smooth and without holes */
+#define THICKNESS 0.002     /* [m] standard deviation along the normal */
 
 void td_splats_start(td_splats *splats, tides_error *error) {
     memset(splats, 0, sizeof *splats);

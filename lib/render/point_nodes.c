@@ -198,8 +198,9 @@ static int may_be_direct(const tides_renderer *renderer, const td_point_nodes *n
     return !object || !object->expensive;
 }
 
-/* What Gaussian i needs, whose cubics of the level before are off in the middle as the fit's number k says: its level is
- * enough where a sixteenth of the worst is; at the last it may have a kink. What can't be compared at all crosses the near plane: it has faded where its curves can't be used, if they are short. */
+/* What Gaussian i needs, whose cubics of the level before are off in the middle as the fit's number k says: its level is enough
+ * where a sixteenth of the worst is; at the last it may have a kink. What can't be compared at all crosses the near plane: it
+ * has faded where its curves can't be used, if they are short. */
 static tides_status choose_level(const tides_renderer *renderer, td_point_nodes *nodes, int i, int k, tides_error *error) {
     const double target = target_of(renderer, nodes, i), worst = (double)nodes->fit.worst[k] * TD_POINT_PATH_TARGET;
     const int first = first_level(renderer, nodes, nodes->gaussians[i]);

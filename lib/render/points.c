@@ -2,9 +2,8 @@
  * rows of record paths for the interval swept last when it is first asked for, lists of the tiles that points are in, and the
  * points, tile by tile.
  *
- * An instant that is kept has an engine of its own, with its curves and lists, beside the scene in double that all have in
- * common: when both had one engine, in turns, preparing the instant again for each interval cost as much as the points that
- * were spared by asking for it late. */
+ * An instant that is kept has an engine of its own beside the scene in double that all have in common: in turns on one engine,
+ * preparing it again for each interval cost as much as the points that were spared by asking for it late. */
 #include "td_point_nodes.h"
 #include "td_point_order.h"
 #include "td_points_direct.h"
@@ -20,7 +19,7 @@ typedef struct points_part {
     double start, stop;
 } points_part;
 
-/* A launch that may be under way: points numbered order[0 .. count), all of them the caller's. */
+/* A launch that may be under way: points numbered order[0 .. count), the caller's. */
 typedef struct points_away {
     const td_point *points;
     td_point_value *values;
@@ -482,11 +481,9 @@ static tides_status direct_points(tides_renderer *renderer, const tides_trajecto
                                   size_t count, td_point_value *values, tides_error *error) {
     td_points *p = of_swept(renderer);
     tides_status status = td_renew((void **)&p->which, &p->which_capacity, 2 * count, sizeof *p->which, error);
-    for (size_t i = 0; i < count && status == TIDES_OK; i++) {
-        status = check_point(renderer, &p->at, &points[i], error);
-        p->which[i] = (int)i;
-    }
     drop_launch(p);
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) status = check_point(renderer, &p->at, &points[i], error);
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) p->which[i] = (int)i;
     if (status != TIDES_OK) return status;
     return td_points_direct_values(renderer, camera, &p->direct, p->nodes.exact, &p->at, points, p->which, (int)count, values,
                                    error);

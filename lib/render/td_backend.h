@@ -249,7 +249,8 @@ typedef struct td_backend_class {
     tides_status (*moved_rows)(td_backend *backend, const td_moved_rows *rows, tides_error *error);
     int draws; /* 1: knows td_batch.pictures */
     /* Record paths, for td_exact's twin; NULL but in the double reference. Projects Gaussians at nodes; td_path_halve
-     * (path_node.h); the first `count` rows (x TD_PATH_STRIDE), and what is beside them (x TD_BESIDE_STRIDE) where it isn't NULL. */
+     * (path_node.h); the first `count` rows (x TD_PATH_STRIDE), and what is beside them (x TD_BESIDE_STRIDE) where it isn't
+     * NULL. */
     tides_status (*nodes)(td_backend *backend, const td_node_request *request, tides_error *error);
     tides_status (*halve_paths)(td_backend *backend, const td_halve_request *request, tides_error *error);
     tides_status (*path_rows)(td_backend *backend, int count, double *rows, double *beside, tides_error *error);

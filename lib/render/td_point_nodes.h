@@ -41,19 +41,19 @@ typedef struct td_point_nodes {
     int open_count;
     int *halve_from, *halve_to; /* (halves) first rows, of a level and of the next */
     int halves;
-    int *first;     /* (count + TD_PAD) first rows */
+    int *first; /* (count + TD_PAD) first rows */
     int rows;
     int *row;       /* (2 x curves) the rows that each begins and ends with */
     double *length; /* (curves) [s] */
     int curves;
-    double halve;        /* where the span is to be cut in two, each part with rows of its own; NAN: it has its rows */
-    uint8_t *is_direct;  /* (count) 1: no curve follows it, and who may see it has all projected (points_direct.c); */
-    int direct;          /* so many */
-    int moving, bent;    /* those that move; of which paths are off by more than they should */
-    int *tried;          /* (count + TD_PAD) first rows of a level's, */
-    td_points_fit fit;   /* and how well they do: (count + TD_PAD) */
-    double *time;        /* of a level's nodes */
-    int *entry, *at;     /* (entries) Gaussians, and rows, of the jobs */
+    double halve;       /* where the span is to be cut in two, each part with rows of its own; NAN: it has its rows */
+    uint8_t *is_direct; /* (count) 1: no curve follows it, and who may see it has all projected (points_direct.c); */
+    int direct;         /* so many */
+    int moving, bent;   /* those that move; of which paths are off by more than they should */
+    int *tried;         /* (count + TD_PAD) first rows of a level's, */
+    td_points_fit fit;  /* and how well they do: (count + TD_PAD) */
+    double *time;       /* of a level's nodes */
+    int *entry, *at;    /* (entries) Gaussians, and rows, of the jobs */
     td_node_job *jobs;
     int entries, job_count;
     size_t open_capacity, each_capacity, knot_capacity, piece_capacity, row_capacity, length_capacity, time_capacity,

@@ -160,8 +160,8 @@ tides_status td_renderer_kept_points(tides_renderer *renderer, const tides_traje
 /* 1 where those are in double but for what motion models have worked out in single precision. */
 int td_renderer_points_rounded(const tides_renderer *renderer);
 
-/* Exact points of the interval swept last on no record path: all that each may see is projected at its own time, at ten times the
- * cost. What record paths are off by is the difference. */
+/* Exact points of the interval swept last on no record path: all that each may see is projected at its own time, at ten times
+ * the cost. What record paths are off by is the difference. */
 tides_status td_renderer_direct_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
                                        size_t count, td_point_value *values, tides_error *error);
 

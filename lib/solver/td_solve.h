@@ -185,13 +185,14 @@ void td_solve_doubt(const tides_simulator *s, int t, double *doubt);
 TIDES_MUST_CHECK tides_status td_solve_ask_reference(tides_simulator *s, int t, int32_t local, tides_error *error);
 TIDES_MUST_CHECK tides_status td_solve_refer(tides_simulator *s, tides_error *error);
 
-/* A swap of depth (td_renderer_swaps) in a step: where its middle is, how far from there it begins and ends, in steps, and what it
- * moves Y by. */
+/* A swap of depth (td_renderer_swaps) in a step: where its middle is, how far from there it begins and ends, in steps, and what
+ * it moves Y by. */
 typedef struct td_swap_place {
     double s, wide, light;
 } td_swap_place;
 
-/* The first of those that a pixel of the step's unit may see, and number `i`; 0 where it is behind the step's end (swap_cuts.c). */
+/* The first of those that a pixel of the step's unit may see, and number `i`; 0 where it is behind the step's end
+ * (swap_cuts.c). */
 int32_t td_solve_first_swap(const tides_simulator *s, const td_refine_step *step, int32_t local);
 int td_solve_swap(const tides_simulator *s, const td_refine_step *step, int32_t local, int32_t i, td_swap_place *swap);
 

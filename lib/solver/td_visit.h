@@ -1,5 +1,5 @@
-/* Internal: one pixel in one step of a macro step, for those who go through it (solve_run.c) and who find where it isn't known well
- * enough (solve_doubts.c). */
+/* Internal: one pixel in one step of a macro step, for those who go through it (solve_run.c) and who find where it isn't known
+ * well enough (solve_doubts.c). */
 #ifndef TD_VISIT_H
 #define TD_VISIT_H
 
@@ -50,8 +50,8 @@ int td_is_held_at(const td_visit *v, int n, double s);
 /* Where pieces may be off by more than what is left to a level: the worst place of each, `most` at most; how many. */
 int td_find_approaches(const td_visit *v, td_approach *found, int most);
 
-/* Places within swaps of depth (td_renderer_swaps) that may decide whether a level is reached, and haven't been looked at, `most` at
- * most; how many. */
+/* Places within swaps of depth (td_renderer_swaps) that may decide whether a level is reached, and haven't been looked at,
+ * `most` at most; how many. */
 int td_find_swaps(const td_visit *v, double *places, int most);
 
 #endif

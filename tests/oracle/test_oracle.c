@@ -50,8 +50,8 @@ static void test_oracle_is_sure(void **state) {
     run_all(&options, oracle_world_kinds());
 }
 
-/* Of a million events. What is asked for is 5, each of them counted in events_uncertain: `make check-lost` says so of 500 scenes.
- * Of these scenes' 255 328 events none is wrong, where 7d58106 had 59 926. */
+/* Of a million events. What is asked for is 5, each of them counted in events_uncertain: `make check-lost` says so of 500
+ * scenes. Of these scenes' 255 328 events none is wrong, where 7d58106 had 59 926. */
 #define MOST_WRONG 5
 #define UNCERTAIN_EACH 20
 #define MOST_UNCERTAIN 50

@@ -13,7 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
 #define BASE "\"scene\": {\"file\": \"room.ply\"}, \"camera\": {\"file\": \"path.json\"}"
 
 static tides_status parse(const char *text, const char *const *overrides, size_t count, tides_run **run, tides_error *error) {
@@ -24,7 +23,7 @@ static tides_status parse(const char *text, const char *const *overrides, size_t
 static void refused(const char *text, const char *set, tides_status status, const char *const *parts) {
     tides_error error = {0, ""};
     tides_run *run = (tides_run *)&error; /* must stay untouched */
-    tides_status got = parse(text, &set, set ? 1 : 0, &run, &error);
+    const tides_status got = parse(text, &set, set ? 1 : 0, &run, &error);
     if (got != status) fail_msg("%s %s: got %s (%s)", text, set ? set : "", tides_status_name(got), error.text);
     assert_int_equal(error.status, status);
     assert_ptr_equal(run, &error);
@@ -476,27 +475,25 @@ static void null_arguments_are_errors(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(table_is_consistent),
-        cmocka_unit_test(defaults_are_the_headers),
-        cmocka_unit_test(every_key_reaches_its_field),
-        cmocka_unit_test(seeds_are_numbers_or_texts),
-        cmocka_unit_test(choices_reach_their_constants),
-        cmocka_unit_test(overrides_win_in_order),
-        cmocka_unit_test(unknown_keys_name_the_nearest),
-        cmocka_unit_test(very_long_keys_are_unknown),
-        cmocka_unit_test(wrong_values_name_key_value_and_range),
-        cmocka_unit_test(duplicates_are_refused),
-        cmocka_unit_test(objects_are_checked),
-        cmocka_unit_test(spatial_blocks),
-        cmocka_unit_test(later_keys_take_their_default_only),
-        cmocka_unit_test(methods_and_frames),
-        cmocka_unit_test(baseline_defaults_agree),
-        cmocka_unit_test(syntax_errors_have_line_and_column),
-        cmocka_unit_test(the_json_of_a_run_says_the_same),
-        cmocka_unit_test(the_template_parses),
-        cmocka_unit_test(files_are_read_and_named),
-        cmocka_unit_test(null_arguments_are_errors),
-    };
+    const struct CMUnitTest tests[] = {cmocka_unit_test(table_is_consistent),
+                                       cmocka_unit_test(defaults_are_the_headers),
+                                       cmocka_unit_test(every_key_reaches_its_field),
+                                       cmocka_unit_test(seeds_are_numbers_or_texts),
+                                       cmocka_unit_test(choices_reach_their_constants),
+                                       cmocka_unit_test(overrides_win_in_order),
+                                       cmocka_unit_test(unknown_keys_name_the_nearest),
+                                       cmocka_unit_test(very_long_keys_are_unknown),
+                                       cmocka_unit_test(wrong_values_name_key_value_and_range),
+                                       cmocka_unit_test(duplicates_are_refused),
+                                       cmocka_unit_test(objects_are_checked),
+                                       cmocka_unit_test(spatial_blocks),
+                                       cmocka_unit_test(later_keys_take_their_default_only),
+                                       cmocka_unit_test(methods_and_frames),
+                                       cmocka_unit_test(baseline_defaults_agree),
+                                       cmocka_unit_test(syntax_errors_have_line_and_column),
+                                       cmocka_unit_test(the_json_of_a_run_says_the_same),
+                                       cmocka_unit_test(the_template_parses),
+                                       cmocka_unit_test(files_are_read_and_named),
+                                       cmocka_unit_test(null_arguments_are_errors)};
     return cmocka_run_group_tests_name("run", tests, NULL, NULL);
 }

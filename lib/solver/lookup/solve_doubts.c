@@ -1,5 +1,5 @@
-/* Where a pixel's model isn't good enough to say whether a level is reached: near turns, between them, at kinks, within swaps of
- * depth. For solve_run.c, which has it looked at. */
+/* Where a pixel's model isn't good enough to say whether a level is reached: near turns, between them, at kinks, within swaps
+ * of depth. For solve_run.c, which has it looked at. */
 #include "td_extremes.h"
 #include "solver/td_visit.h"
 
@@ -78,7 +78,8 @@ static void look_between(const td_visit *v, int k, td_approach *worst) {
     }
 }
 
-/* Behind what happens at change n or later: how far S is from the levels there, or from that of change n, which is in the piece. */
+/* Behind what happens at change n or later: how far S is from the levels there, or from that of change n, which is in the
+ * piece. */
 static double left_beside(const td_visit *v, int k, double u) {
     const td_sensor *sensor = &v->s->sensor;
     const double s = v->model.pieces.from[k] + u * (v->model.pieces.from[k + 1] - v->model.pieces.from[k]);
@@ -90,8 +91,8 @@ static double left_beside(const td_visit *v, int k, double u) {
     return n > 0 && v->changes.change[n - 1].s > v->model.pieces.from[k] ? td_lesser(left, fabs(residual)) : left;
 }
 
-/* How far beyond the level that the piece went through last its turn at s is: where the model is off by more, the signal may have
- * turned before the level. Of a kink a cubic makes such turns, whose crossings are sharp, and not there. */
+/* How far beyond the level that the piece went through last its turn at s is: where the model is off by more, the signal may
+ * have turned before the level. Of a kink a cubic makes such turns, whose crossings are sharp, and not there. */
 static double beyond_at(const td_visit *v, int k, double s) {
     const td_pieces *pieces = &v->model.pieces;
     const int n = td_changes_until(v, s);
@@ -116,8 +117,8 @@ static void look_at_kink(const td_visit *v, int k, td_approach *worst) {
     take_worse(v, &at, worst);
 }
 
-/* Of a swap that lasts `wide` to either side what the signal does is a step of a quarter of that: a piece of less than this share of
- * it shows it. */
+/* Of a swap that lasts `wide` to either side what the signal does is a step of a quarter of that: a piece of less than this
+ * share of it shows it. */
 static const double shows_swap = 0.5;
 
 /* Has the pixel been looked at in both halves of a swap? */

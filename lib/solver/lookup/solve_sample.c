@@ -1,6 +1,6 @@
-/* What a run says of its own event times is measured: some events of each macro step, drawn by chance, are held against the image
- * itself, with all that their pixels see projected at the events' own times. What record paths, cubics and looks left is in that; a
- * percentile of few is raised by what chance may do (td_timing_percentile).
+/* What a run says of its own event times is measured: some events of each macro step, drawn by chance, are held against the
+ * image itself, with all that their pixels see projected at the events' own times. What record paths, cubics and looks left is
+ * in that; a percentile of few is raised by what chance may do (td_timing_percentile).
  *
  * Which events these are follows from the events alone: the first in an order that is a hash of pixel and time. */
 #include "td_hash.h"
@@ -9,8 +9,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Measured in each of a run's first macro steps, and later. A choice: of so many in 30 ms p95 is known to a share of 0.7 %, and the
- * demo's run is 1 % longer; steps of a millisecond pay for few. */
+/* Measured in each of a run's first macro steps, and later. A choice: of so many in 30 ms p95 is known to a share of 0.7 %, and
+ * the demo's run is 1 % longer; steps of a millisecond pay for few. */
 enum { FIRST_STEPS = 4, MANY = 256, FEW = 32 };
 
 static size_t wanted(const tides_simulator *s) { return s->step < FIRST_STEPS ? MANY : FEW; }

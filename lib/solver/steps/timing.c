@@ -376,8 +376,8 @@ void td_timing_add_turns(td_timing *timing, const td_timed *timed) {
     for (size_t k = 0; (k = td_next_mark(marked.ends, k, pixels)) < pixels; k++) add_end(timing, timed, (int32_t)k);
 }
 
-/* Of a share's standard error, as many as make honest percentiles of few events: with 0.5 estimates of all leave p99 too small in 1
- * of 200 scenes; what a sample measures has no room of its own (with 0.75 one of three was too small in 2 of 54 scenes of
+/* Of a share's standard error, as many as make honest percentiles of few events: with 0.5 estimates of all leave p99 too small
+ * in 1 of 200 scenes; what a sample measures has no room of its own (with 0.75 one of three was too small in 2 of 54 scenes of
  * tests/oracle, with 2.5 none in 108). */
 static const double margin = 0.75, margin_of_sample = 2.5;
 
