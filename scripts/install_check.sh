@@ -50,7 +50,7 @@ case $version in *"$(${PKG_CONFIG:-pkg-config} --modversion tides)"*) ;; *) echo
 readelf -d "$root/lib/libtides.so" | grep -q 'SONAME.*libtides\.so\.[0-9]*\]' || { echo "libtides.so has no soname"; exit 1; }
 
 # Every command has its page; the completions are scripts.
-for page in $("$root/bin/tides" --help | sed -n 's/^  \([a-z]*\) .*/tides-\1/p') tides; do
+for page in $("$root/bin/tides" --help | sed -n 's/^  \([a-z][a-z]*\) .*/tides-\1/p') tides; do
     [ -s "$root/share/man/man1/$page.1" ] || { echo "$page.1 isn't installed"; exit 1; }
 done
 [ -s "$root/share/man/man5/tides-run.5" ] || { echo "tides-run.5 isn't installed"; exit 1; }
