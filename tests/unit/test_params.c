@@ -62,7 +62,7 @@ static void another(const td_param *row, char text[160]) {
     if (row->choices) another_choice(row, choice);
     td_number_text(middle, number);
     td_number_text(row->lower + 0.75 * (row->upper - row->lower), second);
-    if (strcmp(row->key, "method") == 0) snprintf(choice, sizeof choice, "iebcs"); /* ldati wants frames */
+    if (strcmp(row->key, "method") == 0) snprintf(choice, sizeof choice, "iebcs");        /* ldati wants frames */
     if (strcmp(row->key, "stepping.mode") == 0) snprintf(choice, sizeof choice, "error"); /* the base has another one */
     switch (row->type) {
         case TIDES_PARAM_NUMBER: snprintf(text, 160, "%s=%s", row->key, number); break;
