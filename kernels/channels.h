@@ -39,8 +39,7 @@ TD_INLINE void td_channel_go(td_lanes w, td_lanes w_dot, td_lanes left, td_lanes
     of->b = b * left, of->b_dot = td_fma(b_dot, left, b * -m_dot);
 }
 
-/* What a splat is to the light: in soft order the optical depth a that it adds to what takes light out, and W; else its
- * weight w alone. */
+/* What is seen of a splat: in soft order W of what takes light out before it, else its own weight. */
 typedef struct td_shown {
     td_lanes w, w_dot;
 } td_shown;

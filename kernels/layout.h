@@ -88,8 +88,7 @@ enum {
     TD_PATH_UNSEEN = -2 /* in no tile's list */
 };
 
-#define TD_PATH_NEVER 1e30f /* the misfit of what no cubic can follow: it isn't always there; */
-#define TD_PATH_WILD 1e29f  /* and of one that is far from anything */
+#define TD_PATH_NEVER 1e30f /* the misfit of what no cubic can follow: it isn't always there, or far from anything; */
 #define TD_PATH_BENT 16.0f  /* and above which a path isn't smooth enough for its halves' cubics, a sixteenth as far off */
 /* clang-format on */
 
@@ -103,10 +102,8 @@ typedef struct td_node_job {
 
 /* What paths are measured by. */
 typedef struct td_path_terms {
-    td_real tolerance;      /* of log_luminance */
-    td_real time_tolerance; /* of when it is reached [s]; 0: not asked for */
-    td_real rounding;       /* relative, of one number */
-    td_real padding;
+    td_real tolerance; /* of log_luminance */
+    td_real rounding;  /* relative, of one number */
 } td_path_terms;
 
 /* Object to camera at one time: p_camera = r p_object + t (an object's scale is inside r); eye is the camera's centre in the

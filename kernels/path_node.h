@@ -209,8 +209,8 @@ TD_INLINE void td_path_channels(TD_GLOBAL const td_real *beside, td_index row, c
  * `row` on: by how many tolerances log_luminance may be off in the halves. Not above 1: the halves' cubics will do.
  *
  * Value and rate are compared, the rate over half the piece: that bounds what the halves' cubics are off by, up to a tenth,
- * where the path has a kink; a smooth one they follow 16 times better (interpolate.h). How late that is: the same over the
- * rate of splat_alpha. Beside the tolerance stands what rounding makes of numbers. */
+ * where the path has a kink; a smooth one they follow 16 times better (interpolate.h). Beside the tolerance stands what
+ * rounding makes of numbers. */
 TD_INLINE td_lanes td_path_misfit(TD_GLOBAL const td_real *rows, TD_GLOBAL const td_real *beside, td_index row, td_real h,
                                   const td_path_terms *terms, const td_image *image) {
     td_lanes start[TD_PATH_STRIDE], middle[TD_PATH_STRIDE], end[TD_PATH_STRIDE];
@@ -229,14 +229,9 @@ TD_INLINE td_lanes td_path_misfit(TD_GLOBAL const td_real *rows, TD_GLOBAL const
         td_path_change(&own, a.v, off.u.d, off.v.d, off.a.d, off.b.d, off.c.d, off.det.d, off.opacity.d, off.luminance.d, eps);
     td_lanes stray = td_fma(td_splat(0.5f * h), rate, value), noise = td_path_noise(&own, a.v, terms->rounding);
     td_lanes misfit = stray / (terms->tolerance / image->transfer.steepest + noise);
-    if (terms->time_tolerance > 0) {
-        td_lanes speed =
-            td_path_change(&own, a.v, own.u.d, own.v.d, a.d, own.b.d, own.c.d, own.det.d, own.opacity.d, own.luminance.d, eps);
-        misfit = td_larger(misfit, stray / td_larger(td_fma(speed, td_splat(terms->time_tolerance), noise), td_splat(1e-30f)));
-    }
     td_mask there = (start[TD_P_DET] > 0.0f) & (own.det.v > 0.0f) & (end[TD_P_DET] > 0.0f);
     td_mask near = (path.det.v > 0.0f) & (path.c.v > 0.0f) & ~td_is_broken(misfit);
-    return td_select(td_splat(TD_PATH_NEVER), td_select(td_splat(TD_PATH_WILD), misfit, near), there);
+    return td_select(td_splat(TD_PATH_NEVER), misfit, there & near);
 }
 
 /* Misfits of TD_LANES splats over all pieces of the interval, the largest. `pieces` of lengths[piece] seconds, each cut into

@@ -125,7 +125,7 @@ TD_APART void td_misfits_apart(__constant const td_image *image_buffer, __global
                                __global const td_real *lengths, int pieces, td_real target, td_real rounding,
                                __global td_real *misfits, int stride, int asks_each) {
     const td_image image = *image_buffer;
-    const td_path_terms terms = {target, 0, rounding, 0};
+    const td_path_terms terms = {target, rounding};
     for (int k = groups.first; k < groups.end; k += groups.step) {
         const int i = k * TD_LANES;
         const td_lanes worst = td_path_try_each(rows, beside, td_load_ints(first + i), level, pieces, lengths, &terms, &image,

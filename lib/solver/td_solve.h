@@ -191,10 +191,10 @@ typedef struct td_swap_place {
     double s, wide, light;
 } td_swap_place;
 
-/* The first of those that a pixel of the step's unit may see, and number `i`; 0 where it is behind the step's end
+/* Those that a pixel of the step's unit may see, within a step's length of it: (count), in order of time; and where one is
  * (swap_cuts.c). */
-int32_t td_solve_first_swap(const tides_simulator *s, const td_refine_step *step, int32_t local);
-int td_solve_swap(const tides_simulator *s, const td_refine_step *step, int32_t local, int32_t i, td_swap_place *swap);
+const td_swap *td_solve_swaps(const tides_simulator *s, const td_refine_step *step, int32_t local, int *count);
+td_swap_place td_solve_swap_place(const tides_simulator *s, const td_refine_step *step, const td_swap *swap);
 
 /* An event that is settled, to be measured or not (solve_sample.c). `order` is set there. */
 TIDES_MUST_CHECK tides_status td_solve_sample(tides_simulator *s, const td_sampled *one, tides_error *error);

@@ -44,8 +44,8 @@ static inline double td_reference_after(const td_visit *v, int n) {
     return n > 0 ? v->changes.change[n - 1].reference : v->reference;
 }
 
-/* Is a refractory period on at s, behind n changes? */
-int td_is_held_at(const td_visit *v, int n, double s);
+/* How far a signal S at s, behind n changes, is from its levels; a held one has none. */
+double td_left_at(const td_visit *v, int n, double s, double S);
 
 /* Where pieces may be off by more than what is left to a level: the worst place of each, `most` at most; how many. */
 int td_find_approaches(const td_visit *v, td_approach *found, int most);

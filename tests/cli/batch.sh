@@ -261,7 +261,7 @@ look look x.png
 expect 0 tides batch look.json -qo look.d
 exists look.d/look/x.png
 missing x.png
-for away in ../x.png /tmp/x.png a/../../x.png; do
+for away in ../x.png /elsewhere/x.png a/../../x.png; do
     look look $away
     refuse 1 "is outside of the run's folder" tides batch look.json -o look.d
 done

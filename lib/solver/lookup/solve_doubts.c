@@ -6,12 +6,19 @@
 #include <math.h>
 
 /* Is a refractory period on at s, behind n changes? */
-int td_is_held_at(const td_visit *v, int n, double s) {
+static int is_held_at(const td_visit *v, int n, double s) {
     const td_sensor *sensor = &v->s->sensor;
     const td_step *span = &v->now->span;
     if (n == 0) return v->held_until > td_sensor_time(sensor, span->start_ns, span->start_fraction) + s * span->length_ns;
     const td_change *last = &v->changes.change[n - 1];
     return last->fired && sensor->on && (s - last->s) * span->length_ns < sensor->refractory_ns;
+}
+
+double td_left_at(const td_visit *v, int n, double s, double S) {
+    const td_sensor *sensor = &v->s->sensor;
+    const double residual = S - td_reference_after(v, n);
+    const double on = td_sensor_threshold_on(sensor, v->at), off = td_sensor_threshold_off(sensor, v->at);
+    return is_held_at(v, n, s) ? INFINITY : td_lesser(on - residual, residual + off);
 }
 
 /* By how much doubt is more than what is left. */
@@ -34,7 +41,7 @@ static td_approach approach_at(const td_visit *v, int k, double u) {
     const int n = td_changes_until(v, at.s), next = next_polarity(v, k, n);
     const double residual = td_model_value(&pieces->model[k], u) - td_reference_after(v, n);
     const double on = td_sensor_threshold_on(sensor, v->at) - residual, off = residual + td_sensor_threshold_off(sensor, v->at);
-    if (on <= 0 || off <= 0 || td_is_held_at(v, n, at.s)) return at;
+    if (on <= 0 || off <= 0 || is_held_at(v, n, at.s)) return at;
     if (next <= 0) at.left = on;
     if (next >= 0) at.left = td_lesser(at.left, off);
     return at;
@@ -81,14 +88,12 @@ static void look_between(const td_visit *v, int k, td_approach *worst) {
 /* Behind what happens at change n or later: how far S is from the levels there, or from that of change n, which is in the
  * piece. */
 static double left_beside(const td_visit *v, int k, double u) {
-    const td_sensor *sensor = &v->s->sensor;
-    const double s = v->model.pieces.from[k] + u * (v->model.pieces.from[k + 1] - v->model.pieces.from[k]);
+    const td_pieces *pieces = &v->model.pieces;
+    const double s = pieces->from[k] + u * (pieces->from[k + 1] - pieces->from[k]), S = td_model_value(&pieces->model[k], u);
     const int n = td_changes_until(v, s);
-    const double residual = td_model_value(&v->model.pieces.model[k], u) - td_reference_after(v, n);
-    const double left =
-        td_lesser(td_sensor_threshold_on(sensor, v->at) - residual, residual + td_sensor_threshold_off(sensor, v->at));
-    if (td_is_held_at(v, n, s)) return INFINITY;
-    return n > 0 && v->changes.change[n - 1].s > v->model.pieces.from[k] ? td_lesser(left, fabs(residual)) : left;
+    const double left = td_left_at(v, n, s, S);
+    const int is_behind = n > 0 && v->changes.change[n - 1].s > pieces->from[k];
+    return is_behind && left < INFINITY ? td_lesser(left, fabs(S - td_reference_after(v, n))) : left;
 }
 
 /* How far beyond the level that the piece went through last its turn at s is: where the model is off by more, the signal may
@@ -171,10 +176,10 @@ int td_find_approaches(const td_visit *v, td_approach *found, int most) {
 /* Swaps are looked at in both halves; from then on they are known as all else is. */
 int td_find_swaps(const td_visit *v, double *places, int most) {
     const td_refine_step *step = &v->s->refine.step[v->looked->step];
-    td_swap_place swap;
-    int count = 0;
-    for (int32_t i = td_solve_first_swap(v->s, step, v->pixel->local);
-         count + 2 <= most && td_solve_swap(v->s, step, v->pixel->local, i, &swap); i++) {
+    int all, count = 0;
+    const td_swap *list = td_solve_swaps(v->s, step, v->pixel->local, &all);
+    for (int i = 0; i < all && count + 2 <= most; i++) {
+        const td_swap_place swap = td_solve_swap_place(v->s, step, &list[i]);
         const double begin = swap.s - 0.5 * swap.wide, end = swap.s + 0.5 * swap.wide;
         if (end <= 0 || begin >= 1 || is_swap_seen(v, &swap) || !may_swap_decide(v, &swap)) continue;
         if (begin > 0) places[count++] = begin;

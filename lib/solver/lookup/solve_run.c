@@ -99,14 +99,12 @@ static int is_good(const td_visit *v, int n) {
 /* How far the signal is from its levels at s, an end of the step, and from its reference; a held one has none. What it does at
  * the very start comes of that. */
 static double left_at(const td_visit *v, double s, double *residual) {
-    const td_sensor *sensor = &v->s->sensor;
     const td_pieces *pieces = &v->model.pieces;
     const double at = s > 0 ? s : -1; /* before what it does there */
     const int n = td_changes_until(v, at);
     const double S = s > 0 ? pieces->model[pieces->count - 1].control[3] : pieces->model[0].control[0];
     *residual = S - td_reference_after(v, n);
-    const double on = td_sensor_threshold_on(sensor, v->at), off = td_sensor_threshold_off(sensor, v->at);
-    return td_is_held_at(v, n, at) ? INFINITY : td_lesser(on - *residual, *residual + off);
+    return td_left_at(v, n, at, S);
 }
 
 /* Does an error of so much decide whether the signal is beyond a level there? At the step's end it may have got there just

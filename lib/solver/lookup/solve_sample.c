@@ -57,13 +57,6 @@ tides_status td_solve_sample(tides_simulator *s, const td_sampled *one, tides_er
     return TIDES_OK;
 }
 
-static tides_status look(tides_simulator *s, const td_point *points, size_t count, td_point_value *values, tides_error *error) {
-    const double begun = td_now();
-    const tides_status status = td_renderer_direct_points(s->renderer, s->camera, points, count, values, error);
-    td_solve_note_time(s, begun);
-    return status;
-}
-
 static void note(tides_simulator *s, const td_sampled *one, double L) {
     const double error = td_timing_together(L - one->L, one->floor);
     if (one->late > 0)
@@ -77,13 +70,12 @@ tides_status td_solve_measure(tides_simulator *s, tides_error *error) {
     td_point points[MANY];
     td_point_value values[MANY];
     tides_status status = TIDES_OK;
+    const double begun = td_now();
     cut(s, solve);
     const size_t count = solve->sampled_count;
-    for (size_t i = 0; i < count; i++) {
-        points[i] = solve->sampled[i].point;
-        values[i].L = solve->sampled[i].L;
-    }
-    if (count > 0) status = look(s, points, count, values, error);
+    for (size_t i = 0; i < count; i++) points[i] = solve->sampled[i].point;
+    if (count > 0) status = td_renderer_direct_points(s->renderer, s->camera, points, count, values, error);
+    td_solve_note_time(s, begun);
     for (size_t i = 0; i < count && status == TIDES_OK; i++) note(s, &solve->sampled[i], values[i].L);
     solve->sampled_count = 0;
     solve->sampled_is_cut = 0;

@@ -17,6 +17,9 @@ static double least_light(const tides_simulator *s, int32_t unit) {
     return exp(least);
 }
 
+/* A part of the interval, in units of steps' places. */
+static double part_of(const tides_simulator *s) { return (double)((uint32_t)1 << s->refine.depth) / TD_SWAP_PARTS; }
+
 /* The first swap at `part` or later. */
 static int find_swap(const td_swap *swap, int count, double part) {
     int low = 0, high = count;
@@ -54,7 +57,7 @@ static void find_nearest(const td_swap *swap, int count, cuts *of) {
 
 uint32_t td_refine_swap(const tides_simulator *s, const td_refine_step *step, int32_t *begins) {
     const td_refine *r = &s->refine;
-    const double part = (double)((uint32_t)1 << r->depth) / TD_SWAP_PARTS;
+    const double part = part_of(s);
     cuts of = {.least = (step->from + (double)r->shortest) / part,
                .most = (step->to - (double)r->shortest) / part,
                .wide = shows * (step->to - step->from) / part,
@@ -82,20 +85,16 @@ static const td_swap *swaps_of(const tides_simulator *s, const td_refine_step *s
     return td_units_swaps(s, step->tile, td_units_blocks(s) > 1 ? y * across + x : 0, count);
 }
 
-static double part_of(const tides_simulator *s) { return (double)((uint32_t)1 << s->refine.depth) / TD_SWAP_PARTS; }
-
-int32_t td_solve_first_swap(const tides_simulator *s, const td_refine_step *step, int32_t local) {
-    int count;
-    const td_swap *swap = swaps_of(s, step, local, &count);
-    return find_swap(swap, count, (2.0 * step->from - step->to) / part_of(s));
+const td_swap *td_solve_swaps(const tides_simulator *s, const td_refine_step *step, int32_t local, int *count) {
+    int all;
+    const td_swap *swap = swaps_of(s, step, local, &all);
+    const double length = (double)step->to - step->from, part = part_of(s);
+    const int first = find_swap(swap, all, (step->from - length) / part);
+    *count = find_swap(swap, all, floor((step->to + length) / part) + 1) - first;
+    return all > 0 ? swap + first : NULL;
 }
 
-int td_solve_swap(const tides_simulator *s, const td_refine_step *step, int32_t local, int32_t i, td_swap_place *place) {
-    int count;
-    const td_swap *swap = swaps_of(s, step, local, &count);
-    const double part = part_of(s), length = (double)(step->to - step->from);
-    if (i >= count || swap[i].part * part > step->to + length) return 0;
-    *place = (td_swap_place){(swap[i].part * part - (double)step->from) / length, (double)swap[i].wide * part / length,
-                             (double)swap[i].light};
-    return 1;
+td_swap_place td_solve_swap_place(const tides_simulator *s, const td_refine_step *step, const td_swap *swap) {
+    const double part = part_of(s), length = (double)step->to - step->from;
+    return (td_swap_place){(swap->part * part - step->from) / length, (double)swap->wide * part / length, (double)swap->light};
 }
