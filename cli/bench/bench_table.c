@@ -108,8 +108,6 @@ static int32_t add_verdict(cJSON *json, const bench_rows *rows, const char *scen
            cJSON_AddNumberToObject(json, "worst_residual", v.worst_residual);
 }
 
-static const char *const transfers[] = {"file", "linear", "srgb", "gamma"}; /* TIDES_TRANSFER_* */
-
 int32_t bench_header_scene(cJSON *header, const bench_scene *scene, const bench_rows *rows) {
     cJSON *json = cJSON_CreateObject();
     if (!cJSON_AddItemToArray(cJSON_GetObjectItem(header, "scenes"), json)) return 0;
@@ -122,7 +120,7 @@ int32_t bench_header_scene(cJSON *header, const bench_scene *scene, const bench_
         cJSON_AddNumberToObject(json, "macro_step_s", scene->macro_step_s) &&
         cJSON_AddNumberToObject(json, "threshold", scene->sensor.threshold_on) &&
         cJSON_AddNumberToObject(json, "log_eps", scene->image.log_eps) &&
-        cJSON_AddStringToObject(json, "transfer", transfers[scene->image.transfer - TIDES_TRANSFER_FILE]);
+        cJSON_AddStringToObject(json, "transfer", tides_transfer_name(scene->image.transfer));
     cJSON *truths = ok ? cJSON_AddArrayToObject(json, "exact") : NULL;
     ok = truths != NULL;
     for (int32_t rules = 0; ok && rules < BENCH_RULES; rules++)

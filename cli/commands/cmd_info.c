@@ -99,10 +99,9 @@ static tides_status motion_facts(const tides_scene *scene, cJSON *facts, tides_e
 
 /* What its colours are of light: as .ply files say it, or that objects differ. */
 static const char *transfer_of(const tides_scene *scene) {
-    static const char *const names[] = {"linear", "srgb", "gamma"};
     int32_t transfer;
     double gamma;
-    return tides_scene_transfer(scene, &transfer, &gamma, NULL) == TIDES_OK ? names[transfer] : "mixed";
+    return tides_scene_transfer(scene, &transfer, &gamma, NULL) == TIDES_OK ? tides_transfer_name(transfer) : "mixed";
 }
 
 /* How it was trained, and what a user may not expect of it. */

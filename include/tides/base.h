@@ -61,6 +61,9 @@ enum {
  * told by a file: what that says. */
 enum { TIDES_TRANSFER_FILE = -1, TIDES_TRANSFER_LINEAR = 0, TIDES_TRANSFER_SRGB = 1, TIDES_TRANSFER_GAMMA = 2 };
 
+/* "file", "linear", "srgb" or "gamma", as run files have it; NULL of other numbers. */
+TIDES_API const char *tides_transfer_name(int32_t transfer);
+
 /* What the numbers of a file's times are. AUTO: as the reader says. INDEX, of camera paths: numbers of poses, not times. */
 enum { TIDES_TIME_AUTO = 0, TIDES_TIME_S, TIDES_TIME_MS, TIDES_TIME_US, TIDES_TIME_NS, TIDES_TIME_INDEX };
 

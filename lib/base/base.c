@@ -183,6 +183,12 @@ done:
     return status;
 }
 
+const char *tides_transfer_name(int32_t transfer) {
+    static const char *const names[] = {"file", "linear", "srgb", "gamma"};
+    const int32_t known = transfer >= TIDES_TRANSFER_FILE && transfer <= TIDES_TRANSFER_GAMMA;
+    return known ? names[transfer - TIDES_TRANSFER_FILE] : NULL;
+}
+
 double td_now(void) {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);

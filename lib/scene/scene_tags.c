@@ -32,14 +32,12 @@ tides_status td_transfer_check(const char *what, int32_t transfer, double gamma,
     return TIDES_OK;
 }
 
-static const char *const transfer_names[] = {"linear", "srgb", "gamma"};
-
 /* The fewest digits that say the exponent. */
 void td_transfer_say(int32_t transfer, double gamma, char text[TD_TRANSFER_TEXT]) {
     if (transfer == TIDES_TRANSFER_GAMMA)
         snprintf(text, TD_TRANSFER_TEXT, "gamma %s", TD_SHORT(gamma));
     else
-        snprintf(text, TD_TRANSFER_TEXT, "%s", transfer_names[transfer]);
+        snprintf(text, TD_TRANSFER_TEXT, "%s", tides_transfer_name(transfer));
 }
 
 tides_status td_transfer_read(const char *where, const char *text, td_gaussians *gaussians, tides_error *error) {
@@ -51,7 +49,7 @@ tides_status td_transfer_read(const char *where, const char *text, td_gaussians 
     const int read = sscanf(text, "%15s %lf %1s", word, &gamma, rest);
     td_plain_end(&numbers);
     int32_t transfer = TIDES_TRANSFER_GAMMA;
-    while (transfer >= 0 && strcmp(word, transfer_names[transfer]) != 0) transfer--;
+    while (transfer >= 0 && strcmp(word, tides_transfer_name(transfer)) != 0) transfer--;
     const int wanted = transfer == TIDES_TRANSFER_GAMMA ? 2 : 1;
     if (transfer < 0 || read != wanted || td_transfer_check("", transfer, gamma, NULL) != TIDES_OK)
         return td_fail(error, TIDES_BAD_FILE,

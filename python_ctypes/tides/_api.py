@@ -4209,6 +4209,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_trajectory_sample": (c_int32, [
         P(tides_trajectory), c_size_t, P(tides_pose_sample), P(tides_error)
     ], "trajectory index sample error"),
+    # const char *tides_transfer_name(int32_t transfer)
+    "tides_transfer_name": (c_char_p, [c_int32], "transfer"),
     # const char *tides_truth_name(int32_t truth)
     "tides_truth_name": (c_char_p, [c_int32], "truth"),
     # tides_status tides_truth_read(const char *path, tides_exr **planes, tides_error *error)

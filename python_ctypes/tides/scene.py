@@ -31,7 +31,7 @@ _TRANSFER = {word: one for word, one in constants("TIDES_TRANSFER_").items() if 
 
 
 def _transfer(number: int) -> str:
-    return next(word for word, one in _TRANSFER.items() if one == number)
+    return text(lib.tides_transfer_name(number))
 
 
 def scene_formats() -> list[Facts]:
