@@ -22,6 +22,7 @@
  *     /held_until ...      double, u4 (height x width)  state of the sensor's blocks that are on (td_sensor_state)
  *     /readout             i8                       the arbiter's, where the run has one (readout.c)
  *     /timing_errors       double (512)             weights of td_timing, not of a pixel
+ *     /timing_squares      double (1)               its squares, likewise
  *
  * The arrays are the rows of td_simulator_state and td_sensor_state. Images are in image order, so that other tiles can take
  * them up (but for the risk). All datasets are shuffled and deflated. Behind the HDF5 file comes the seal (file.c). */

@@ -129,9 +129,9 @@ typedef struct td_solve {
     int asking;                             /* which is filled: td_solve_asking */
     td_sampled *sampled;                    /* of this macro step's events, those that come first in an order of chance */
     size_t sampled_count, sampled_capacity;
-    int sampled_is_cut; /* there were more */
-    size_t enough;      /* points that are worth a batch, while a device is at the one before, */
-    size_t enough_now;  /* and of the first ones, when it has nothing to do */
+    size_t fired;      /* events of this macro step in all */
+    size_t enough;     /* points that are worth a batch, while a device is at the one before, */
+    size_t enough_now; /* and of the first ones, when it has nothing to do */
 } td_solve;
 
 /* What the parameters ask for (on, unsolved), once the renderer has its PSF; TIDES_UNSUPPORTED where it can't be had.

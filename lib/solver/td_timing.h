@@ -11,8 +11,8 @@ typedef struct td_timing {
     double rounding; /* deviations that rounding alone may make [log units]: 0 where the device computes in double */
     double epsilon;  /* relative error of a rounded number on the device: 0 likewise */
     double size;     /* larger side of the image [px] */
-    int is_sample;   /* 1: some events are measured (solve_sample.c), 0: all are estimated */
-    double weight[TD_TIMING_BINS]; /* from 2^-48 s on; events, each in 64ths, or whole ones of those measured */
+    double weight[TD_TIMING_BINS]; /* from 2^-48 s on; events, each in 64ths, or those that measured ones stand for */
+    double squares;                /* of what each measured one stands for (solve_sample.c), their sum; 0: all are estimated */
     uint64_t uncertain; /* turns of the signal, and ends of the run, so near a level that the error decides if it is reached */
 } td_timing;
 
@@ -47,9 +47,9 @@ typedef struct td_timed {
 /* Adds the step's events. */
 void td_timing_add(td_timing *timing, const td_timed *timed);
 
-/* Adds an event that was solved: what the signal is off by there, its slope and curvature towards the event, per step of h
- * seconds. */
-void td_timing_add_solved(td_timing *timing, double error, double slope, double bend, double h);
+/* Adds an event that was measured, and stands for so many: what the signal is off by there, its slope and curvature towards the
+ * event, per step of h seconds. */
+void td_timing_add_solved(td_timing *timing, double stands_for, double error, double slope, double bend, double h);
 
 /* What rounding does to the signal S of pixel i of a tile [log units]. */
 double td_timing_rounding(const td_timing *timing, const td_tile *tile, const double *S, int32_t i);

@@ -73,7 +73,6 @@ tides_status td_solve_create(tides_simulator *s, tides_error *error) {
     solve->is_exact = !td_renderer_points_rounded(s->renderer);
     solve->samples = s->timing.rounding + TD_SOLVE_SAMPLES;
     solve->enough = ENOUGH;
-    s->timing.is_sample = 1;
     solve->target_s = s->given.time_tolerance_s > 0 ? s->given.time_tolerance_s : default_target_s;
     return TIDES_OK;
 }

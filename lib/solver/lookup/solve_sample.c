@@ -43,7 +43,7 @@ tides_status td_solve_sample(tides_simulator *s, const td_sampled *one, tides_er
     td_solve *solve = &s->solve;
     const size_t most = 2 * wanted(s), count = solve->sampled_count;
     const uint64_t order = order_of(&one->point);
-    if (solve->sampled_is_cut &&
+    if (solve->fired++ >= most && /* it has been cut */
         by_order(&(td_sampled){.order = order, .point = one->point}, &solve->sampled[wanted(s) - 1]) > 0)
         return TIDES_OK;
     tides_status status = td_reserve((void **)&solve->sampled, &solve->sampled_capacity, most, sizeof *solve->sampled, error);
@@ -53,16 +53,16 @@ tides_status td_solve_sample(tides_simulator *s, const td_sampled *one, tides_er
     solve->sampled_count++;
     if (solve->sampled_count < most) return TIDES_OK;
     cut(s, solve);
-    solve->sampled_is_cut = 1;
     return TIDES_OK;
 }
 
-static void note(tides_simulator *s, const td_sampled *one, double L) {
+/* An event stands for so many as there are of it in the step. */
+static void note(tides_simulator *s, const td_sampled *one, double L, double stands_for) {
     const double error = td_timing_together(L - one->L, one->floor);
     if (one->late > 0)
-        td_timing_add_solved(&s->timing, one->late, 1, 0, one->length_s);
+        td_timing_add_solved(&s->timing, stands_for, one->late, 1, 0, one->length_s);
     else
-        td_timing_add_solved(&s->timing, error, one->slope, one->bend, one->length_s);
+        td_timing_add_solved(&s->timing, stands_for, error, one->slope, one->bend, one->length_s);
 }
 
 tides_status td_solve_measure(tides_simulator *s, tides_error *error) {
@@ -76,8 +76,7 @@ tides_status td_solve_measure(tides_simulator *s, tides_error *error) {
     for (size_t i = 0; i < count; i++) points[i] = solve->sampled[i].point;
     if (count > 0) status = td_renderer_direct_points(s->renderer, s->camera, points, count, values, error);
     td_solve_note_time(s, begun);
-    for (size_t i = 0; i < count && status == TIDES_OK; i++) note(s, &solve->sampled[i], values[i].L);
-    solve->sampled_count = 0;
-    solve->sampled_is_cut = 0;
+    const double stands_for = count > 0 ? (double)solve->fired / (double)count : 0;
+    for (size_t i = 0; i < count && status == TIDES_OK; i++) note(s, &solve->sampled[i], values[i].L, stands_for);
     return status;
 }

@@ -169,6 +169,7 @@ static tides_status measure(tides_simulator *s, tides_error *error) {
 /* The comparator over one macro step, refined tile by tile. */
 static tides_status compare_refined(tides_simulator *s, tides_error *error) {
     const double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
+    s->solve.sampled_count = s->solve.fired = 0; /* of the step before, or of one that was stopped */
     tides_status status = td_solve_keep_start(s, error);
     if (status == TIDES_OK) status = td_sweep(s, start, stop, error);
     if (status == TIDES_OK && s->moving.count > 0) status = td_renderer_find_swaps(s->renderer, s->camera, error);

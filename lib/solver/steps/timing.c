@@ -244,9 +244,10 @@ static void add_some(td_timing *timing, const td_timed *timed, const some *of) {
     }
 }
 
-void td_timing_add_solved(td_timing *timing, double error, double slope, double bend, double h) {
+void td_timing_add_solved(td_timing *timing, double stands_for, double error, double slope, double bend, double h) {
     int touches;
-    timing->weight[bin_of(td_timing_reach(slope, bend, error, &touches) * h + 1e-9)]++; /* times are floored to nanoseconds */
+    timing->weight[bin_of(td_timing_reach(slope, bend, error, &touches) * h + 1e-9)] += stands_for; /* floored to nanoseconds */
+    timing->squares += stands_for * stands_for;
 }
 
 void td_timing_add(td_timing *timing, const td_timed *timed) {
@@ -384,8 +385,9 @@ static const double margin = 0.75, margin_of_sample = 2.5;
 double td_timing_percentile(const td_timing *timing, double share) {
     double total = 0, passed = 0;
     for (int k = 0; k < TD_TIMING_BINS; k++) total += timing->weight[k];
-    if (total > 0)
-        share = td_lesser(share + (timing->is_sample ? margin_of_sample : margin) * sqrt(share * (1 - share) / total), 1);
+    const int is_sample = timing->squares > 0;
+    const double events = is_sample ? total * total / timing->squares : total; /* that say as much, were each for itself */
+    if (total > 0) share = td_lesser(share + (is_sample ? margin_of_sample : margin) * sqrt(share * (1 - share) / events), 1);
     for (int k = 0; k < TD_TIMING_BINS && total > 0; k++) {
         double weight = timing->weight[k];
         if (weight > 0 && passed + weight >= share * total) {
