@@ -61,6 +61,20 @@ tides_status tides_simulator_readout(tides_simulator *simulator, const tides_rea
     return status;
 }
 
+tides_status tides_simulator_filters(tides_simulator *simulator, const tides_filters *given, tides_error *error) {
+    if (!simulator || !given)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_filters: simulator and filters must be given");
+    if (simulator->started || simulator->filters.filter)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_filters: the run has begun, or has filters already");
+    tides_filters params;
+    tides_filters_defaults(&params);
+    tides_status status = TD_TAKE_STRUCT(tides_filters, &params, given, error);
+    if (status != TIDES_OK || !tides_filters_any(&params)) return status;
+    simulator->filters.params = params;
+    return tides_filter_create(&params, simulator->layout.width, simulator->layout.height, simulator->sensor.sensor.seed,
+                               &simulator->filters.filter, error);
+}
+
 const int64_t *tides_simulator_fired(const tides_simulator *simulator) {
     return simulator->readout.arbiter ? simulator->readout.fired : NULL;
 }
