@@ -228,7 +228,8 @@ const td_param td_params[] = {
     {NUMBER("stepping.risk.w_alpha", stepping.risk.w_alpha, "", 0, 1, "weight of |alpha_dot| in the risk score")},
 
     {BOOLEAN("readout.enabled", readout.enabled, "send events through the readout arbiter"), .ideal = "false"},
-    {CHOICE("readout.kind", readout.kind, "tiles|rows|bottleneck", "a queue per tile, per row of pixels, or one for all")},
+    {CHOICE("readout.kind", readout.kind, "tiles|rows|bottleneck|requested|scanned",
+            "a queue per tile, row or sensor, in turns; rows that ask; the sensor as event frames")},
     {INTEGER("readout.tile_px", readout.tile_px, "px", 1, 4096, "side of an arbiter's tile")},
     {NUMBER("readout.tick_s", readout.tick_s, "s", 0, 1, "time that the scanner stays at a queue; 0 is an infinite rate")},
     {INTEGER("readout.k0", readout.k0, "", 1, 1e6, "events released per tick at rest")},
@@ -238,6 +239,10 @@ const td_param td_params[] = {
     {NUMBER("readout.sigma0_s", readout.sigma0_s, "s", 0, 1, "timestamp jitter at rest")},
     {NUMBER("readout.gamma_sigma_s", readout.gamma_sigma_s, "s", 0, 1, "how activity raises the jitter")},
     {CHOICE("readout.jitter_law", readout.jitter_law, "gaussian|delay", "delay: never early, and 1.32 sigma late on average")},
+    {NUMBER("readout.row_s", readout.row_s, "s", 0, 1, "requested: from a row's turn to its latch")},
+    {NUMBER("readout.event_s", readout.event_s, "s", 0, 1e-3, "requested, scanned: time that an event takes on the bus")},
+    {CHOICE("readout.stamp", readout.stamp, "event|row", "requested: when each leaves, or the latch of its row for all")},
+    {NUMBER("readout.frame_s", readout.frame_s, "s", 1e-9, 1, "scanned: time from frame to frame, at least")},
     {INTEGER("readout.queue_capacity", readout.queue_capacity, "", 1, 1e9, "events that a queue holds")},
 
     {NUMBER("filters.background_s", filters.background_s, "s", 0, 1e3,

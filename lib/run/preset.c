@@ -2,9 +2,9 @@
  * the preset.
  *
  * A preset is a JSON object { "about": text, group: { name: value, ... } } with the names of the run file's groups sensor,
- * frontend, readout and filters, and image's log_eps, the sensor's black level; a value may be
- * { "value": value, "source": text } to say where it comes from. Those of share/presets are in the library, by the names of their files; one's own are found by name in
- * ~/.config/tides/presets. */
+ * frontend, readout and filters, and image's log_eps, the sensor's black level; a value may be { "value": value,
+ * "source": text } to say where it comes from. Those of share/presets are in the library, by the names of their files; one's
+ * own are found by name in ~/.config/tides/presets. */
 #include "device/td_kernel_source.h"
 #include "td_folder.h"
 #include "td_kinds.h"

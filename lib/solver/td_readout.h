@@ -13,7 +13,7 @@ typedef struct td_activity {
 typedef struct td_run_readout {
     tides_readout params;
     tides_arbiter *arbiter; /* NULL: events go from the pixels to the sink */
-    double *psi;            /* (arbiter's tiles) */
+    double *psi;            /* (arbiter's tiles); NULL: it knows nothing of activity */
     int32_t *pixels;        /* of each of them */
     td_activity *sums;      /* of each of them, while psi is worked out */
     int32_t across;

@@ -45,6 +45,10 @@ TIDES_ZERO_FRAME = 2
 TIDES_READOUT_TILES = 0
 TIDES_READOUT_ROWS = 1
 TIDES_READOUT_BOTTLENECK = 2
+TIDES_READOUT_REQUESTED = 3
+TIDES_READOUT_SCANNED = 4
+TIDES_STAMP_EVENT = 0
+TIDES_STAMP_ROW = 1
 TIDES_JITTER_GAUSSIAN = 0
 TIDES_JITTER_DELAY = 1
 TIDES_AFK_OFF = 0
@@ -592,7 +596,10 @@ class tides_readout(Structure):
     double p0, eta; /* in [0, 1] */
     double sigma0_s, gamma_sigma_s; /* [s] >= 0 */
     int32_t jitter_law; /* TIDES_JITTER_* */
-    int32_t reserved;
+    int32_t stamp; /* TIDES_STAMP_*, of REQUESTED */
+    double row_s; /* [s] >= 0, whole nanoseconds */
+    double event_s; /* [s] 0 to 1e-3, whole picoseconds */
+    double frame_s; /* [s] whole nanoseconds, at least 1 */
     """
 
     size: int
@@ -608,7 +615,10 @@ class tides_readout(Structure):
     sigma0_s: float
     gamma_sigma_s: float
     jitter_law: int
-    reserved: int
+    stamp: int
+    row_s: float
+    event_s: float
+    frame_s: float
 
     _fields_ = [
         ("size", c_uint32),
@@ -624,7 +634,10 @@ class tides_readout(Structure):
         ("sigma0_s", c_double),
         ("gamma_sigma_s", c_double),
         ("jitter_law", c_int32),
-        ("reserved", c_int32),
+        ("stamp", c_int32),
+        ("row_s", c_double),
+        ("event_s", c_double),
+        ("frame_s", c_double),
     ]
 
 
@@ -634,7 +647,7 @@ class tides_readout_stats(Structure):
     uint64_t overflowed; /* their queue was full */
     uint64_t waiting; /* in queues, or held until the order is certain */
     uint64_t delayed; /* left later than they fired, jitter aside */
-    uint64_t ticks; /* in which something was served; idle ones are skipped */
+    uint64_t ticks; /* in which something was served, rows read, or frames; idle ones are skipped */
     double worst_delay_s; /* from firing to leaving, jitter aside [s] */
     """
 

@@ -140,6 +140,36 @@ static void test_cuts(void **state) {
     random_scene_free(&scene);
 }
 
+/* Rows that ask, and frames: cuts, batches and a checkpoint don't show. */
+static void test_asked(void **state) {
+    random_scene scene = make_scene(SEED);
+    tides_device *device = open_device("reference-f32");
+    for (int kind = TIDES_READOUT_REQUESTED; kind <= TIDES_READOUT_SCANNED; kind++)
+        for (int adaptive = 0; adaptive < 2; adaptive++) {
+            tides_readout readout = busy_readout();
+            readout.kind = kind;
+            readout.row_s = 20e-6;
+            readout.event_s = 2e-6;
+            readout.frame_s = 3e-3;
+            job j = noisy_job(&scene, adaptive);
+            j.batch = 1;
+            outcome whole = whole_run(&j, device, &readout);
+            outcome pieces = cut_run(&j, device, &readout, scene_in_folder(*state, "asked.checkpoint"));
+            j.batch = 7;
+            outcome other = whole_run(&j, device, &readout);
+            expect_same(&whole, &pieces, "cut");
+            expect_same(&whole, &other, "batches");
+            expect_same_stats(&whole.stats, &pieces.stats);
+            assert_true(whole.stats.events_delayed > whole.count / 2);
+            assert_int_equal(whole.stats.events, whole.count + whole.stats.events_dropped);
+            free_outcome(&whole);
+            free_outcome(&pieces);
+            free_outcome(&other);
+        }
+    tides_device_close(device);
+    random_scene_free(&scene);
+}
+
 /* Filters, behind the pixels or behind a readout, over cuts and through a checkpoint; what they drop is all that is missing. */
 static void test_filters(void **state) {
     random_scene scene = make_scene(SEED);
@@ -297,6 +327,7 @@ static void test_halved_steps(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_cuts, scene_folder_setup, scene_folder_teardown),
+        cmocka_unit_test_setup_teardown(test_asked, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test_setup_teardown(test_filters, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test(test_batches),
         cmocka_unit_test(test_nothing_on),
