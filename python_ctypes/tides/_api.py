@@ -12,7 +12,7 @@ from typing import Any
 TIDES_VERSION_MAJOR = 0
 TIDES_VERSION_MINOR = 1
 TIDES_VERSION_PATCH = 0
-TIDES_NUMERICS = 10
+TIDES_NUMERICS = 11
 TIDES_CHECKPOINT_S = 30
 TIDES_OK = 0
 TIDES_BAD_ARGUMENT = 1
@@ -3896,6 +3896,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_picture_depth": (None, [
         P(c_double), c_int32, c_int32, c_double, c_double, P(c_uint8)
     ], "depth width height near far rgb"),
+    # void tides_picture_depth_key(uint8_t *rgb, int32_t width, int32_t height)
+    "tides_picture_depth_key": (None, [P(c_uint8), c_int32, c_int32], "rgb width height"),
     # void tides_picture_events(const tides_event *events, size_t count, const double *base, int32_t width, int32_t
     # height, uint8_t *rgb)
     "tides_picture_events": (None, [
@@ -3906,6 +3908,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_picture_flow": (None, [
         P(c_double), P(c_double), c_int32, c_int32, c_double, P(c_uint8)
     ], "u v width height limit rgb"),
+    # void tides_picture_flow_key(uint8_t *rgb, int32_t width, int32_t height)
+    "tides_picture_flow_key": (None, [P(c_uint8), c_int32, c_int32], "rgb width height"),
     # void tides_picture_grey(const double *values, int32_t width, int32_t height, double white, uint8_t *rgb)
     "tides_picture_grey": (None, [
         P(c_double), c_int32, c_int32, c_double, P(c_uint8)
