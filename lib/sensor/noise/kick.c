@@ -1,4 +1,4 @@
-/* A row's kicks in time. */
+/* The kicks that the readout of a frame gives a row of pixels: their sum at a time, the next one, and bounds over a step. */
 #include "td_kick.h"
 #include "td_base.h"
 
