@@ -31,6 +31,13 @@ enum { TIDES_BANDWIDTH_FIRST_ORDER = 0, TIDES_BANDWIDTH_CIRCUIT = 1 };
 /* Whether the pole stays where it is, or goes with luminance as v2e has it: cutoff (DN + 20) / 275, DN = 255 Y. */
 enum { TIDES_PHOTORECEPTOR_CONSTANT = 0, TIDES_PHOTORECEPTOR_INTENSITY = 1 };
 
+/* Where a pixel's reference is when a run begins.
+ *   REST    at the signal: all pixels were reset then, and their leak starts in phase
+ *   RANDOM  anywhere that keeps the signal between the levels, uniform: it has seen other things before
+ *   STEADY  where leak, shot noise, hot pixels and refractory period leave it after a long time at rest, so that events at
+ *           rest come at the same rate from the first moment on; without any of these that is REST */
+enum { TIDES_INITIAL_REST = 0, TIDES_INITIAL_RANDOM = 1, TIDES_INITIAL_STEADY = 2 };
+
 /* Constants of TIDES_BANDWIDTH_CIRCUIT; the defaults are a DVS128's at 100 lux, as the nominal
  * configuration of wengflow's simulator ("improved ESIM") has them. */
 typedef struct tides_circuit {
@@ -80,7 +87,7 @@ typedef struct tides_sensor {
     double noise_cutoff_hz;         /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
     uint64_t seed;                  /* of all that is random here */
     int32_t labels;                 /* 1: events get tides_event_frontend */
-    int32_t reserved;
+    int32_t initial;                /* TIDES_INITIAL_* */
 } tides_sensor;
 TIDES_API void tides_sensor_defaults(tides_sensor *sensor);
 

@@ -1,5 +1,5 @@
-/* A sensor's pixels: parameters checked, memory, what is drawn once per pixel, and where they stand when a run begins. For the
- * solver and the baselines; comparator.c takes them from there. */
+/* A sensor's pixels: parameters checked, memory, and what is drawn once per pixel. Where they stand when a run begins,
+ * initial.c says; comparator.c takes them from there. */
 #include "td_base.h"
 #include "td_random.h"
 #include "td_sensor.h"
@@ -50,6 +50,12 @@ tides_status td_sensor_check(const tides_sensor *s, tides_error *error) {
     if (s->refractory_law < TIDES_REFRACTORY_HOLD || s->refractory_law > TIDES_REFRACTORY_DROP_CONSUME)
         return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: refractory_law is %d; it must be one of TIDES_REFRACTORY_*",
                        (int)s->refractory_law);
+    if (s->initial < TIDES_INITIAL_REST || s->initial > TIDES_INITIAL_STEADY)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: initial is %d; it must be one of TIDES_INITIAL_*", (int)s->initial);
+    if (s->initial == TIDES_INITIAL_STEADY && s->noise_rms > 0)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "sensor: initial steady isn't known with additive noise (noise_rms = %g); take random or rest",
+                       s->noise_rms);
     return TIDES_OK;
 }
 
@@ -173,16 +179,16 @@ tides_status td_sensor_create(const tides_sensor *given, int32_t model, double l
     status = allocate(sensor, error);
     if (status == TIDES_OK && sensor->on) status = allocate_blocks(sensor, error);
     if (status == TIDES_OK) status = td_sensor_list(sensor, error);
-    if (status != TIDES_OK)
-        td_sensor_release(sensor);
-    else if (sensor->on)
-        draw_pixels(sensor, tiles, tile_count);
+    if (status == TIDES_OK && sensor->on) draw_pixels(sensor, tiles, tile_count);
+    if (status == TIDES_OK) status = td_sensor_draw_initial(sensor, tiles, tile_count, error);
+    if (status != TIDES_OK) td_sensor_release(sensor);
     return status;
 }
 
 void td_sensor_release(td_sensor *sensor) {
     double *arrays[] = {sensor->threshold_on, sensor->threshold_off, sensor->leak,           sensor->held_until,
-                        sensor->since,        sensor->wake,          sensor->pixels.initial, sensor->pixels.reference};
+                        sensor->since,        sensor->wake,          sensor->pixels.initial, sensor->pixels.reference,
+                        sensor->draw};
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
     for (int k = 0; k < TD_FRONTEND_STATE; k++) free(sensor->filter[k]);
     free(sensor->pixels.count_on);
@@ -193,17 +199,4 @@ void td_sensor_release(td_sensor *sensor) {
     free(sensor->number);
     td_shot_noise_release(&sensor->noise);
     memset(sensor, 0, sizeof *sensor);
-}
-
-void td_sensor_begin(td_sensor *sensor, const double *L) {
-    const td_pixels *pixels = &sensor->pixels;
-    for (size_t i = 0; i < sensor->count; i++) {
-        double state[TD_FRONTEND_STATE] = {0}, rest = L[i];
-        if (sensor->frontend.on) rest = td_frontend_rest(&sensor->frontend, L[i], sensor->log_eps, state);
-        for (int k = 0; k < TD_FRONTEND_STATE; k++)
-            if (sensor->filter[k]) sensor->filter[k][i] = state[k];
-        if (sensor->additive.on) rest += td_sensor_noise_at(sensor, i, 0);
-        pixels->initial[i] = pixels->reference[i] = rest;
-        pixels->count_on[i] = pixels->count_off[i] = 0;
-    }
 }

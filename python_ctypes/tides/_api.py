@@ -86,6 +86,9 @@ TIDES_BANDWIDTH_FIRST_ORDER = 0
 TIDES_BANDWIDTH_CIRCUIT = 1
 TIDES_PHOTORECEPTOR_CONSTANT = 0
 TIDES_PHOTORECEPTOR_INTENSITY = 1
+TIDES_INITIAL_REST = 0
+TIDES_INITIAL_RANDOM = 1
+TIDES_INITIAL_STEADY = 2
 TIDES_CAUSE_SIGNAL = 0
 TIDES_CAUSE_LEAK = 1
 TIDES_CAUSE_SHOT = 2
@@ -1435,7 +1438,7 @@ class tides_sensor(Structure):
     double noise_cutoff_hz; /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
     uint64_t seed; /* of all that is random here */
     int32_t labels; /* 1: events get tides_event_frontend */
-    int32_t reserved;
+    int32_t initial; /* TIDES_INITIAL_* */
     """
 
     size: int
@@ -1465,7 +1468,7 @@ class tides_sensor(Structure):
     noise_cutoff_hz: float
     seed: int
     labels: int
-    reserved: int
+    initial: int
 
     _fields_ = [
         ("size", c_uint32),
@@ -1495,7 +1498,7 @@ class tides_sensor(Structure):
         ("noise_cutoff_hz", c_double),
         ("seed", c_uint64),
         ("labels", c_int32),
-        ("reserved", c_int32),
+        ("initial", c_int32),
     ]
 
 

@@ -162,6 +162,11 @@ static const run_entry runs[] = {
     {"sensor/all consume", "rigid", F32, ALL "sensor.refractory_law=drop_consume", 0},
     {"sensor/all circuit", "rigid", F32, ALL "frontend.bandwidth=circuit frontend.center_surround=null", RUN_RESUME},
     {"sensor/all moving", "moving", F32, ALL, RUN_RESUME},
+    {"sensor/initial random", "rigid", F32, "sensor.initial=random", RUN_CPU | RUN_RESUME},
+    {"sensor/initial steady", "rigid", F32,
+     "sensor.initial=steady sensor.leak_rate_hz=20 sensor.leak_sigma=0.3 frontend.shot_noise_hz=20 sensor.refractory_s=0.006",
+     RUN_CPU | RUN_RESUME},
+    {"sensor/initial filtered", "rigid", F32, "sensor.initial=steady sensor.leak_rate_hz=20 frontend.photoreceptor_cutoff_hz=100", RUN_RESUME},
     {"sensor/preset", "rigid", F32, TEST_DVS "sensor.threshold_on=0.1 sensor.threshold_off=0.1", 0},
 
     {"readout/tiles", "rigid", F32, READOUT, RUN_RESUME},

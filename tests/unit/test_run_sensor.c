@@ -37,6 +37,8 @@ static void test_keys_reach_their_fields(void **state) {
         REAL("sensor.refractory_s", sensor.refractory_s, 0.001),
         WHOLE("sensor.refractory_law=drop_keep", sensor.refractory_law, TIDES_REFRACTORY_DROP_KEEP),
         WHOLE("sensor.refractory_law=drop_consume", sensor.refractory_law, TIDES_REFRACTORY_DROP_CONSUME),
+        WHOLE("sensor.initial=random", sensor.initial, TIDES_INITIAL_RANDOM),
+        WHOLE("sensor.initial=steady", sensor.initial, TIDES_INITIAL_STEADY),
         REAL("sensor.leak_rate_hz", sensor.leak_rate_hz, 0.1),
         REAL("sensor.leak_sigma", sensor.leak_sigma, 0.2),
         REAL("sensor.b_min", sensor.b_min, 0.5),
