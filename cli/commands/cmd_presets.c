@@ -7,14 +7,10 @@
 /* The columns: a key of the preset, and what stands above it. */
 static const struct {
     const char *group, *name, *title;
-} columns[] = {{"sensor", "threshold_on", "C+"},
-               {"sensor", "threshold_off", "C-"},
-               {"sensor", "threshold_sigma", "sigma"},
-               {"frontend", "photoreceptor_cutoff_hz", "pole [Hz]"},
-               {"sensor", "leak_rate_hz", "leak [Hz]"},
-               {"frontend", "shot_noise_hz", "shot [Hz]"},
-               {"sensor", "refractory_s", "dead [s]"},
-               {"image", "log_eps", "black"},
+} columns[] = {{"sensor", "threshold_on", "C+"},        {"sensor", "threshold_off", "C-"},
+               {"sensor", "threshold_sigma", "sigma"},  {"frontend", "photoreceptor_cutoff_hz", "pole [Hz]"},
+               {"sensor", "leak_rate_hz", "leak [Hz]"}, {"frontend", "shot_noise_hz", "shot [Hz]"},
+               {"sensor", "refractory_s", "dead [s]"},  {"image", "log_eps", "black"},
                {"readout", "kind", "readout"}};
 enum { COLUMNS = sizeof columns / sizeof *columns, CELL = 24 };
 

@@ -189,7 +189,8 @@ static tides_status apply_all(tides_run *run, const char *where, const cJSON *ro
             snprintf(shown, sizeof shown, "%.40s", group->string);
             td_one_line(shown);
             return td_fail(error, TIDES_BAD_CONFIG,
-                           "%s: \"%s\": a preset holds about, version, resolution, and the objects sensor, frontend, readout, image",
+                           "%s: \"%s\": a preset holds about, version, resolution, and the objects sensor, frontend, readout, "
+                           "image",
                            where, shown);
         }
         cJSON_ArrayForEach(item, group) {

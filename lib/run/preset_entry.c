@@ -11,7 +11,7 @@
 #include <string.h>
 
 static tides_status bad(tides_error *error, const char *where, const tides_param *row, const char *why) {
-    return td_fail(error, TIDES_BAD_CONFIG, "%s: %s: %s", where, row->key, why);
+    return td_fail(error, TIDES_BAD_CONFIG, "%s: %s%s", where, row->key, why);
 }
 
 static int32_t is_kind(const cJSON *item) {
@@ -32,25 +32,27 @@ tides_status td_preset_entry(const tides_param *row, const cJSON *item, const ch
                              tides_error *error) {
     const cJSON *part;
     *value = cJSON_IsObject(item) ? cJSON_GetObjectItemCaseSensitive(item, "value") : item;
-    if (!*value) return bad(error, where, row, "has no value; write { \"value\": ..., \"source\": \"...\" }");
+    if (!*value) return bad(error, where, row, " has no value; write { \"value\": ..., \"source\": \"...\" }");
     if (cJSON_IsObject(item)) {
         cJSON_ArrayForEach(part, item) {
             if (strcmp(part->string, "spread") == 0 && !is_spread(part, *value))
-                return bad(error, where, row, "spread must be [low, high] with the value, a number, between them");
+                return bad(error, where, row, ": spread must be [low, high] with the value, a number, between them");
             if (strcmp(part->string, "kind") == 0 && !is_kind(part))
-                return bad(error, where, row, "kind must be documented, measured, derived or guess");
+                return bad(error, where, row, ": kind must be documented, measured, derived or guess");
             if (strcmp(part->string, "source") == 0 && !cJSON_IsString(part))
-                return bad(error, where, row, "source must be a text");
+                return bad(error, where, row, ": source must be a text");
             if (strcmp(part->string, "value") != 0 && strcmp(part->string, "spread") != 0 &&
                 strcmp(part->string, "kind") != 0 && strcmp(part->string, "source") != 0)
-                return bad(error, where, row, "holds more than value, spread, kind and source");
+                return bad(error, where, row, ": holds more than value, spread, kind and source");
         }
     }
     return td_param_check(row, *value, where, error);
 }
 
 /* A whole number from 1. */
-static int32_t counts(const cJSON *item) { return cJSON_IsNumber(item) && item->valueint >= 1 && item->valuedouble == item->valueint; }
+static int32_t counts(const cJSON *item) {
+    return cJSON_IsNumber(item) && item->valueint >= 1 && item->valuedouble == item->valueint;
+}
 
 int32_t td_preset_told(const cJSON *item) {
     if (strcmp(item->string, "about") == 0) return cJSON_IsString(item) ? 1 : -1;

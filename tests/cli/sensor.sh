@@ -88,6 +88,15 @@ out "^about +mine"
 out "sensor.threshold_on +0.21"
 expect 0 tides info davis346
 out "^kind +preset"
+out "^guesses +0$"
+out "sensor.threshold_on +derived, 0.134 to 0.431: .*libcaer"
+expect 0 tides info gen3
+out "^guesses +9$"
+expect 0 tides presets
+out "^imx636 +1280x720 +0.223 "
+out "^Left to the run: camera.width"
+expect 0 tides presets --json
+[ "$(grep -c '"guesses":' out)" = 12 ] || fail "twelve presets"
 refuse 1 "nope: can't be opened: there is no such file, nor a preset of that name" tides info nope
 printf '{ "sensor": { "treshold_on": 1 } }' >config/tides/presets/bad.json
 refuse 1 "unknown key \"sensor.treshold_on\"" tides info bad

@@ -30,8 +30,8 @@ static const char common[] = "time.start=0.42 time.stop=0.455 scene.background=[
 #define RISK "stepping.mode=risk stepping.solve=off "
 #define ERROR "stepping.mode=error stepping.solve=off "
 /* A sensor with noise, as a preset has it; in numbers of its own, so that presets may be mended. */
-#define TEST_DVS                                                                                                         \
-    "sensor.threshold_sigma=0.021 sensor.refractory_s=0.001 sensor.leak_rate_hz=0.1 sensor.leak_sigma=0.1 "              \
+#define TEST_DVS                                                                                            \
+    "sensor.threshold_sigma=0.021 sensor.refractory_s=0.001 sensor.leak_rate_hz=0.1 sensor.leak_sigma=0.1 " \
     "frontend.shot_noise_hz=1 frontend.photoreceptor_cutoff_hz=3000 "
 
 /* Every block of the sensor but the circuit, which takes the low-pass's place, at once. */
@@ -166,7 +166,8 @@ static const run_entry runs[] = {
     {"sensor/initial steady", "rigid", F32,
      "sensor.initial=steady sensor.leak_rate_hz=20 sensor.leak_sigma=0.3 frontend.shot_noise_hz=20 sensor.refractory_s=0.006",
      RUN_CPU | RUN_RESUME},
-    {"sensor/initial filtered", "rigid", F32, "sensor.initial=steady sensor.leak_rate_hz=20 frontend.photoreceptor_cutoff_hz=100", RUN_RESUME},
+    {"sensor/initial filtered", "rigid", F32,
+     "sensor.initial=steady sensor.leak_rate_hz=20 frontend.photoreceptor_cutoff_hz=100", RUN_RESUME},
     {"sensor/preset", "rigid", F32, TEST_DVS "sensor.threshold_on=0.1 sensor.threshold_off=0.1", 0},
 
     {"readout/tiles", "rigid", F32, READOUT, RUN_RESUME},

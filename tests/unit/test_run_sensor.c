@@ -168,7 +168,7 @@ static void test_bad_presets(void **state) {
         {"{\"sensor\": {\"threshold_on\": {\"value\": 0.2, \"spread\": [0.3, 0.4]}}}", "threshold_on: spread must be"},
         {"{\"sensor\": {\"threshold_on\": {\"value\": 0.2, \"spread\": 0.4}}}", "threshold_on: spread must be"},
         {"{\"sensor\": {\"threshold_on\": {\"value\": 0.2, \"spraed\": [0.1, 0.4]}}}", "threshold_on: holds more than"},
-        {"{\"sensor\": {\"threshold_on\": {\"source\": \"x\"}}}", "threshold_on: has no value"},
+        {"{\"sensor\": {\"threshold_on\": {\"source\": \"x\"}}}", "threshold_on has no value"},
         {"{\"sensor\": {\"threshold_on\": {\"value\": 0.2, \"source\": 1}}}", "threshold_on: source must be a text"},
         {"{\"version\": 0}", "version: about is a text, version a whole number"},
         {"{\"resolution\": [346]}", "resolution: about is a text"},
@@ -238,8 +238,11 @@ static void test_who_wins(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_keys_reach_their_fields), cmocka_unit_test(test_seeds),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_keys_reach_their_fields),
+                                       cmocka_unit_test(test_seeds),
                                        cmocka_unit_test(test_presets),
-                                       cmocka_unit_test(test_preset_sources), cmocka_unit_test(test_bad_presets), cmocka_unit_test(test_who_wins)};
+                                       cmocka_unit_test(test_preset_sources),
+                                       cmocka_unit_test(test_bad_presets),
+                                       cmocka_unit_test(test_who_wins)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
