@@ -144,6 +144,8 @@ const td_param td_params[] = {
     {NUMBER("sensor.threshold_off", sensor.threshold_off, "log units", 1e-4, 100, "C-: fall of L that fires an OFF event")},
     {TEXT("sensor.preset", "values for keys that aren't given: a sensor's name (~/.config/tides/presets too), or a JSON file"),
      .fallback = "null", .ideal = "null"},
+    {TEXT("sensor.biases", "a camera's bias settings: thresholds, refractory period, low-pass by its maker's formulas"),
+     .fallback = "null", .is_file = 1, .ideal = "null"},
     {ROW("sensor.dark_lux", NUMBER, TD_NO_FIELD,
          "light of the dark: of camera.lux, that share is image.log_eps unless it is given; null: not said"),
      .unit = "lux", .lower = 1e-9, .upper = 1e9, .fallback = "null"},

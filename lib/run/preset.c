@@ -1,11 +1,11 @@
 /* Sensor presets: the values of a sensor, for the keys that overrides leave open, and the run file too unless an override names
  * the preset.
  *
- * A preset is a JSON object { "about": text, "version": 1, "resolution": [width, height], group: { name: value, ... } } with the
- * names of the run file's groups sensor, frontend and readout, and image's log_eps, the sensor's black level. Of the three
- * before the groups none need be there: the version is that of the values, and the resolution is told and sets nothing. A value
- * may be { "value": value, "spread": [low, high], "kind": kind, "source": text } (preset_entry.c). Those of share/presets are in
- * the library, by the names of their files; one's own are found by name in ~/.config/tides/presets. */
+ * A preset is a JSON object { "about": text, "version": 1, "resolution": [width, height], group: { name: value, ... } } with
+ * the names of the run file's groups sensor, frontend and readout, and image's log_eps, the sensor's black level. Of the three
+ * before the groups none need be there: the version is that of the values; the resolution is told and sets nothing. A value
+ * may be { "value": value, "spread": [low, high], "kind": kind, "source": text } (preset_entry.c). Those of share/presets are
+ * in the library, by the names of their files; one's own are found by name in ~/.config/tides/presets. */
 #include "device/td_kernel_source.h"
 #include "td_folder.h"
 #include "td_kinds.h"

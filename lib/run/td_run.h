@@ -73,6 +73,9 @@ int32_t td_run_is_video(const char *file);
 /* run_light.c: what follows from how much light Y = 1 is, and from the dark, for the rows that nobody gives. */
 tides_status td_run_light(tides_run *run, tides_error *error);
 
+/* biases.c: what the camera's biases in sensor.biases make of rows that neither file nor override gives, and a note of each. */
+tides_status td_run_biases(tides_run *run, tides_error *error);
+
 /* preset.c: the values of sensor.preset for the rows that nobody gives who is stronger. */
 tides_status td_run_preset(tides_run *run, tides_error *error);
 /* preset_entry.c: the value that a preset has for a row, plain or with what is known of it, checked; and what a preset tells
