@@ -88,6 +88,11 @@ typedef struct tides_sensor {
     uint64_t seed;                  /* of all that is random here */
     int32_t labels;                 /* 1: events get tides_event_frontend */
     int32_t initial;                /* TIDES_INITIAL_* */
+    /* File of what single pixels have in place of what would be drawn for them (nullable): arrays of the image's height by
+     * width, in an .npz, a structured .npy, or HDF5, of these names, any of which may be missing, and NaN where it isn't
+     * known: threshold_on, threshold_off [log units], leak [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1].
+     * Read when pixels are made. The caller's. */
+    const char *maps;
 } tides_sensor;
 TIDES_API void tides_sensor_defaults(tides_sensor *sensor);
 

@@ -20,9 +20,9 @@ static double noise_rate(const td_sensor *sensor, size_t i, double L) {
     const td_shot_noise *noise = &sensor->noise;
     double rate = 0;
     if (noise->due[TD_NOISE_SHOT_ON])
-        rate = (noise->rate[TD_NOISE_SHOT_ON] + noise->rate[TD_NOISE_SHOT_OFF]) * td_shot_noise_share(exp(L) - sensor->log_eps);
-    if (noise->due[TD_NOISE_HOT] && noise->due[TD_NOISE_HOT][i] < INFINITY) rate += noise->rate[TD_NOISE_HOT];
-    return rate;
+        rate = (td_shot_noise_rate(noise, TD_NOISE_SHOT_ON, i) + td_shot_noise_rate(noise, TD_NOISE_SHOT_OFF, i)) *
+               td_shot_noise_share(exp(L) - sensor->log_eps);
+    return rate + td_shot_noise_rate(noise, TD_NOISE_HOT, i);
 }
 
 /* The age at which a share `u` of the survival's area is below: `length` of the part that falls at `rate`, INFINITY at most. */

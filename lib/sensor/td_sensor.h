@@ -99,6 +99,7 @@ typedef struct td_sensor {
     double *since;                        /* last event, re-reference or consumed crossing: where the ramp's share begins */
     double *wake;                         /* the first time that the pixel must be looked at whatever its signal does */
     unsigned char *reach;                 /* 1: may have fired in this macro step (td_sensor_estimate) */
+    uint64_t maps_checksum;               /* of the file of maps, whose name isn't kept in `sensor`; 0: there was none */
     double *draw; /* in (0, 1): where the pixel's reference begins between its levels; NULL: at the signal */
     td_frontend frontend;
     double *filter[TD_FRONTEND_STATE]; /* the filters' state, where there are any; the first is S at the time reached */

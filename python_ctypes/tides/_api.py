@@ -1439,6 +1439,11 @@ class tides_sensor(Structure):
     uint64_t seed; /* of all that is random here */
     int32_t labels; /* 1: events get tides_event_frontend */
     int32_t initial; /* TIDES_INITIAL_* */
+    /* File of what single pixels have in place of what would be drawn for them (nullable): arrays of the image's height by
+    * width, in an .npz, a structured .npy, or HDF5, of these names, any of which may be missing, and NaN where it isn't
+    * known: threshold_on, threshold_off [log units], leak [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1].
+    * Read when pixels are made. The caller's. */
+    const char *maps;
     """
 
     size: int
@@ -1469,6 +1474,7 @@ class tides_sensor(Structure):
     seed: int
     labels: int
     initial: int
+    maps: bytes | None
 
     _fields_ = [
         ("size", c_uint32),
@@ -1499,6 +1505,7 @@ class tides_sensor(Structure):
         ("seed", c_uint64),
         ("labels", c_int32),
         ("initial", c_int32),
+        ("maps", c_char_p),
     ]
 
 
@@ -4031,6 +4038,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_session_load": (c_int32, [
         c_char_p, P(c_char_p), c_size_t, c_char_p, P(P(tides_session)), P(tides_error)
     ], "file overrides count device session error"),
+    # tides_status tides_session_maps(tides_session *session, const char *path, tides_error *error)
+    "tides_session_maps": (c_int32, [P(tides_session), c_char_p, P(tides_error)], "session path error"),
     # const char *tides_session_notes(const tides_session *session)
     "tides_session_notes": (c_char_p, [P(tides_session)], "session"),
     # tides_status tides_session_open(const tides_run *run, tides_device *device, tides_session **session, tides_error
