@@ -130,6 +130,7 @@ tides_status td_facts_gather(const tides_simulator *s, td_facts *facts, tides_er
     add_checksum(facts, "sensor's seed or labels", td_hash_words(0, &s->sensor.sensor, sizeof s->sensor.sensor));
     if (s->sensor.maps_checksum) add_checksum(facts, "sensor.maps", s->sensor.maps_checksum);
     ADD_KEYS(facts, &s->readout.params, readout);
+    ADD_KEYS(facts, &s->filters.params, filters);
     add_checksum(facts, "scene", scene);
     add_checksum(facts, "camera path", path);
     add_checksum(facts, "image parameters or intrinsics", image_checksum(s->renderer));

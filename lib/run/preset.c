@@ -2,10 +2,10 @@
  * the preset.
  *
  * A preset is a JSON object { "about": text, "version": 1, "resolution": [width, height], group: { name: value, ... } } with
- * the names of the run file's groups sensor, frontend and readout, and image's log_eps, the sensor's black level. Of the three
- * before the groups none need be there: the version is that of the values; the resolution is told and sets nothing. A value
- * may be { "value": value, "spread": [low, high], "kind": kind, "source": text } (preset_entry.c). Those of share/presets are
- * in the library, by the names of their files; one's own are found by name in ~/.config/tides/presets. */
+ * the names of the run file's groups sensor, frontend, readout and filters, and image's log_eps, the sensor's black level. Of
+ * the three before the groups none need be there: the version is that of the values; the resolution is told and sets nothing.
+ * A value may be { "value": value, "spread": [low, high], "kind": kind, "source": text } (preset_entry.c). Those of
+ * share/presets are in the library, by the names of their files; one's own are found by name in ~/.config/tides/presets. */
 #include "device/td_kernel_source.h"
 #include "td_folder.h"
 #include "td_kinds.h"
@@ -122,7 +122,7 @@ static tides_status load(const tides_run *run, const char *name, char **text, ti
 
 static int may_hold(const char *group) {
     return strcmp(group, "sensor") == 0 || strcmp(group, "frontend") == 0 || strcmp(group, "readout") == 0 ||
-           strcmp(group, "image") == 0;
+           strcmp(group, "filters") == 0 || strcmp(group, "image") == 0;
 }
 
 /* The keys that a preset would have set otherwise. */
@@ -190,7 +190,7 @@ static tides_status apply_all(tides_run *run, const char *where, const cJSON *ro
             td_one_line(shown);
             return td_fail(error, TIDES_BAD_CONFIG,
                            "%s: \"%s\": a preset holds about, version, resolution, and the objects sensor, frontend, readout, "
-                           "image",
+                           "filters, image",
                            where, shown);
         }
         cJSON_ArrayForEach(item, group) {
