@@ -1,5 +1,5 @@
-/* The table of docs/guide/sensors.md: what each preset of a camera makes of a rising edge of 100 % contrast, and of a grey wall,
- * measured on its comparator. The page says what is measured here, digit for digit. */
+/* The table of docs/guide/sensors.md: what each preset of a camera makes of a rising edge of 100 % contrast, and of a grey
+ * wall, measured on its comparator. The page says what is measured here, digit for digit. */
 #include "sensor_rig.h"
 
 #include "tides/run.h"
