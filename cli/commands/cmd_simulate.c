@@ -50,7 +50,7 @@ static int check_scene(const char *file) {
 int cmd_simulate(const cli_command *command, int argc, char **argv) {
     cli_common common;
     cli_list sets = {.count = 0};
-    const char *run = NULL, *output = NULL, *seed = NULL, *stats = NULL, *preview = NULL, *every = NULL;
+    const char *run = NULL, *output = NULL, *seed = NULL, *stats = NULL, *preview = NULL, *every = NULL, *maps = NULL;
     int32_t resume = 0, keep = 0;
     const cli_option options[] = {
         {"--output", 'o', "EVENTS.h5", "where events go (required)", NULL, &output, NULL},
@@ -58,6 +58,7 @@ int cmd_simulate(const cli_command *command, int argc, char **argv) {
         {"--seed", 0, "N", "short for --set seed=N", NULL, &seed, NULL},
         {"--stats", 0, "FILE.json", "write statistics of the run", NULL, &stats, NULL},
         {"--preview", 0, "FILE.png", "picture of image, L_dot and events in the middle of the run", NULL, &preview, NULL},
+        {"--maps", 0, "FILE.h5", "write what the sensor's pixels are, for sensor.maps of another run", NULL, &maps, NULL},
         {"--resume", 0, NULL, "go on with an interrupted run, or up to a later time.stop, from EVENTS.h5.checkpoint", &resume,
          NULL, NULL},
         {"--keep-checkpoint", 0, NULL, "leave EVENTS.h5.checkpoint beside the finished file, for a later time.stop", &keep,
@@ -93,6 +94,7 @@ int cmd_simulate(const cli_command *command, int argc, char **argv) {
                          .events = output,
                          .stats = stats,
                          .preview = preview,
+                         .maps = maps,
                          .sets = &sets,
                          .checkpoint_s = checkpoint_s,
                          .resume = resume,

@@ -25,8 +25,11 @@ static int32_t is_preset(const cJSON *json) {
     if (!cJSON_IsObject(json)) return 0; /* what a list holds has no names */
     cJSON_ArrayForEach(item, json) {
         const int32_t group = strcmp(item->string, "sensor") == 0 || strcmp(item->string, "frontend") == 0 ||
-                              strcmp(item->string, "readout") == 0 || strcmp(item->string, "filters") == 0;
-        if (!group && strcmp(item->string, "about") != 0) return 0;
+                              strcmp(item->string, "readout") == 0 || strcmp(item->string, "image") == 0 ||
+                              strcmp(item->string, "filters") == 0;
+        const int32_t told = strcmp(item->string, "about") == 0 || strcmp(item->string, "version") == 0 ||
+                             strcmp(item->string, "resolution") == 0;
+        if (!group && !told) return 0;
         groups += group;
     }
     return groups > 0;
@@ -50,25 +53,65 @@ static tides_status check(const char *file, int32_t is_file, tides_error *error)
     return status;
 }
 
+/* "documented, 0.15 to 0.25: 25 % nominal ..." */
+static void add_source(cJSON *sources, const char *key, const cJSON *item, const char *kind) {
+    char text[1024] = "";
+    const cJSON *spread = cJSON_GetObjectItemCaseSensitive(item, "spread");
+    const char *source = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(item, "source"));
+    if (cJSON_GetArraySize(spread) == 2)
+        snprintf(text, sizeof text, ", %.10g to %.10g", cJSON_GetArrayItem(spread, 0)->valuedouble,
+                 cJSON_GetArrayItem(spread, 1)->valuedouble);
+    const size_t used = strlen(text);
+    if (source) snprintf(text + used, sizeof text - used, ": %s", source);
+    char *line = malloc(strlen(kind) + strlen(text) + 1);
+    if (line) sprintf(line, "%s%s", kind, text);
+    if (line) cJSON_AddStringToObject(sources, key, line);
+    free(line);
+}
+
+static const char *kind_of(const cJSON *item) {
+    const char *kind = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(item, "kind"));
+    return kind ? kind : "not said";
+}
+
+int32_t info_preset_kinds(const cJSON *json, const char *kind) {
+    const cJSON *group, *item;
+    int32_t count = 0;
+    cJSON_ArrayForEach(group, json) {
+        if (!cJSON_IsObject(group)) continue;
+        cJSON_ArrayForEach(item, group) count += strcmp(kind_of(item), kind) == 0;
+    }
+    return count;
+}
+
 /* "sensor.threshold_on": 0.25 */
-static void add_values(const cJSON *json, cJSON *values) {
+static void add_values(const cJSON *json, cJSON *values, cJSON *sources) {
     const cJSON *group, *item;
     cJSON_ArrayForEach(group, json) {
+        if (!cJSON_IsObject(group)) continue; /* resolution */
         cJSON_ArrayForEach(item, group) {
             char key[96];
             const cJSON *value = cJSON_IsObject(item) ? cJSON_GetObjectItemCaseSensitive(item, "value") : item;
             snprintf(key, sizeof key, "%s.%s", group->string, item->string);
             cJSON_AddItemToObject(values, key, cJSON_Duplicate(value, 1));
+            add_source(sources, key, item, kind_of(item));
         }
     }
 }
 
 static void add_facts(const cJSON *json, cJSON *facts) {
-    const cJSON *about = cJSON_GetObjectItemCaseSensitive(json, "about");
+    static const char *const told[] = {"about", "version", "resolution"};
     cJSON_AddStringToObject(facts, "kind", "preset");
-    if (cJSON_IsString(about)) cJSON_AddStringToObject(facts, "about", about->valuestring);
+    for (size_t i = 0; i < sizeof told / sizeof *told; i++) {
+        const cJSON *item = cJSON_GetObjectItemCaseSensitive(json, told[i]);
+        if (item) cJSON_AddItemToObject(facts, told[i], cJSON_Duplicate(item, 1));
+    }
     cJSON_AddStringToObject(facts, "use", "sensor.preset");
-    add_values(json, cJSON_AddObjectToObject(facts, "values"));
+    cJSON *values = cJSON_AddObjectToObject(facts, "values");
+    add_values(json, values, cJSON_AddObjectToObject(facts, "sources"));
+    cJSON_AddNumberToObject(facts, "guesses", info_preset_kinds(json, "guess"));
+    cJSON_AddNumberToObject(facts, "of_unknown_kind", info_preset_kinds(json, "not said"));
+    cJSON_AddNumberToObject(facts, "value_count", cJSON_GetArraySize(values));
 }
 
 tides_status info_named_preset(const char *name, cJSON *facts, tides_error *error) {

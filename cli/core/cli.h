@@ -60,6 +60,7 @@ struct cli_command {
 /* The commands (cmd_*.c): argv[0] is the command's name; the result is the exit code. */
 int cmd_demo(const cli_command *command, int argc, char **argv);
 int cmd_devices(const cli_command *command, int argc, char **argv);
+int cmd_presets(const cli_command *command, int argc, char **argv);
 int cmd_info(const cli_command *command, int argc, char **argv);
 int cmd_render(const cli_command *command, int argc, char **argv);
 int cmd_camera(const cli_command *command, int argc, char **argv);

@@ -35,7 +35,7 @@ static cli_window middle(const tides_session_facts *session) {
 
 /* Every output that comes at the end is tried at the beginning. */
 static tides_status check_outputs(const cli_job *job, tides_error *error) {
-    const char *const paths[] = {job->stats, job->preview, job->exr};
+    const char *const paths[] = {job->stats, job->preview, job->exr, job->maps};
     tides_status status = TIDES_OK;
     for (size_t i = 0; status == TIDES_OK && i < sizeof paths / sizeof paths[0]; i++)
         if (paths[i]) status = tides_file_check(paths[i], paths[i] != job->exr, error);
@@ -191,6 +191,7 @@ static tides_status work(const cli_job *job, job_state *state, tides_error *erro
     status = tides_session_write(state->session, job->events, &how, step, state, &state->done, &state->stats, error);
     tell(state);
     cli_progress_end(&state->progress);
+    if (status == TIDES_OK && job->maps) status = tides_session_maps(state->session, job->maps, error);
     if (status == TIDES_OK && job->stats) status = write_stats(job->stats, &state->stats, &state->facts, error);
     if (status == TIDES_OK) status = write_pictures(job, state, error);
     cli_progress_end(&state->progress);
@@ -209,11 +210,9 @@ static int stopped(const cli_job *job, const job_state *state) {
 static tides_status open_session(const cli_job *job, const cli_common *common, tides_session **session, tides_error *error) {
     char checkpoint[PATH_MAX];
     snprintf(checkpoint, sizeof checkpoint, "%s.checkpoint", job->events);
-    const cli_output outputs[] = {{job->events, NULL},
-                                  {tides_event_writer_can_resume(job->events) ? checkpoint : NULL, NULL},
-                                  {job->stats, ".json"},
-                                  {job->preview, ".png"},
-                                  {job->exr, ".exr"}};
+    const cli_output outputs[] = {{job->events, NULL},   {tides_event_writer_can_resume(job->events) ? checkpoint : NULL, NULL},
+                                  {job->stats, ".json"}, {job->preview, ".png"},
+                                  {job->maps, ".h5"},    {job->exr, ".exr"}};
     return cli_session_open(job->run, job->sets, common, outputs, sizeof outputs / sizeof *outputs, session, error);
 }
 

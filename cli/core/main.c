@@ -14,6 +14,9 @@ static const cli_command commands[] = {
     {"init", "[-o RUN.json]", "Write a run file to begin with: every key, its default, and what it does.",
      "The comments (// to the end of a line) are TIDES's own: JSON has none.", 0, cmd_init, 1},
     {"devices", "", "List OpenCL devices and show which one is used.", NULL, 0, cmd_devices, 0},
+    {"presets", "", "List the sensors that sensor.preset names, side by side.",
+     "guesses: so many of a preset's values have no source; tides info PRESET says of each where it comes from.", 0,
+     cmd_presets, 1},
     {"info", "FILE", "Show what a scene, path, event or EXR file or folder holds.",
      "The kind of file is found from its content.\n"
      "Folders: trained models, camera paths, sequences of events (DSEC, EDS, HS-ERGB, BS-ERGB).",

@@ -67,6 +67,7 @@ tides_status cli_preview_write(const char *path, const cli_frame *frame, const c
 typedef struct cli_job {
     const char *run, *events;          /* files in and out */
     const char *stats, *preview, *exr; /* more files out, each nullable; exr is the preview's frame */
+    const char *maps;                  /* what the sensor has drawn; nullable */
     const cli_list *sets;
     double checkpoint_s;     /* [s] between checkpoints; 0: none */
     int32_t resume;          /* go on where a checkpoint is */

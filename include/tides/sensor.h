@@ -31,6 +31,13 @@ enum { TIDES_BANDWIDTH_FIRST_ORDER = 0, TIDES_BANDWIDTH_CIRCUIT = 1 };
 /* Whether the pole stays where it is, or goes with luminance as v2e has it: cutoff (DN + 20) / 275, DN = 255 Y. */
 enum { TIDES_PHOTORECEPTOR_CONSTANT = 0, TIDES_PHOTORECEPTOR_INTENSITY = 1 };
 
+/* Where a pixel's reference is when a run begins.
+ *   REST    at the signal: all pixels were reset then, and their leak starts in phase
+ *   RANDOM  anywhere that keeps the signal between the levels, uniform: it has seen other things before
+ *   STEADY  where leak, shot noise, hot pixels and refractory period leave it after a long time at rest, so that events at
+ *           rest come at the same rate from the first moment on; without any of these that is REST */
+enum { TIDES_INITIAL_REST = 0, TIDES_INITIAL_RANDOM = 1, TIDES_INITIAL_STEADY = 2 };
+
 /* Constants of TIDES_BANDWIDTH_CIRCUIT; the defaults are a DVS128's at 100 lux, as the nominal
  * configuration of wengflow's simulator ("improved ESIM") has them. */
 typedef struct tides_circuit {
@@ -80,7 +87,7 @@ typedef struct tides_sensor {
     double noise_cutoff_hz;         /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
     uint64_t seed;                  /* of all that is random here */
     int32_t labels;                 /* 1: events get tides_event_frontend */
-    int32_t reserved;
+    int32_t initial;                /* TIDES_INITIAL_* */
     /* The readout of frames on the same chip (DAVIS): each read of a row adds `kick` to the signal of its pixels, which decays.
      * Frame k = 0, 1, ..., at kick_first_s + k / kick_rate_hz, reads row y kick_reads_s (of reset, of signal) + y kick_row_s
      * later; reads before the run aren't. Behind all filters. Not with a pole that goes with the light, nor the circuit; a step
@@ -91,6 +98,11 @@ typedef struct tides_sensor {
     double kick_first_s;    /* the first frame [s], on the run's clock */
     double kick_row_s;      /* from row to row [s] */
     double kick_reads_s[2]; /* the same twice: one read [s] */
+    /* File of what single pixels have in place of what would be drawn for them (nullable): arrays of the image's height by
+     * width, in an .npz, a structured .npy, or HDF5, of these names, any of which may be missing, and NaN where it isn't
+     * known: threshold_on, threshold_off [log units], leak [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1].
+     * Read when pixels are made. The caller's. */
+    const char *maps;
 } tides_sensor;
 TIDES_API void tides_sensor_defaults(tides_sensor *sensor);
 

@@ -68,6 +68,10 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_run(tides_session *session
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_simulator(tides_session *session, tides_progress progress, void *user,
                                                                 tides_simulator **simulator, tides_error *error);
 
+/* What the run's sensor has drawn for each pixel, and what sensor.maps gave it, as an HDF5 file which sensor.maps of another
+ * run takes: two runs then share a sensor, but for what comes by chance in time. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_session_maps(tides_session *session, const char *path, tides_error *error);
+
 /* A renderer of the run's scene by its image rules; TIDES_UNSUPPORTED for runs on frames. The optics' blur
  * (frontend.psf_sigma_px) is the sensor's and is left out: tides_renderer_set_psf adds it. The caller destroys it before the
  * session. */

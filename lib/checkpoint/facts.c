@@ -98,7 +98,7 @@ static void add_checksum(td_facts *facts, const char *key, uint64_t checksum) {
 static void add_keys(td_facts *facts, const void *values, size_t from, size_t size) {
     for (size_t i = 0; i < td_params_count; i++) {
         const td_param *row = &td_params[i];
-        if (row->no_event || row->field < from || row->field - from >= size) continue;
+        if (row->no_event || row->type == TIDES_PARAM_STRING || row->field < from || row->field - from >= size) continue;
         const char *at = (const char *)values + (row->field - from);
         const int numbers = row->type == TIDES_PARAM_VECTOR3 ? 3 : row->type == TIDES_PARAM_VECTOR2 ? 2 : 1;
         double number;
@@ -128,6 +128,7 @@ tides_status td_facts_gather(const tides_simulator *s, td_facts *facts, tides_er
     ADD_KEYS(facts, &s->stepping, stepping);
     ADD_KEYS(facts, &s->sensor.sensor, sensor);
     add_checksum(facts, "sensor's seed or labels", td_hash_words(0, &s->sensor.sensor, sizeof s->sensor.sensor));
+    if (s->sensor.maps_checksum) add_checksum(facts, "sensor.maps", s->sensor.maps_checksum);
     ADD_KEYS(facts, &s->readout.params, readout);
     ADD_KEYS(facts, &s->filters.params, filters);
     add_checksum(facts, "scene", scene);

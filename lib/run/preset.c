@@ -1,10 +1,11 @@
 /* Sensor presets: the values of a sensor, for the keys that overrides leave open, and the run file too unless an override names
  * the preset.
  *
- * A preset is a JSON object { "about": text, group: { name: value, ... } } with the names of the run file's groups sensor,
- * frontend, readout and filters, and image's log_eps, the sensor's black level; a value may be { "value": value,
- * "source": text } to say where it comes from. Those of share/presets are in the library, by the names of their files; one's
- * own are found by name in ~/.config/tides/presets. */
+ * A preset is a JSON object { "about": text, "version": 1, "resolution": [width, height], group: { name: value, ... } } with
+ * the names of the run file's groups sensor, frontend, readout and filters, and image's log_eps, the sensor's black level. Of
+ * the three before the groups none need be there: the version is that of the values; the resolution is told and sets nothing.
+ * A value may be { "value": value, "spread": [low, high], "kind": kind, "source": text } (preset_entry.c). Those of
+ * share/presets are in the library, by the names of their files; one's own are found by name in ~/.config/tides/presets. */
 #include "device/td_kernel_source.h"
 #include "td_folder.h"
 #include "td_kinds.h"
@@ -167,11 +168,8 @@ static tides_status apply(tides_run *run, const char *where, const char *group, 
         return td_fail(error, TIDES_BAD_CONFIG,
                        "%s: %s: of image a preset holds log_eps alone, its sensor's black level; the rest is the scene's",
                        where, key);
-    const cJSON *value = cJSON_IsObject(item) ? cJSON_GetObjectItemCaseSensitive(item, "value") : item;
-    if (!value)
-        return td_fail(error, TIDES_BAD_CONFIG, "%s: %s has no value; write { \"value\": ..., \"source\": \"...\" }", where,
-                       key);
-    tides_status status = td_param_check(row, value, where, error);
+    const cJSON *value = NULL;
+    tides_status status = td_preset_entry(row, item, where, &value, error);
     return status == TIDES_OK ? set(run, row, value, kept, error) : status;
 }
 
@@ -180,13 +178,19 @@ static tides_status apply_all(tides_run *run, const char *where, const cJSON *ro
     tides_status status = TIDES_OK;
     if (!cJSON_IsObject(root)) return td_fail(error, TIDES_BAD_CONFIG, "%s: isn't a JSON object { ... }", where);
     cJSON_ArrayForEach(group, root) {
-        if (strcmp(group->string, "about") == 0) continue;
+        const int32_t told = td_preset_told(group);
+        if (told > 0) continue;
+        if (told < 0)
+            return td_fail(error, TIDES_BAD_CONFIG,
+                           "%s: %s: about is a text, version a whole number from 1, resolution [width, height]", where,
+                           group->string);
         if (!may_hold(group->string) || !cJSON_IsObject(group)) {
             char shown[NAME_MAX_BYTES];
             snprintf(shown, sizeof shown, "%.40s", group->string);
             td_one_line(shown);
             return td_fail(error, TIDES_BAD_CONFIG,
-                           "%s: \"%s\": a preset holds \"about\" and the objects sensor, frontend, readout, filters, image",
+                           "%s: \"%s\": a preset holds about, version, resolution, and the objects sensor, frontend, readout, "
+                           "filters, image",
                            where, shown);
         }
         cJSON_ArrayForEach(item, group) {

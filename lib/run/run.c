@@ -123,6 +123,7 @@ static tides_status finish(tides_run *made, const char *const *overrides, size_t
     if (status == TIDES_OK) status = td_rig_read_file(made, error);
     if (status == TIDES_OK) status = td_rig_apply(made, error);
     if (status == TIDES_OK) status = td_run_preset(made, error);
+    if (status == TIDES_OK) status = td_run_biases(made, error);
     if (status == TIDES_OK) status = td_run_light(made, error);
     if (status == TIDES_OK) status = check_whole(made, error);
     if (status == TIDES_OK) status = note_view(made, error);

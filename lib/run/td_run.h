@@ -73,8 +73,16 @@ int32_t td_run_is_video(const char *file);
 /* run_light.c: what follows from how much light Y = 1 is, and from the dark, for the rows that nobody gives. */
 tides_status td_run_light(tides_run *run, tides_error *error);
 
+/* biases.c: what the camera's biases in sensor.biases make of rows that neither file nor override gives, and a note of each. */
+tides_status td_run_biases(tides_run *run, tides_error *error);
+
 /* preset.c: the values of sensor.preset for the rows that nobody gives who is stronger. */
 tides_status td_run_preset(tides_run *run, tides_error *error);
+/* preset_entry.c: the value that a preset has for a row, plain or with what is known of it, checked; and what a preset tells
+ * beside its values: 1 where `item` is such, -1 where it is and has a wrong value, else 0. */
+tides_status td_preset_entry(const tides_param *row, const cJSON *item, const char *where, const cJSON **value,
+                             tides_error *error);
+int32_t td_preset_told(const cJSON *item);
 /* 1 where it is a path, and not the name of one of ours. */
 int32_t td_preset_is_file(const char *name);
 /* The file that a preset is read from, given by its path or found by its name, allocated; NULL: none, or out of memory. */

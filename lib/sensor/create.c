@@ -1,6 +1,7 @@
-/* A sensor's pixels: parameters checked, memory, what is drawn once per pixel, and where they stand when a run begins. For the
- * solver and the baselines; comparator.c takes them from there. */
+/* A sensor's pixels: parameters checked, memory, and what is drawn once per pixel. Where they stand when a run begins,
+ * initial.c says; comparator.c takes them from there. */
 #include "td_base.h"
+#include "td_maps.h"
 #include "td_random.h"
 #include "td_sensor.h"
 
@@ -50,6 +51,12 @@ tides_status td_sensor_check(const tides_sensor *s, tides_error *error) {
     if (s->refractory_law < TIDES_REFRACTORY_HOLD || s->refractory_law > TIDES_REFRACTORY_DROP_CONSUME)
         return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: refractory_law is %d; it must be one of TIDES_REFRACTORY_*",
                        (int)s->refractory_law);
+    if (s->initial < TIDES_INITIAL_REST || s->initial > TIDES_INITIAL_STEADY)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: initial is %d; it must be one of TIDES_INITIAL_*", (int)s->initial);
+    if (s->initial == TIDES_INITIAL_STEADY && s->noise_rms > 0)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "sensor: initial steady isn't known with additive noise (noise_rms = %g); take random or rest",
+                       s->noise_rms);
     return TIDES_OK;
 }
 
@@ -59,7 +66,14 @@ static int makes_noise(const tides_sensor *s) {
 
 /* -- pixels -------------------------------------------------------------------------------------------------------------- */
 
-static void draw_pixel(td_sensor *sensor, size_t i, uint32_t pixel) {
+/* The pixel's own rates, where maps have them. */
+static void set_noise(td_shot_noise *noise, const td_maps *maps, size_t i, uint32_t pixel) {
+    if (td_maps_has(maps, TD_MAP_NOISE, pixel))
+        noise->own[TD_NOISE_SHOT_ON][i] = noise->own[TD_NOISE_SHOT_OFF][i] = 0.5e-9 * maps->map[TD_MAP_NOISE][pixel];
+    if (td_maps_has(maps, TD_MAP_HOT, pixel)) noise->own[TD_NOISE_HOT][i] = 1e-9 * maps->map[TD_MAP_HOT][pixel];
+}
+
+static void draw_pixel(td_sensor *sensor, const td_maps *maps, size_t i, uint32_t pixel) {
     const tides_sensor *s = &sensor->sensor;
     double on = s->threshold_on, off = s->threshold_off, normal[2];
     if (s->threshold_sigma > 0) {
@@ -68,15 +82,19 @@ static void draw_pixel(td_sensor *sensor, size_t i, uint32_t pixel) {
         on = fmax(on + s->threshold_sigma * normal[0], s->threshold_min);
         off = fmax(off + s->threshold_sigma * normal[1], s->threshold_min);
     }
+    if (td_maps_has(maps, TD_MAP_ON, pixel)) on = maps->map[TD_MAP_ON][pixel];
+    if (td_maps_has(maps, TD_MAP_OFF, pixel)) off = maps->map[TD_MAP_OFF][pixel];
     double rate = 1e-9 * s->leak_rate_hz;
     if (s->leak_sigma > 0 && rate > 0) {
         td_random_bits bits = td_random(s->seed, pixel, 0, TD_RANDOM_LEAK);
         td_random_normals(&bits, normal);
         rate *= pow(10, s->leak_sigma * normal[0]);
     }
+    if (td_maps_has(maps, TD_MAP_LEAK, pixel)) rate = 1e-9 * maps->map[TD_MAP_LEAK][pixel];
     sensor->leak[i] = rate * on;
     td_random_bits bits = td_random(s->seed, pixel, 0, TD_RANDOM_DEAD);
     int dead = s->dead_pixel_fraction > 0 && td_random_uniform(&bits, 0) < s->dead_pixel_fraction;
+    if (td_maps_has(maps, TD_MAP_DEAD, pixel)) dead = maps->map[TD_MAP_DEAD][pixel] > 0;
     if (dead) {
         on = off = TD_OUT_OF_REACH;
         sensor->leak[i] = 0;
@@ -85,6 +103,7 @@ static void draw_pixel(td_sensor *sensor, size_t i, uint32_t pixel) {
     sensor->threshold_off[i] = off;
     sensor->held_until[i] = -INFINITY;
     sensor->since[i] = 0;
+    set_noise(&sensor->noise, maps, i, pixel);
     td_shot_noise_begin(&sensor->noise, s, i, pixel);
     for (int k = 0; k < TD_NOISES && dead; k++)
         if (sensor->noise.due[k]) sensor->noise.due[k][i] = INFINITY;
@@ -96,11 +115,11 @@ static void draw_pixel(td_sensor *sensor, size_t i, uint32_t pixel) {
     td_sensor_set_wake(sensor, i);
 }
 
-static void draw_pixels(td_sensor *sensor, const td_tile *tiles, int32_t tile_count) {
+static void draw_pixels(td_sensor *sensor, const td_maps *maps, const td_tile *tiles, int32_t tile_count) {
     for (size_t t = 0, i = 0; t < (size_t)tile_count; t++)
         for (int32_t k = 0; k < tiles[t].count; k++) {
             int32_t x = tiles[t].x0 + k % tiles[t].width, y = tiles[t].y0 + k / tiles[t].width;
-            draw_pixel(sensor, i++, (uint32_t)y * (uint32_t)sensor->image_width + (uint32_t)x);
+            draw_pixel(sensor, maps, i++, (uint32_t)y * (uint32_t)sensor->image_width + (uint32_t)x);
         }
 }
 
@@ -145,6 +164,31 @@ static tides_status allocate_blocks(td_sensor *sensor, tides_error *error) {
     return td_shot_noise_create(&sensor->sensor, sensor->count, &sensor->noise, error);
 }
 
+/* Rates of pixels' own, where maps have some. */
+static tides_status allocate_own(td_sensor *sensor, const td_maps *maps, tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (int k = 0; k < TD_NOISES && status == TIDES_OK; k++)
+        if (maps->map[k == TD_NOISE_HOT ? TD_MAP_HOT : TD_MAP_NOISE])
+            status = td_shot_noise_own(&sensor->noise, k, sensor->count, error);
+    return status;
+}
+
+/* The file's, if one is named, for an image as large as the tiles are. The name is the caller's, and isn't kept. */
+static tides_status read_maps(td_sensor *sensor, const td_tile *tiles, int32_t tile_count, td_maps *maps, tides_error *error) {
+    const char *path = sensor->sensor.maps;
+    int32_t height = 0;
+    sensor->sensor.maps = NULL;
+    memset(maps, 0, sizeof *maps);
+    if (!path) return TIDES_OK;
+    for (int32_t t = 0; t < tile_count; t++) {
+        const int32_t bottom = tiles[t].y0 + (tiles[t].count + tiles[t].width - 1) / tiles[t].width;
+        if (bottom > height) height = bottom;
+    }
+    const tides_status status = td_maps_read(path, sensor->image_width, height, maps, error);
+    sensor->maps_checksum = maps->checksum;
+    return status;
+}
+
 tides_status td_sensor_create(const tides_sensor *given, int32_t model, double log_eps, double start, int32_t image_width,
                               const td_tile *tiles, int32_t tile_count, td_sensor *sensor, tides_error *error) {
     memset(sensor, 0, sizeof *sensor);
@@ -158,39 +202,49 @@ tides_status td_sensor_create(const tides_sensor *given, int32_t model, double l
     sensor->image_width = image_width;
     sensor->masks = params->b_min > 0;
     sensor->refractory_ns = 1e9 * params->refractory_s;
-    status = td_frontend_make(params, &sensor->frontend, error);
+    td_maps maps;
+    status = read_maps(sensor, tiles, tile_count, &maps, error);
+    if (status == TIDES_OK) status = td_frontend_make(params, &sensor->frontend, error);
     if (status == TIDES_OK) status = td_additive_noise_make(params, &sensor->additive, error);
     if (status == TIDES_OK) status = td_kick_make(params, start, &sensor->kick, error);
     if (status == TIDES_OK && sensor->kick.on && sensor->frontend.kind > TD_FRONTEND_CONSTANT)
         status =
             td_fail(error, TIDES_UNSUPPORTED,
                     "sensor: kick isn't available with the circuit or a pole that goes with the light; leave one of them off");
-    if (status != TIDES_OK) return status;
-    sensor->active_at_rest = sensor->frontend.on || sensor->additive.on || sensor->kick.on || params->leak_rate_hz > 0 ||
-                             params->refractory_s > 0 || makes_noise(params);
+    if (status != TIDES_OK) {
+        td_maps_release(&maps);
+        return status;
+    }
+    sensor->active_at_rest = maps.checksum || sensor->frontend.on || sensor->additive.on || sensor->kick.on ||
+                             params->leak_rate_hz > 0 || params->refractory_s > 0 || makes_noise(params);
     int surround = params->surround_lambda_px > 0;
     sensor->labels = params->labels && (sensor->frontend.on || sensor->additive.on || sensor->kick.on || surround);
     sensor->on =
         sensor->active_at_rest || sensor->masks || surround || params->threshold_sigma > 0 || params->dead_pixel_fraction > 0;
     td_step first; /* how the simulator's steps split that time */
     status = td_step_between(start, start + 1, &first, error);
-    if (status != TIDES_OK) return status;
+    if (status != TIDES_OK) {
+        td_maps_release(&maps);
+        return status;
+    }
     sensor->start_ns = first.start_ns;
     sensor->start_fraction = first.start_fraction;
     for (int32_t t = 0; t < tile_count; t++) sensor->count += (size_t)tiles[t].count;
     status = allocate(sensor, error);
     if (status == TIDES_OK && sensor->on) status = allocate_blocks(sensor, error);
+    if (status == TIDES_OK && sensor->on) status = allocate_own(sensor, &maps, error);
     if (status == TIDES_OK) status = td_sensor_list(sensor, error);
-    if (status != TIDES_OK)
-        td_sensor_release(sensor);
-    else if (sensor->on)
-        draw_pixels(sensor, tiles, tile_count);
+    if (status == TIDES_OK && sensor->on) draw_pixels(sensor, &maps, tiles, tile_count);
+    td_maps_release(&maps);
+    if (status == TIDES_OK) status = td_sensor_draw_initial(sensor, tiles, tile_count, error);
+    if (status != TIDES_OK) td_sensor_release(sensor);
     return status;
 }
 
 void td_sensor_release(td_sensor *sensor) {
     double *arrays[] = {sensor->threshold_on, sensor->threshold_off, sensor->leak,           sensor->held_until,
-                        sensor->since,        sensor->wake,          sensor->pixels.initial, sensor->pixels.reference};
+                        sensor->since,        sensor->wake,          sensor->pixels.initial, sensor->pixels.reference,
+                        sensor->draw};
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
     for (int k = 0; k < TD_FRONTEND_STATE; k++) free(sensor->filter[k]);
     free(sensor->pixels.count_on);
@@ -201,17 +255,4 @@ void td_sensor_release(td_sensor *sensor) {
     free(sensor->number);
     td_shot_noise_release(&sensor->noise);
     memset(sensor, 0, sizeof *sensor);
-}
-
-void td_sensor_begin(td_sensor *sensor, const double *L) {
-    const td_pixels *pixels = &sensor->pixels;
-    for (size_t i = 0; i < sensor->count; i++) {
-        double state[TD_FRONTEND_STATE] = {0}, rest = L[i];
-        if (sensor->frontend.on) rest = td_frontend_rest(&sensor->frontend, L[i], sensor->log_eps, state);
-        for (int k = 0; k < TD_FRONTEND_STATE; k++)
-            if (sensor->filter[k]) sensor->filter[k][i] = state[k];
-        if (sensor->additive.on) rest += td_sensor_noise_at(sensor, i, 0);
-        pixels->initial[i] = pixels->reference[i] = rest;
-        pixels->count_on[i] = pixels->count_off[i] = 0;
-    }
 }

@@ -100,6 +100,8 @@ typedef struct td_sensor {
     double *since;                        /* last event, re-reference or consumed crossing: where the ramp's share begins */
     double *wake;                         /* the first time that the pixel must be looked at whatever its signal does */
     unsigned char *reach;                 /* 1: may have fired in this macro step (td_sensor_estimate) */
+    uint64_t maps_checksum;               /* of the file of maps, whose name isn't kept in `sensor`; 0: there was none */
+    double *draw; /* in (0, 1): where the pixel's reference begins between its levels; NULL: at the signal */
     td_frontend frontend;
     double *filter[TD_FRONTEND_STATE]; /* the filters' state, where there are any; the first is S at the time reached */
     td_shot_noise noise;
@@ -130,13 +132,22 @@ TIDES_MUST_CHECK tides_status td_sensor_list(td_sensor *sensor, tides_error *err
 /* Adds the arrays that a checkpoint holds: those of the list with a name. */
 void td_sensor_state(td_sensor *sensor, td_state *state);
 
-/* The run's start: pixel i has rested at log-luminance L[i], its reference is the signal there, and nothing has fired. */
+/* The run's start: pixel i has rested at log-luminance L[i], its reference is where sensor.initial puts it, and nothing has
+ * fired. */
 void td_sensor_begin(td_sensor *sensor, const double *L);
 
+/* Where a pixel stands that has rested at log-luminance L (initial.c): its signal less its reference, how long ago it was last
+ * reset, and how long it is still held [ns], all 0 where references begin at the signal. */
+typedef struct td_initial {
+    double offset, age, held;
+} td_initial;
+td_initial td_sensor_initial(const td_sensor *sensor, size_t pixel, double L);
+
+/* What is drawn for it, when all else of the sensor is there. */
+tides_status td_sensor_draw_initial(td_sensor *sensor, const td_tile *tiles, int32_t tile_count, tides_error *error);
+
 /* That was at L, for a pixel that has done nothing yet; where td_sensor_shows_signal. */
-static inline void td_sensor_refer(td_sensor *sensor, size_t pixel, double L) {
-    sensor->pixels.initial[pixel] = sensor->pixels.reference[pixel] = L;
-}
+void td_sensor_refer(td_sensor *sensor, size_t pixel, double L);
 
 /* Coverage of a tile's pixels at both ends of the step, in [0, 1]; read only where sensor->masks. */
 typedef struct td_coverage {

@@ -105,6 +105,9 @@ TIDES_BANDWIDTH_FIRST_ORDER = 0
 TIDES_BANDWIDTH_CIRCUIT = 1
 TIDES_PHOTORECEPTOR_CONSTANT = 0
 TIDES_PHOTORECEPTOR_INTENSITY = 1
+TIDES_INITIAL_REST = 0
+TIDES_INITIAL_RANDOM = 1
+TIDES_INITIAL_STEADY = 2
 TIDES_CAUSE_SIGNAL = 0
 TIDES_CAUSE_LEAK = 1
 TIDES_CAUSE_SHOT = 2
@@ -1451,7 +1454,7 @@ class tides_sensor(Structure):
     double noise_cutoff_hz; /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
     uint64_t seed; /* of all that is random here */
     int32_t labels; /* 1: events get tides_event_frontend */
-    int32_t reserved;
+    int32_t initial; /* TIDES_INITIAL_* */
     /* The readout of frames on the same chip (DAVIS): each read of a row adds `kick` to the signal of its pixels, which decays.
     * Frame k = 0, 1, ..., at kick_first_s + k / kick_rate_hz, reads row y kick_reads_s (of reset, of signal) + y kick_row_s
     * later; reads before the run aren't. Behind all filters. Not with a pole that goes with the light, nor the circuit; a step
@@ -1462,6 +1465,11 @@ class tides_sensor(Structure):
     double kick_first_s; /* the first frame [s], on the run's clock */
     double kick_row_s; /* from row to row [s] */
     double kick_reads_s[2]; /* the same twice: one read [s] */
+    /* File of what single pixels have in place of what would be drawn for them (nullable): arrays of the image's height by
+    * width, in an .npz, a structured .npy, or HDF5, of these names, any of which may be missing, and NaN where it isn't
+    * known: threshold_on, threshold_off [log units], leak [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1].
+    * Read when pixels are made. The caller's. */
+    const char *maps;
     """
 
     size: int
@@ -1491,13 +1499,14 @@ class tides_sensor(Structure):
     noise_cutoff_hz: float
     seed: int
     labels: int
-    reserved: int
+    initial: int
     kick: float
     kick_recovery_s: float
     kick_rate_hz: float
     kick_first_s: float
     kick_row_s: float
     kick_reads_s: Any
+    maps: bytes | None
 
     _fields_ = [
         ("size", c_uint32),
@@ -1527,13 +1536,14 @@ class tides_sensor(Structure):
         ("noise_cutoff_hz", c_double),
         ("seed", c_uint64),
         ("labels", c_int32),
-        ("reserved", c_int32),
+        ("initial", c_int32),
         ("kick", c_double),
         ("kick_recovery_s", c_double),
         ("kick_rate_hz", c_double),
         ("kick_first_s", c_double),
         ("kick_row_s", c_double),
         ("kick_reads_s", c_double * 2),
+        ("maps", c_char_p),
     ]
 
 
@@ -4195,6 +4205,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_session_load": (c_int32, [
         c_char_p, P(c_char_p), c_size_t, c_char_p, P(P(tides_session)), P(tides_error)
     ], "file overrides count device session error"),
+    # tides_status tides_session_maps(tides_session *session, const char *path, tides_error *error)
+    "tides_session_maps": (c_int32, [P(tides_session), c_char_p, P(tides_error)], "session path error"),
     # const char *tides_session_notes(const tides_session *session)
     "tides_session_notes": (c_char_p, [P(tides_session)], "session"),
     # tides_status tides_session_open(const tides_run *run, tides_device *device, tides_session **session, tides_error

@@ -34,6 +34,7 @@ class Sensor(Value, _api.tides_sensor):
 
     _defaults = "tides_sensor_defaults"
     _words = {
+        "initial": "TIDES_INITIAL_",
         "refractory_law": "TIDES_REFRACTORY_",
         "psf_domain": "TIDES_PSF_",
         "photoreceptor_law": "TIDES_PHOTORECEPTOR_",

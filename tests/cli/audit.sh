@@ -9,6 +9,7 @@ printf '{"base": "run.json", "set": {"time.stop": 0.02}, "grid": {"seed": ["1", 
 cat >table <<'END'
 init -o %
 devices
+presets
 info events.h5
 info frame.exr
 info scene.ply

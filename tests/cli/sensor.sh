@@ -88,9 +88,36 @@ out "^about +mine"
 out "sensor.threshold_on +0.21"
 expect 0 tides info davis346
 out "^kind +preset"
+out "^guesses +0$"
+out "sensor.threshold_on +derived, 0.134 to 0.431: .*libcaer"
+expect 0 tides info gen3
+out "^guesses +9$"
+expect 0 tides presets
+out "^imx636 +1280x720 +0.223 "
+out "^Left to the run: camera.width"
+expect 0 tides presets --json
+[ "$(grep -c '"guesses":' out)" = 12 ] || fail "twelve presets"
 refuse 1 "nope: can't be opened: there is no such file, nor a preset of that name" tides info nope
 printf '{ "sensor": { "treshold_on": 1 } }' >config/tides/presets/bad.json
 refuse 1 "unknown key \"sensor.treshold_on\"" tides info bad
 unset XDG_CONFIG_HOME
 HOME=$PWD/home && mkdir -p home/.config && cp -r config/tides home/.config && export HOME
 expect 0 tides info mine-1
+
+# Two runs share a sensor by its maps: other seeds, and nothing drawn but what the first has drawn.
+drawn="--set sensor.threshold_sigma=0.03 --set sensor.dead_pixel_fraction=0.1"
+expect 0 tides simulate run.json -qo first.h5 $drawn --seed 7 --maps maps.h5
+expect 0 tides simulate run.json -qo shared.h5 --set sensor.maps=maps.h5 --seed 8
+expect 0 tides simulate run.json -qo other.h5 $drawn --seed 8
+for name in first shared other; do expect 0 tides convert $name.h5 $name.csv -q; done
+cmp first.csv shared.csv || fail "the sensor isn't the same"
+cmp -s first.csv other.csv && fail "another seed should be another sensor"
+refuse 1 "maps.h5: threshold_on isn't an array of" tides simulate run.json -o x.h5 --set sensor.maps=maps.h5 --set camera.scale=0.5
+refuse 1 "none.npz" tides simulate run.json -o x.h5 --set sensor.maps=none.npz
+refuse 1 "--maps x.h5|x.h5" tides simulate run.json -o x.h5 --maps x.h5
+
+# A camera's own biases, a line each.
+printf '{DiffBn_coarse: 4, DiffBn_fine: 39, OFFBn_coarse: 4, OFFBn_fine: 0, ONBn_coarse: 6, ONBn_fine: 200}\n' >biases.yaml
+expect 0 tides simulate run.json -o biased.h5 --set sensor.biases=biases.yaml
+err "biases biases.yaml: ON and diff: sensor.threshold_on 0.413"
+err "frontend.photoreceptor_cutoff_hz is kept"

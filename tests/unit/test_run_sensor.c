@@ -7,9 +7,11 @@
 
 #include "tides/run.h"
 
+#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static tides_run *parse(const char *const *sets, size_t count) {
     tides_run *run = NULL;
@@ -35,6 +37,8 @@ static void test_keys_reach_their_fields(void **state) {
         REAL("sensor.refractory_s", sensor.refractory_s, 0.001),
         WHOLE("sensor.refractory_law=drop_keep", sensor.refractory_law, TIDES_REFRACTORY_DROP_KEEP),
         WHOLE("sensor.refractory_law=drop_consume", sensor.refractory_law, TIDES_REFRACTORY_DROP_CONSUME),
+        WHOLE("sensor.initial=random", sensor.initial, TIDES_INITIAL_RANDOM),
+        WHOLE("sensor.initial=steady", sensor.initial, TIDES_INITIAL_STEADY),
         REAL("sensor.leak_rate_hz", sensor.leak_rate_hz, 0.1),
         REAL("sensor.leak_sigma", sensor.leak_sigma, 0.2),
         REAL("sensor.b_min", sensor.b_min, 0.5),
@@ -99,25 +103,25 @@ static void test_seeds(void **state) {
 
 static void test_presets(void **state) {
     (void)state;
-    static const char *const names[] = {"ideal", "dvs128", "davis240",  "davis346", "gen3",
-                                        "gen4",  "imx636", "v2e-clean", "v2e-noisy"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        char preset[64];
-        snprintf(preset, sizeof preset, "sensor.preset=%s", names[i]);
+    char name[TIDES_PRESET_NAME], preset[64];
+    size_t count = 0;
+    for (; tides_preset_at(count, name); count++) {
+        snprintf(preset, sizeof preset, "sensor.preset=%s", name);
         const char *sets[] = {"sensor.threshold_on=0.77", preset};
         tides_run *run = parse(sets, 2);
         tides_run_values values;
         tides_run_get(run, &values);
         assert_true(values.sensor.threshold_on == 0.77);
         assert_true(values.sensor.threshold_off >= 0.1);
-        assert_true(values.sensor.threshold_off <= 0.25);
-        assert_int_equal(values.sensor.threshold_sigma > 0, strcmp(names[i], "ideal") != 0);
+        assert_true(values.sensor.threshold_off <= 0.4);
+        assert_int_equal(values.sensor.threshold_sigma > 0, strcmp(name, "ideal") != 0);
         tides_run_destroy(run);
         run = parse(sets + 1, 1);
         tides_run_get(run, &values);
-        assert_true(values.sensor.threshold_on < 0.3);
+        assert_true(values.sensor.threshold_on < 0.5);
         tides_run_destroy(run);
     }
+    assert_int_equal(count, 12);
     const char *noisy[] = {"sensor.preset=v2e-noisy", "frontend.shot_noise_hz=0.0"}; /* even where it is the default */
     tides_run *run = parse(noisy, 2);
     tides_run_values values;
@@ -125,6 +129,69 @@ static void test_presets(void **state) {
     assert_true(values.sensor.shot_noise_hz == 0);
     assert_true(values.sensor.photoreceptor_cutoff_hz == 30);
     tides_run_destroy(run);
+}
+
+/* Every value of the library's presets says where it comes from; the spread of numbers, too, but of simulators' own. */
+static void test_preset_sources(void **state) {
+    (void)state;
+    char name[TIDES_PRESET_NAME];
+    for (size_t i = 0; tides_preset_at(i, name); i++) {
+        char *text = NULL;
+        tides_error error = {TIDES_OK, ""};
+        assert_int_equal(tides_preset_read(name, &text, &error), TIDES_OK);
+        assert_null(strstr(text, "memory"));
+        cJSON *root = cJSON_Parse(text), *group, *item;
+        assert_true(cJSON_GetObjectItem(root, "version")->valueint >= 1);
+        const int simulator = strcmp(name, "ideal") == 0 || strncmp(name, "v2e-", 4) == 0;
+        assert_int_equal(cJSON_GetObjectItem(root, "resolution") != NULL, !simulator);
+        cJSON_ArrayForEach(group, root) {
+            if (!cJSON_IsObject(group)) continue;
+            cJSON_ArrayForEach(item, group) {
+                const cJSON *source = cJSON_GetObjectItem(item, "source"), *kind = cJSON_GetObjectItem(item, "kind");
+                assert_true(cJSON_IsString(source) && cJSON_IsString(kind) && strlen(source->valuestring) > 5);
+                const int number = cJSON_IsNumber(cJSON_GetObjectItem(item, "value")) && strcmp(item->string, "eta") != 0;
+                if (number && !simulator) assert_non_null(cJSON_GetObjectItem(item, "spread"));
+            }
+        }
+        cJSON_Delete(root);
+        tides_free(text);
+    }
+}
+
+/* What a preset may not be, each with its line. */
+static void test_bad_presets(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *line;
+    } bad[] = {
+        {"{\"sensor\": {\"threshold_on\": {\"value\": 0.2, \"kind\": \"sure\"}}}", "threshold_on: kind must be documented"},
+        {"{\"sensor\": {\"threshold_on\": {\"value\": 0.2, \"spread\": [0.3, 0.4]}}}", "threshold_on: spread must be"},
+        {"{\"sensor\": {\"threshold_on\": {\"value\": 0.2, \"spread\": 0.4}}}", "threshold_on: spread must be"},
+        {"{\"sensor\": {\"threshold_on\": {\"value\": 0.2, \"spraed\": [0.1, 0.4]}}}", "threshold_on: holds more than"},
+        {"{\"sensor\": {\"threshold_on\": {\"source\": \"x\"}}}", "threshold_on has no value"},
+        {"{\"sensor\": {\"threshold_on\": {\"value\": 0.2, \"source\": 1}}}", "threshold_on: source must be a text"},
+        {"{\"version\": 0}", "version: about is a text, version a whole number"},
+        {"{\"resolution\": [346]}", "resolution: about is a text"},
+        {"{\"image\": {\"rules\": \"inria\"}}", "of image a preset holds log_eps alone"},
+        {"{\"sensors\": {}}", "\"sensors\": a preset holds about, version"},
+    };
+    char folder[] = "/tmp/tides_preset_XXXXXX", path[64], set[128];
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/bad.json", folder);
+    snprintf(set, sizeof set, "sensor.preset=%s", path);
+    const char *const sets[] = {set};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        FILE *file = fopen(path, "w");
+        assert_non_null(file);
+        fputs(bad[i].text, file);
+        fclose(file);
+        tides_run *run = NULL;
+        tides_error error = {TIDES_OK, ""};
+        assert_int_equal(tides_run_parse("{\"frames\": {\"file\": \"-\"}}", "", sets, 1, &run, &error), TIDES_BAD_CONFIG);
+        if (!strstr(error.text, bad[i].line)) fail_msg("%s, not %s", error.text, bad[i].line);
+    }
+    remove(path);
+    rmdir(folder);
 }
 
 /* The file's own keys win over its preset, not over one that an override names; a run that is varied is one read so. */
@@ -171,7 +238,11 @@ static void test_who_wins(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_keys_reach_their_fields), cmocka_unit_test(test_seeds),
-                                       cmocka_unit_test(test_presets), cmocka_unit_test(test_who_wins)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_keys_reach_their_fields),
+                                       cmocka_unit_test(test_seeds),
+                                       cmocka_unit_test(test_presets),
+                                       cmocka_unit_test(test_preset_sources),
+                                       cmocka_unit_test(test_bad_presets),
+                                       cmocka_unit_test(test_who_wins)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -35,8 +35,23 @@ tides_status td_shot_noise_create(const tides_sensor *sensor, size_t pixels, td_
     return TIDES_OK;
 }
 
+tides_status td_shot_noise_own(td_shot_noise *noise, int source, size_t pixels, tides_error *error) {
+    noise->own[source] = td_alloc(pixels, sizeof *noise->own[source], error);
+    if (!noise->due[source]) noise->due[source] = td_alloc(pixels, sizeof *noise->due[source], error);
+    if (!noise->drawn[source]) noise->drawn[source] = td_alloc(pixels, sizeof *noise->drawn[source], error);
+    if (!noise->own[source] || !noise->due[source] || !noise->drawn[source]) return TIDES_NO_MEMORY;
+    for (size_t i = 0; i < pixels; i++) noise->own[source][i] = -1;
+    return TIDES_OK;
+}
+
+double td_shot_noise_rate(const td_shot_noise *noise, int source, size_t i) {
+    if (!noise->due[source] || !(noise->due[source][i] < INFINITY)) return 0;
+    return noise->own[source] ? noise->own[source][i] : noise->rate[source];
+}
+
 void td_shot_noise_release(td_shot_noise *noise) {
     for (int k = 0; k < TD_NOISES; k++) {
+        free(noise->own[k]);
         free(noise->due[k]);
         free(noise->drawn[k]);
     }
@@ -51,7 +66,8 @@ static td_random_bits bits_of(const td_shot_noise *noise, int source, uint32_t p
 
 static void draw_next(td_shot_noise *noise, int source, size_t i, uint32_t pixel) {
     td_random_bits bits = bits_of(noise, source, pixel, ++noise->drawn[source][i]);
-    double wait = floor(td_random_exponential(&bits, 0) / noise->rate[source] + 0.5);
+    double rate = noise->own[source] ? noise->own[source][i] : noise->rate[source];
+    double wait = floor(td_random_exponential(&bits, 0) / rate + 0.5);
     noise->due[source][i] += fmax(wait, 1);
 }
 
@@ -60,6 +76,12 @@ void td_shot_noise_begin(td_shot_noise *noise, const tides_sensor *sensor, size_
         if (!noise->due[k]) continue;
         td_random_bits bits = bits_of(noise, k, pixel, 0);
         int silent = k == TD_NOISE_HOT && !(td_random_uniform(&bits, 0) < sensor->hot_pixel_fraction);
+        double *own = noise->own[k] ? &noise->own[k][i] : NULL;
+        if (own && *own >= 0)
+            silent = 0;
+        else if (own)
+            *own = noise->rate[k];
+        if (own && !(*own > 0)) silent = 1;
         noise->drawn[k][i] = 0;
         noise->due[k][i] = silent ? INFINITY : 0;
         if (!silent) draw_next(noise, k, i, pixel);

@@ -22,6 +22,7 @@ enum { TD_NOISE_SHOT_ON = 0, TD_NOISE_SHOT_OFF, TD_NOISE_HOT, TD_NOISES };
 typedef struct td_shot_noise {
     uint64_t seed;
     double rate[TD_NOISES];     /* candidates [1/ns]; 0: off, and the arrays aren't there */
+    double *own[TD_NOISES];     /* the same of single pixels, where maps say so; NULL: `rate` is all pixels' */
     double *due[TD_NOISES];     /* [ns since the run's start], whole: the next candidate; INFINITY: never (pixels) */
     uint32_t *drawn[TD_NOISES]; /* candidates drawn so far, that one included (pixels) */
 } td_shot_noise;
@@ -30,6 +31,13 @@ typedef struct td_shot_noise {
 TIDES_MUST_CHECK tides_status td_shot_noise_create(const tides_sensor *sensor, size_t pixels, td_shot_noise *noise,
                                                    tides_error *error);
 void td_shot_noise_release(td_shot_noise *noise);
+
+/* Gives pixels rates of their own, which are drawn as if there were none where they stay -1 until
+ * td_shot_noise_begin. */
+TIDES_MUST_CHECK tides_status td_shot_noise_own(td_shot_noise *noise, int source, size_t pixels, tides_error *error);
+
+/* Candidates of pixel i once it has begun [1/ns]; a pixel that isn't hot has none of hot ones. */
+double td_shot_noise_rate(const td_shot_noise *noise, int source, size_t i);
 
 /* Draws whether pixel i, number `pixel` of the image, is hot, and the first candidates of its sources. */
 void td_shot_noise_begin(td_shot_noise *noise, const tides_sensor *sensor, size_t i, uint32_t pixel);

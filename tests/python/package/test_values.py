@@ -98,8 +98,8 @@ def test_presets(tmp_path):
     run = tides.Run(RUN, {"sensor.preset": "davis346"})
     sensor = tides.Sensor(preset="davis346", threshold_on=0.3)
     ours = run.sensor.copy(threshold_on=0.3, **{name: getattr(sensor, name) for name in given(run)})
-    assert sensor == ours and sensor.threshold_sigma == 0.03 and sensor != tides.Sensor(threshold_on=0.3)
-    assert tides.Readout(preset="davis346").kind == "rows"
+    assert sensor == ours and sensor.threshold_sigma == 0.035 and sensor != tides.Sensor(threshold_on=0.3)
+    assert tides.Readout(preset="davis346").kind == "requested"
     assert "davis346" in tides.preset_names() and len(tides.preset_names()) == len(set(tides.preset_names()))
     assert tides.Sensor(preset="ideal").threshold_sigma == 0 and tides.Sensor(preset=None) == tides.Sensor()
     (tmp_path / "mine.json").write_text('{"sensor": {"leak_rate_hz": 0.5}}')

@@ -1,0 +1,98 @@
+/* Where pixels stand when a run begins, by sensor.initial.
+ *
+ * STEADY is a renewal process. At rest a pixel is reset by what comes first of the leak, C+ / r after the reset, and of noise
+ * events, at the rate n (both shot noises as its light thins them, and a hot pixel's own), which none come of for a time D, the
+ * refractory period. So the age since the last reset has the density of survival,
+ *
+ *   1 up to D, e^(-n (a - D)) from there to the leak's time T = C+ / r (HOLD: D + C+ / r, for the reference follows while it is
+ *   held), 0 beyond,
+ *
+ * and the signal stands r a (HOLD: r (a - D), from 0) above the reference. A leak that brings a pixel to its level within D
+ * fires at D (DROP_KEEP), or loses crossings (DROP_CONSUME): then T is D, and the reference follows in whole thresholds. */
+#include "td_base.h"
+#include "td_random.h"
+#include "td_sensor.h"
+
+#include <math.h>
+
+/* Noise events of a pixel that sees L [1/ns]. */
+static double noise_rate(const td_sensor *sensor, size_t i, double L) {
+    const td_shot_noise *noise = &sensor->noise;
+    double rate = 0;
+    if (noise->due[TD_NOISE_SHOT_ON])
+        rate = (td_shot_noise_rate(noise, TD_NOISE_SHOT_ON, i) + td_shot_noise_rate(noise, TD_NOISE_SHOT_OFF, i)) *
+               td_shot_noise_share(exp(L) - sensor->log_eps);
+    return rate + td_shot_noise_rate(noise, TD_NOISE_HOT, i);
+}
+
+/* The age at which a share `u` of the survival's area is below: `length` of the part that falls at `rate`, INFINITY at most. */
+static double age_at(double u, double held, double length, double rate) {
+    const double falling = rate > 0 ? -expm1(-rate * length) / rate : length;
+    const double area = u * (held + falling);
+    if (area < held) return area;
+    return held + (rate > 0 ? fmin(-log1p(-rate * (area - held)) / rate, length) : fmin(area - held, length));
+}
+
+/* Of a pixel that is reset now and then. */
+static td_initial steady(const td_sensor *sensor, size_t i, double L) {
+    const double leak = sensor->leak[i], on = sensor->threshold_on[i], held = sensor->refractory_ns;
+    const int holds = sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD;
+    const double rate = noise_rate(sensor, i, L), climb = leak > 0 ? on / leak : INFINITY;
+    if (!(leak > 0) && !(rate > 0)) return (td_initial){0, 0, 0};
+    const double age = age_at(sensor->draw[i], held, holds ? climb : fmax(climb - held, 0), rate);
+    const double climbed = leak * (holds ? fmax(age - held, 0) : age);
+    td_initial at = {climbed, age, fmax(held - age, 0)};
+    if (at.offset >= on) at.offset = fmod(at.offset, on); /* rounding, or crossings within the refractory period */
+    return at;
+}
+
+td_initial td_sensor_initial(const td_sensor *sensor, size_t i, double L) {
+    td_initial at = {0, 0, 0};
+    const double on = td_sensor_threshold_on(sensor, i), off = td_sensor_threshold_off(sensor, i);
+    if (!sensor->draw || on >= TD_OUT_OF_REACH) return at;
+    if (sensor->sensor.initial == TIDES_INITIAL_STEADY) return steady(sensor, i, L);
+    at.offset = sensor->draw[i] * (on + off) - off;
+    return at;
+}
+
+static int draws(const td_sensor *sensor) {
+    const int32_t initial = sensor->sensor.initial;
+    return initial == TIDES_INITIAL_RANDOM || (initial == TIDES_INITIAL_STEADY && sensor->on);
+}
+
+tides_status td_sensor_draw_initial(td_sensor *sensor, const td_tile *tiles, int32_t tile_count, tides_error *error) {
+    if (!draws(sensor)) return TIDES_OK;
+    sensor->draw = td_alloc(sensor->count, sizeof *sensor->draw, error);
+    if (!sensor->draw) return TIDES_NO_MEMORY;
+    for (size_t t = 0, i = 0; t < (size_t)tile_count; t++)
+        for (int32_t k = 0; k < tiles[t].count; k++, i++) {
+            const int32_t x = tiles[t].x0 + k % tiles[t].width, y = tiles[t].y0 + k / tiles[t].width;
+            const uint32_t pixel = (uint32_t)y * (uint32_t)sensor->image_width + (uint32_t)x;
+            const td_random_bits bits = td_random(sensor->sensor.seed, pixel, 0, TD_RANDOM_INITIAL);
+            sensor->draw[i] = td_random_uniform(&bits, 0);
+        }
+    return TIDES_OK;
+}
+
+void td_sensor_refer(td_sensor *sensor, size_t i, double L) {
+    const double offset = sensor->draw ? td_sensor_initial(sensor, i, L).offset : 0;
+    sensor->pixels.initial[i] = sensor->pixels.reference[i] = L - offset;
+}
+
+void td_sensor_begin(td_sensor *sensor, const double *L) {
+    const td_pixels *pixels = &sensor->pixels;
+    for (size_t i = 0; i < sensor->count; i++) {
+        double state[TD_FRONTEND_STATE] = {0}, rest = L[i];
+        if (sensor->frontend.on) rest = td_frontend_rest(&sensor->frontend, L[i], sensor->log_eps, state);
+        for (int k = 0; k < TD_FRONTEND_STATE; k++)
+            if (sensor->filter[k]) sensor->filter[k][i] = state[k];
+        if (sensor->additive.on) rest += td_sensor_noise_at(sensor, i, 0);
+        const td_initial at = td_sensor_initial(sensor, i, L[i]);
+        pixels->initial[i] = pixels->reference[i] = rest - at.offset;
+        pixels->count_on[i] = pixels->count_off[i] = 0;
+        if (!sensor->draw || !sensor->on) continue;
+        sensor->since[i] = -at.age;
+        if (at.held > 0) sensor->held_until[i] = at.held;
+        td_sensor_set_wake(sensor, i);
+    }
+}

@@ -1,0 +1,31 @@
+/* Internal: what single pixels of a sensor have, from a file: arrays of the image's size by name, of which any may be missing,
+ * and any pixel may be NaN: then it is drawn as if there were no file. */
+#ifndef TD_MAPS_H
+#define TD_MAPS_H
+
+#include "td_base.h"
+
+/* threshold_on, threshold_off [log units]; leak [Hz of ON events]; noise [Hz of both polarities, in the dark]; hot [Hz of ON
+ * events]; dead [0 or 1]. */
+enum { TD_MAP_ON = 0, TD_MAP_OFF, TD_MAP_LEAK, TD_MAP_NOISE, TD_MAP_HOT, TD_MAP_DEAD, TD_MAPS };
+extern const char *const td_map_names[TD_MAPS];
+
+typedef struct td_maps {
+    double *map[TD_MAPS]; /* (width height), row by row; NULL: the file hasn't it */
+    uint64_t checksum;    /* of all values; 0: no file */
+} td_maps;
+
+/* Of an .npy (a structured one), .npz or HDF5 file, which must have a map at least. TIDES_BAD_FILE naming map and pixel. */
+TIDES_MUST_CHECK tides_status td_maps_read(const char *path, int32_t width, int32_t height, td_maps *maps, tides_error *error);
+void td_maps_release(td_maps *maps);
+
+/* 1 where the map says something of the pixel. */
+static inline int td_maps_has(const td_maps *maps, int which, uint32_t pixel) {
+    return maps->map[which] && maps->map[which][pixel] == maps->map[which][pixel];
+}
+
+/* All maps as HDF5; a file appears whole or not at all. */
+TIDES_MUST_CHECK tides_status td_maps_write(const char *path, int32_t width, int32_t height, const td_maps *maps,
+                                            tides_error *error);
+
+#endif
