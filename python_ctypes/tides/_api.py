@@ -3918,6 +3918,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_picture_depth": (None, [
         P(c_double), c_int32, c_int32, c_double, c_double, P(c_uint8)
     ], "depth width height near far rgb"),
+    # void tides_picture_depth_key(uint8_t *rgb, int32_t width, int32_t height)
+    "tides_picture_depth_key": (None, [P(c_uint8), c_int32, c_int32], "rgb width height"),
     # void tides_picture_events(const tides_event *events, size_t count, const double *base, int32_t width, int32_t
     # height, uint8_t *rgb)
     "tides_picture_events": (None, [
@@ -3928,6 +3930,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_picture_flow": (None, [
         P(c_double), P(c_double), c_int32, c_int32, c_double, P(c_uint8)
     ], "u v width height limit rgb"),
+    # void tides_picture_flow_key(uint8_t *rgb, int32_t width, int32_t height)
+    "tides_picture_flow_key": (None, [P(c_uint8), c_int32, c_int32], "rgb width height"),
     # void tides_picture_grey(const double *values, int32_t width, int32_t height, double white, uint8_t *rgb)
     "tides_picture_grey": (None, [
         P(c_double), c_int32, c_int32, c_double, P(c_uint8)
