@@ -1,6 +1,6 @@
 /* The filters behind the readout, held event for event against a plain implementation of what include/tides/filters.h says:
- * one that looks at whole streams, a filter after the other, and shares nothing with lib/filters. */
-#include "tides.h"
+ * one that looks at whole streams, a filter after the other, and shares nothing with lib/filters (plain_filters.h). */
+#include "tests/unit/plain_filters.h"
 
 #include "signal/td_event_sort.h"
 #include "td_random.h"
@@ -15,19 +15,7 @@
 #include <string.h>
 #include <cmocka.h>
 
-enum { WIDTH = 61, HEIGHT = 37, EVENTS = 1000000, SEED = 29 };
-
-typedef struct stream {
-    tides_event *events;
-    size_t count;
-    int width, height;
-} stream;
-
-static void *room(size_t count, size_t size) {
-    void *made = calloc(count ? count : 1, size);
-    assert_non_null(made);
-    return made;
-}
+enum { WIDTH = 61, HEIGHT = 37, EVENTS = 1000000 };
 
 /* -- streams -------------------------------------------------------------------------------------------------------------- */
 
@@ -70,160 +58,6 @@ static stream copy(const stream *s) {
     stream made = {room(s->count, sizeof(tides_event)), s->count, s->width, s->height};
     memcpy(made.events, s->events, s->count * sizeof *s->events);
     return made;
-}
-
-/* -- the plain implementation --------------------------------------------------------------------------------------------- */
-
-static int64_t ns(double seconds) { return (int64_t)llround(1e9 * seconds); }
-
-/* Keeps what is marked; how many weren't. */
-static uint64_t keep(stream *s, const char *pass) {
-    size_t out = 0, all = s->count;
-    for (size_t i = 0; i < all; i++)
-        if (pass[i]) s->events[out++] = s->events[i];
-    s->count = out;
-    return all - out;
-}
-
-static void plain_background(const tides_filters *f, const stream *s, char *pass) {
-    const size_t pixels = (size_t)s->width * (size_t)s->height;
-    int64_t *last = room(pixels, sizeof *last);
-    char *had = room(pixels, 1);
-    for (size_t i = 0; i < s->count; i++) {
-        const tides_event e = s->events[i];
-        int support = 0;
-        for (int y = e.y - 1; y <= e.y + 1; y++)
-            for (int x = e.x - 1; x <= e.x + 1; x++) {
-                if (x < 0 || y < 0 || x >= s->width || y >= s->height || (x == e.x && y == e.y)) continue;
-                const int at = y * s->width + x;
-                if (had[at] && last[at] >= e.t - ns(f->background_s)) support++;
-            }
-        pass[i] = support >= f->background_support;
-        last[e.y * s->width + e.x] = e.t;
-        had[e.y * s->width + e.x] = 1;
-    }
-    free(last);
-    free(had);
-}
-
-/* Events of each period from the first event's to the last one's; period of event i is [i] of `which`. */
-static size_t histogram(const stream *s, int64_t period, uint64_t **counts, size_t *which) {
-    int64_t first = 0;
-    size_t periods = 0;
-    for (size_t i = 0; i < s->count; i++) {
-        const int64_t t = s->events[i].t, number = t >= 0 ? t / period : -((period - 1 - t) / period);
-        if (i == 0) first = number;
-        which[i] = (size_t)(number - first);
-        periods = which[i] + 1;
-    }
-    *counts = room(periods, sizeof **counts);
-    for (size_t i = 0; i < s->count; i++) (*counts)[which[i]]++;
-    return periods;
-}
-
-static void plain_activity(const tides_filters *f, const stream *s, char *pass) {
-    uint64_t *counts;
-    size_t *which = room(s->count, sizeof *which), periods = histogram(s, ns(f->activity_period_s), &counts, which);
-    char *open = room(periods, 1);
-    const double low_stop = f->activity_low_stop > 0 ? f->activity_low_stop : f->activity_low_start;
-    const double high_stop = f->activity_high_stop > 0 ? f->activity_high_stop : f->activity_high_start;
-    int low = f->activity_low_start > 0, high = 0;
-    for (size_t k = 0; k < periods; k++) {
-        const double rate = k ? (double)counts[k - 1] / f->activity_period_s : 0;
-        if (f->activity_low_start > 0 && rate < f->activity_low_start) low = 1;
-        if (low && rate > low_stop) low = 0;
-        if (f->activity_high_start > 0 && rate > f->activity_high_start) high = 1;
-        if (high && rate < high_stop) high = 0;
-        open[k] = !low && !high;
-    }
-    for (size_t i = 0; i < s->count; i++) pass[i] = open[which[i]];
-    free(counts);
-    free(which);
-    free(open);
-}
-
-static void plain_erc(const tides_filters *f, const stream *s, char *pass) {
-    uint64_t *counts;
-    size_t *which = room(s->count, sizeof *which);
-    histogram(s, ns(f->erc_period_s), &counts, which);
-    size_t place = 0;
-    for (size_t i = 0; i < s->count; i++) {
-        const tides_event *e = &s->events[i];
-        place = i && which[i] == which[i - 1] ? place + 1 : 0;
-        const double before = which[i] ? (double)counts[which[i] - 1] : 0;
-        td_random_bits bits = td_random(SEED, (uint32_t)(e->y * s->width + e->x), 2 * (uint64_t)e->t + (e->polarity > 0), 20);
-        pass[i] = f->erc_law == TIDES_ERC_FIRST
-                      ? place < (size_t)f->erc_events
-                      : before <= f->erc_events || td_random_uniform(&bits, 0) * before < f->erc_events;
-    }
-    free(counts);
-    free(which);
-}
-
-typedef struct cell {
-    int polarity, counter, flickers, turned[2];
-    int64_t turn[2];
-} cell;
-
-static void plain_afk(const tides_filters *f, const stream *s, char *pass) {
-    const int across = (s->width + f->afk_cell_px - 1) / f->afk_cell_px,
-              down = (s->height + f->afk_cell_px - 1) / f->afk_cell_px;
-    cell *cells = room((size_t)across * (size_t)down, sizeof *cells);
-    for (size_t i = 0; i < s->count; i++) {
-        const tides_event e = s->events[i];
-        cell *c = &cells[e.y / f->afk_cell_px * across + e.x / f->afk_cell_px];
-        const int p = e.polarity > 0;
-        if (c->polarity != e.polarity) {
-            const int64_t v = e.t - c->turn[p];
-            const int in_band = c->turned[p] && v >= ns(1 / f->afk_high_hz) && v <= ns(1 / f->afk_low_hz);
-            c->counter += in_band ? 1 : -1;
-            c->counter = c->counter > 7 ? 7 : c->counter < 0 ? 0 : c->counter;
-            if (c->counter >= f->afk_start) c->flickers = 1;
-            if (c->counter <= f->afk_stop) c->flickers = 0;
-            c->turn[p] = e.t;
-            c->turned[p] = 1;
-        }
-        c->polarity = e.polarity;
-        pass[i] = f->afk == TIDES_AFK_BAND_STOP ? !c->flickers : c->flickers;
-    }
-    free(cells);
-}
-
-/* The trail filter by pixel, with indices of events in place of times. */
-static void plain_trail(const tides_filters *f, const stream *s, char *pass) {
-    const size_t pixels = (size_t)s->width * (size_t)s->height;
-    size_t *last = room(pixels, sizeof *last); /* 1 + the pixel's event before */
-    char *armed = room(pixels, 1);
-    const int64_t T = ns(f->trail_s);
-    for (size_t i = 0; i < s->count; i++) {
-        const tides_event e = s->events[i];
-        const size_t at = (size_t)(e.y * s->width + e.x);
-        const tides_event *before = last[at] ? &s->events[last[at] - 1] : NULL;
-        const int same = before && before->polarity == e.polarity;
-        if (f->trail == TIDES_TRAIL_TRAIL)
-            pass[i] = !same || e.t - before->t >= T;
-        else if (!same)
-            pass[i] = 0, armed[at] = 1;
-        else
-            pass[i] = armed[at] && e.t - before->t <= T;
-        if (pass[i] && f->trail == TIDES_TRAIL_STC_CUT) armed[at] = 0;
-        last[at] = i + 1;
-    }
-    free(last);
-    free(armed);
-}
-
-/* All that are on, in order; `dropped` by filter. */
-static void plain(const tides_filters *f, stream *s, uint64_t dropped[TIDES_STAGES]) {
-    char *pass = room(s->count, 1);
-    memset(dropped, 0, TIDES_STAGES * sizeof *dropped);
-    if (f->background_s > 0) plain_background(f, s, pass), dropped[TIDES_STAGE_BACKGROUND] = keep(s, pass);
-    if (f->activity_low_start > 0 || f->activity_high_start > 0)
-        plain_activity(f, s, pass), dropped[TIDES_STAGE_ACTIVITY] = keep(s, pass);
-    if (f->afk) plain_afk(f, s, pass), dropped[TIDES_STAGE_AFK] = keep(s, pass);
-    if (f->trail) plain_trail(f, s, pass), dropped[TIDES_STAGE_TRAIL] = keep(s, pass);
-    if (f->erc_events) plain_erc(f, s, pass), dropped[TIDES_STAGE_ERC] = keep(s, pass);
-    free(pass);
 }
 
 /* -- the library's -------------------------------------------------------------------------------------------------------- */
@@ -397,6 +231,36 @@ static void lamp(void **state) {
     tides_filter_destroy(made);
 }
 
+/* Events every microsecond from `from` to `to` [us]: how many pass. */
+static size_t count_passing(tides_filter *filter, int from, int to) {
+    size_t passed = 0, kept;
+    for (int t = from; t < to; t++) {
+        tides_event e = {.t = 1000 * (int64_t)t, .polarity = 1};
+        assert_int_equal(tides_filter_apply(filter, &e, NULL, 1, &kept, NULL), TIDES_OK);
+        passed += kept;
+    }
+    return passed;
+}
+
+/* Periods are floored before 0 too, and those in which nothing happens count. */
+static void periods(void **state) {
+    (void)state;
+    tides_filters f = off();
+    tides_filter *made;
+    f.erc_law = TIDES_ERC_FIRST;
+    f.erc_events = 10;
+    assert_int_equal(tides_filter_create(&f, 8, 8, 0, &made, NULL), TIDES_OK);
+    assert_int_equal(count_passing(made, -500, 500), 60); /* the ends of two periods and four whole ones */
+    tides_filter_destroy(made);
+    f = off();
+    f.activity_low_start = 5e5;
+    assert_int_equal(tides_filter_create(&f, 8, 8, 0, &made, NULL), TIDES_OK);
+    assert_int_equal(count_passing(made, 0, 1000), 0);
+    assert_int_equal(count_passing(made, 1000, 2000), 1000);
+    assert_int_equal(count_passing(made, 4500, 4900), 0); /* after two that were empty */
+    tides_filter_destroy(made);
+}
+
 static void expect_refused(const tides_filters *f, const char *word) {
     tides_filter *made = NULL;
     tides_error error = {TIDES_OK, ""};
@@ -468,9 +332,9 @@ static void refused_events(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(random_events),   cmocka_unit_test(other_clocks), cmocka_unit_test(real_events),
-        cmocka_unit_test(worked_examples), cmocka_unit_test(lamp),         cmocka_unit_test(refused),
-        cmocka_unit_test(refused_events),
+        cmocka_unit_test(random_events),   cmocka_unit_test(other_clocks),   cmocka_unit_test(real_events),
+        cmocka_unit_test(worked_examples), cmocka_unit_test(lamp),           cmocka_unit_test(periods),
+        cmocka_unit_test(refused),         cmocka_unit_test(refused_events),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
