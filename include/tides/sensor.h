@@ -1,7 +1,7 @@
 /* The sensor between log-luminance and events, in continuous time and physical units (DESIGN 3.3, 3.4; paper, "Comparator and
  * sensor model"). Every block is off by default and costs nothing then.
  *
- *   L -> PSF -> photoreceptor (low-pass, or the circuit) -> centre-surround -> + noise -> S -> comparator -> events
+ *   L -> PSF -> photoreceptor (low-pass, or the circuit), high-pass -> centre-surround -> + noise -> S -> comparator -> events
  *
  * A pixel fires ON where S - S_ref reaches C+ and OFF where it reaches -C-. Random numbers depend on the seed and on the pixel
  * alone, never on steps, tiles, devices or where a run is cut. */
@@ -85,6 +85,7 @@ typedef struct tides_sensor {
     double surround_tau_s;          /* its time constant [s] */
     double noise_rms;               /* additive Ornstein-Uhlenbeck noise [log units] */
     double noise_cutoff_hz;         /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
+    double highpass_hz;             /* -3 dB of a high-pass behind the low-pass (Prophesee's bias_hpf) [Hz]; 0: off */
     uint64_t seed;                  /* of all that is random here */
     int32_t labels;                 /* 1: events get tides_event_frontend */
     int32_t initial;                /* TIDES_INITIAL_* */

@@ -153,7 +153,10 @@ static tides_status allocate_blocks(td_sensor *sensor, tides_error *error) {
         sensor->number = td_alloc(sensor->count, sizeof *sensor->number, error);
         if (!sensor->noise_segment || !sensor->noise_value || !sensor->number) return TIDES_NO_MEMORY;
     }
-    int states = !sensor->frontend.on ? 0 : sensor->frontend.kind == TD_FRONTEND_CONSTANT ? 1 : TD_FRONTEND_STATE;
+    int states = !sensor->frontend.on                            ? 0
+                 : sensor->frontend.kind == TD_FRONTEND_CONSTANT ? 1
+                 : sensor->frontend.kind == TD_FRONTEND_HIGHPASS ? 2
+                                                                 : TD_FRONTEND_STATE;
     for (int k = 0; k < states; k++)
         if (!(sensor->filter[k] = td_alloc(sensor->count, sizeof *sensor->filter[k], error))) return TIDES_NO_MEMORY;
     sensor->reach = td_alloc(sensor->count, sizeof *sensor->reach, error);

@@ -1452,6 +1452,7 @@ class tides_sensor(Structure):
     double surround_tau_s; /* its time constant [s] */
     double noise_rms; /* additive Ornstein-Uhlenbeck noise [log units] */
     double noise_cutoff_hz; /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
+    double highpass_hz; /* -3 dB of a high-pass behind the low-pass (Prophesee's bias_hpf) [Hz]; 0: off */
     uint64_t seed; /* of all that is random here */
     int32_t labels; /* 1: events get tides_event_frontend */
     int32_t initial; /* TIDES_INITIAL_* */
@@ -1487,6 +1488,7 @@ class tides_sensor(Structure):
     surround_tau_s: float
     noise_rms: float
     noise_cutoff_hz: float
+    highpass_hz: float
     seed: int
     labels: int
     initial: int
@@ -1518,6 +1520,7 @@ class tides_sensor(Structure):
         ("surround_tau_s", c_double),
         ("noise_rms", c_double),
         ("noise_cutoff_hz", c_double),
+        ("highpass_hz", c_double),
         ("seed", c_uint64),
         ("labels", c_int32),
         ("initial", c_int32),
