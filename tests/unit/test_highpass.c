@@ -99,8 +99,8 @@ static void edge(const void *user, int i, double t, double *S, double *S_dot) {
     *S_dot = 0;
 }
 
-/* y jumps by 1 and decays as e^(-t / tau): thresholds 0.3 make 3 ON events, then 2 OFF on the way back, whose times are in closed
- * form. */
+/* y jumps by 1 and decays as e^(-t / tau): thresholds 0.3 make 3 ON events, then 2 OFF on the way back, whose times are in
+ * closed form. */
 static void test_edge(void **state) {
     (void)state;
     tides_sensor sensor;

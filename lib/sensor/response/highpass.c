@@ -1,5 +1,5 @@
-/* The high-pass: y = S - z, where z is a low-pass of S. As sums of poles S and z have the low-pass' pole in common, so that y is
- * one more sum of poles, whose weights add up to 0: exact for a cubic as the low-pass is. */
+/* The high-pass: y = S - z, where z is a low-pass of S. As sums of poles S and z have the low-pass' pole in common, so that y
+ * is one more sum of poles, whose weights add up to 0: exact for a cubic as the low-pass is. */
 #include "td_highpass.h"
 #include "td_base.h"
 #include "td_lowpass.h"

@@ -1,4 +1,5 @@
-/* Internal: the high-pass behind the photoreceptor: what frontend.c needs of it. Its state is y, and what the low-pass is at. */
+/* Internal: the high-pass behind the photoreceptor: what frontend.c needs of it. Its state is y, and what the low-pass is
+ * at. */
 #ifndef TD_HIGHPASS_H
 #define TD_HIGHPASS_H
 
