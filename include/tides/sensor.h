@@ -1,7 +1,7 @@
 /* The sensor between log-luminance and events, in continuous time and physical units (DESIGN 3.3, 3.4; paper, "Comparator and
  * sensor model"). Every block is off by default and costs nothing then.
  *
- *   L -> PSF -> photoreceptor (low-pass, or the circuit) -> centre-surround -> + noise -> S -> comparator -> events
+ *   L -> PSF -> photoreceptor (low-pass, or the circuit), high-pass -> centre-surround -> + noise -> S -> comparator -> events
  *
  * A pixel fires ON where S - S_ref reaches C+ and OFF where it reaches -C-. Random numbers depend on the seed and on the pixel
  * alone, never on steps, tiles, devices or where a run is cut. */
@@ -85,9 +85,15 @@ typedef struct tides_sensor {
     double surround_tau_s;          /* its time constant [s] */
     double noise_rms;               /* additive Ornstein-Uhlenbeck noise [log units] */
     double noise_cutoff_hz;         /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
+    double highpass_hz;             /* -3 dB of a high-pass behind the low-pass (Prophesee's bias_hpf) [Hz]; 0: off */
     uint64_t seed;                  /* of all that is random here */
     int32_t labels;                 /* 1: events get tides_event_frontend */
     int32_t initial;                /* TIDES_INITIAL_* */
+    /* File of what single pixels have in place of what would be drawn for them (nullable): arrays of the image's height by
+     * width, in an .npz, a structured .npy, or HDF5, of these names, any of which may be missing, and NaN where it isn't
+     * known: threshold_on, threshold_off [log units], leak [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1].
+     * Read when pixels are made. The caller's. */
+    const char *maps;
     /* The readout of frames on the same chip (DAVIS): each read of a row adds `kick` to the signal of its pixels, which decays.
      * Frame k = 0, 1, ..., at kick_first_s + k / kick_rate_hz, reads row y kick_reads_s (of reset, of signal) + y kick_row_s
      * later; reads before the run aren't. Behind all filters. Not with a pole that goes with the light, nor the circuit; a step
@@ -98,11 +104,6 @@ typedef struct tides_sensor {
     double kick_first_s;    /* the first frame [s], on the run's clock */
     double kick_row_s;      /* from row to row [s] */
     double kick_reads_s[2]; /* the same twice: one read [s] */
-    /* File of what single pixels have in place of what would be drawn for them (nullable): arrays of the image's height by
-     * width, in an .npz, a structured .npy, or HDF5, of these names, any of which may be missing, and NaN where it isn't
-     * known: threshold_on, threshold_off [log units], leak [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1].
-     * Read when pixels are made. The caller's. */
-    const char *maps;
 } tides_sensor;
 TIDES_API void tides_sensor_defaults(tides_sensor *sensor);
 

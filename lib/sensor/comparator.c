@@ -192,7 +192,8 @@ static void reject_block(const tile_job *job, size_t first, size_t count, double
 
 /* The circuit takes each pixel by itself. */
 static int can_reject(const td_sensor *sensor) {
-    return !sensor->exhaustive && (!sensor->frontend.on || sensor->frontend.kind != TD_FRONTEND_CIRCUIT);
+    const int kind = sensor->frontend.kind;
+    return !sensor->exhaustive && kind != TD_FRONTEND_CIRCUIT && kind != TD_FRONTEND_HIGHPASS;
 }
 
 /* -- blocks ---------------------------------------------------------------------------------------------------------------- */

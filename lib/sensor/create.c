@@ -156,7 +156,10 @@ static tides_status allocate_blocks(td_sensor *sensor, tides_error *error) {
         sensor->number = td_alloc(sensor->count, sizeof *sensor->number, error);
         if (!sensor->number) return TIDES_NO_MEMORY;
     }
-    int states = !sensor->frontend.on ? 0 : sensor->frontend.kind == TD_FRONTEND_CONSTANT ? 1 : TD_FRONTEND_STATE;
+    int states = !sensor->frontend.on                            ? 0
+                 : sensor->frontend.kind == TD_FRONTEND_CONSTANT ? 1
+                 : sensor->frontend.kind == TD_FRONTEND_HIGHPASS ? 2
+                                                                 : TD_FRONTEND_STATE;
     for (int k = 0; k < states; k++)
         if (!(sensor->filter[k] = td_alloc(sensor->count, sizeof *sensor->filter[k], error))) return TIDES_NO_MEMORY;
     sensor->reach = td_alloc(sensor->count, sizeof *sensor->reach, error);
@@ -208,9 +211,9 @@ tides_status td_sensor_create(const tides_sensor *given, int32_t model, double l
     if (status == TIDES_OK) status = td_additive_noise_make(params, &sensor->additive, error);
     if (status == TIDES_OK) status = td_kick_make(params, start, &sensor->kick, error);
     if (status == TIDES_OK && sensor->kick.on && sensor->frontend.kind > TD_FRONTEND_CONSTANT)
-        status =
-            td_fail(error, TIDES_UNSUPPORTED,
-                    "sensor: kick isn't available with the circuit or a pole that goes with the light; leave one of them off");
+        status = td_fail(error, TIDES_UNSUPPORTED,
+                         "sensor: kick isn't available with the circuit, a pole that goes with the light or a high-pass; leave "
+                         "one of them off");
     if (status != TIDES_OK) {
         td_maps_release(&maps);
         return status;

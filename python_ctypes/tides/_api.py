@@ -1452,9 +1452,15 @@ class tides_sensor(Structure):
     double surround_tau_s; /* its time constant [s] */
     double noise_rms; /* additive Ornstein-Uhlenbeck noise [log units] */
     double noise_cutoff_hz; /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
+    double highpass_hz; /* -3 dB of a high-pass behind the low-pass (Prophesee's bias_hpf) [Hz]; 0: off */
     uint64_t seed; /* of all that is random here */
     int32_t labels; /* 1: events get tides_event_frontend */
     int32_t initial; /* TIDES_INITIAL_* */
+    /* File of what single pixels have in place of what would be drawn for them (nullable): arrays of the image's height by
+    * width, in an .npz, a structured .npy, or HDF5, of these names, any of which may be missing, and NaN where it isn't
+    * known: threshold_on, threshold_off [log units], leak [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1].
+    * Read when pixels are made. The caller's. */
+    const char *maps;
     /* The readout of frames on the same chip (DAVIS): each read of a row adds `kick` to the signal of its pixels, which decays.
     * Frame k = 0, 1, ..., at kick_first_s + k / kick_rate_hz, reads row y kick_reads_s (of reset, of signal) + y kick_row_s
     * later; reads before the run aren't. Behind all filters. Not with a pole that goes with the light, nor the circuit; a step
@@ -1465,11 +1471,6 @@ class tides_sensor(Structure):
     double kick_first_s; /* the first frame [s], on the run's clock */
     double kick_row_s; /* from row to row [s] */
     double kick_reads_s[2]; /* the same twice: one read [s] */
-    /* File of what single pixels have in place of what would be drawn for them (nullable): arrays of the image's height by
-    * width, in an .npz, a structured .npy, or HDF5, of these names, any of which may be missing, and NaN where it isn't
-    * known: threshold_on, threshold_off [log units], leak [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1].
-    * Read when pixels are made. The caller's. */
-    const char *maps;
     """
 
     size: int
@@ -1497,16 +1498,17 @@ class tides_sensor(Structure):
     surround_tau_s: float
     noise_rms: float
     noise_cutoff_hz: float
+    highpass_hz: float
     seed: int
     labels: int
     initial: int
+    maps: bytes | None
     kick: float
     kick_recovery_s: float
     kick_rate_hz: float
     kick_first_s: float
     kick_row_s: float
     kick_reads_s: Any
-    maps: bytes | None
 
     _fields_ = [
         ("size", c_uint32),
@@ -1534,16 +1536,17 @@ class tides_sensor(Structure):
         ("surround_tau_s", c_double),
         ("noise_rms", c_double),
         ("noise_cutoff_hz", c_double),
+        ("highpass_hz", c_double),
         ("seed", c_uint64),
         ("labels", c_int32),
         ("initial", c_int32),
+        ("maps", c_char_p),
         ("kick", c_double),
         ("kick_recovery_s", c_double),
         ("kick_rate_hz", c_double),
         ("kick_first_s", c_double),
         ("kick_row_s", c_double),
         ("kick_reads_s", c_double * 2),
-        ("maps", c_char_p),
     ]
 
 

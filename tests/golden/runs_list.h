@@ -172,6 +172,9 @@ static const run_entry runs[] = {
      RUN_CPU | RUN_RESUME},
     {"sensor/initial filtered", "rigid", F32,
      "sensor.initial=steady sensor.leak_rate_hz=20 frontend.photoreceptor_cutoff_hz=100", RUN_RESUME},
+    {"sensor/highpass", "rigid", F32, "frontend.highpass_hz=20", RUN_RESUME},
+    {"sensor/highpass behind", "rigid", F32,
+     "frontend.highpass_hz=20 frontend.photoreceptor_cutoff_hz=100 sensor.leak_rate_hz=20", RUN_CPU | RUN_RESUME},
     {"sensor/preset", "rigid", F32, TEST_DVS "sensor.threshold_on=0.1 sensor.threshold_off=0.1", 0},
 
     {"readout/tiles", "rigid", F32, READOUT, RUN_RESUME},

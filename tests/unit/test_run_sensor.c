@@ -46,6 +46,7 @@ static void test_keys_reach_their_fields(void **state) {
         REAL("frontend.shot_noise_hz", sensor.shot_noise_hz, 5),
         REAL("frontend.hot_pixel_fraction", sensor.hot_pixel_fraction, 0.125),
         REAL("frontend.hot_pixel_rate_hz", sensor.hot_pixel_rate_hz, 7),
+        REAL("frontend.highpass_hz", sensor.highpass_hz, 2),
         REAL("frontend.photoreceptor_cutoff_hz", sensor.photoreceptor_cutoff_hz, 300),
         WHOLE("frontend.photoreceptor_law=intensity", sensor.photoreceptor_law, TIDES_PHOTORECEPTOR_INTENSITY),
         WHOLE("frontend.bandwidth=circuit", sensor.bandwidth, TIDES_BANDWIDTH_CIRCUIT),

@@ -2,6 +2,7 @@
 #include "td_frontend.h"
 #include "td_extremes.h"
 #include "td_base.h"
+#include "td_highpass.h"
 #include "td_lowpass.h"
 #include "td_substeps.h"
 
@@ -97,6 +98,7 @@ tides_status td_frontend_make(const tides_sensor *sensor, td_frontend *frontend,
     } else if (sensor->photoreceptor_cutoff_hz > 0) {
         make_first_order(sensor, frontend);
     }
+    if (status == TIDES_OK) status = td_highpass_make(sensor, frontend, error);
     frontend->tolerance = TD_FRONTEND_TOLERANCE / 2;
     frontend->on = frontend->kind != TD_FRONTEND_OFF;
     return status;
@@ -106,11 +108,11 @@ tides_status td_frontend_make(const tides_sensor *sensor, td_frontend *frontend,
 
 /* state: S, the second-order photoreceptor's output and its slope [1/s], the source follower's output. */
 double td_frontend_rest(const td_frontend *frontend, double L, double log_eps, double state[TD_FRONTEND_STATE]) {
-    (void)frontend;
     (void)log_eps; /* at rest a low-pass is at its input, whatever its rate is */
     state[0] = state[1] = state[3] = L;
     state[2] = 0;
-    return L;
+    if (frontend->kind == TD_FRONTEND_HIGHPASS) state[0] = 0;
+    return state[0];
 }
 
 /* The walk over the substeps; `source` gets a segment for each eighth of the step. One substep alone, in the step's own time,
@@ -150,6 +152,10 @@ void td_frontend_step(const td_frontend *frontend, double h, const td_model *inp
         td_poles poles = td_poles_first_order(frontend->rate * h, state[0], input->control[0]);
         td_poles_respond(&poles, input, response);
         state[0] = td_response_value(response, 1);
+        return;
+    }
+    if (frontend->kind == TD_FRONTEND_HIGHPASS) {
+        td_highpass_step(frontend, h, input, state, response);
         return;
     }
     td_filter_input source;

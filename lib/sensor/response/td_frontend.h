@@ -3,6 +3,8 @@
  *
  *   first order, constant   S' = rate (L - S), rate = 2 pi cutoff
  *   first order, intensity  the same, rate = 2 pi cutoff (255 Y + 20) / 275, Y = max(e^L - log_eps, 0)
+ *   high-pass               y = S - z, z' = 2 pi highpass_hz (S - z), behind the constant law or none, where S is L; then y
+ *                           stands in S's place, and is 0 at rest
  *   circuit                 a2 y'' + a1 y' + y = L, with I = photocurrent_a Y + dark_current_a, tau_in = photodiode_f V_T / I,
  *                           tau_mil = miller_f V_T / I, A_loop = gain kappa:
  *                             a2 = (tau_in + tau_mil) output_s / (A_loop + 1)
@@ -24,13 +26,20 @@
 /* [log units] */
 #define TD_FRONTEND_TOLERANCE 1e-8
 
-enum { TD_FRONTEND_OFF = 0, TD_FRONTEND_CONSTANT = 1, TD_FRONTEND_INTENSITY = 2, TD_FRONTEND_CIRCUIT = 3 };
+enum {
+    TD_FRONTEND_OFF = 0,
+    TD_FRONTEND_CONSTANT = 1,
+    TD_FRONTEND_INTENSITY = 2,
+    TD_FRONTEND_CIRCUIT = 3,
+    TD_FRONTEND_HIGHPASS = 4
+};
 
 typedef struct td_frontend {
     const tides_sensor *sensor;
     int on;                         /* 0: the response is the cubic itself, and there is no state */
     int kind;                       /* TD_FRONTEND_* */
     double light, dark;             /* what rates go with is light Y + dark: of (255 Y + 20) / 275, or the photocurrent [A] */
+    double highpass;                /* of the high-pass [1/s] */
     double rate;                    /* of the first-order filter, where that is 1 [1/s] */
     double input_s, miller_s, loop; /* circuit: tau_in I and tau_mil I [A s]; A_loop + 1 */
     double source_follower, difference; /* [1/s]; 0: left out */

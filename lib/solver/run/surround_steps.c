@@ -8,11 +8,11 @@ tides_status td_surround_steps_create(tides_simulator *s, const tides_sensor *se
     td_surround_steps *steps = &s->surround;
     size_t pixels = (size_t)s->layout.width * (size_t)height;
     if (sensor->surround_lambda_px == 0) return TIDES_OK;
-    if (sensor->bandwidth != TIDES_BANDWIDTH_FIRST_ORDER ||
+    if (sensor->bandwidth != TIDES_BANDWIDTH_FIRST_ORDER || sensor->highpass_hz > 0 ||
         (sensor->photoreceptor_cutoff_hz > 0 && sensor->photoreceptor_law != TIDES_PHOTORECEPTOR_CONSTANT))
         return td_fail(error, TIDES_UNSUPPORTED,
                        "center_surround: wants a photoreceptor whose filter is the same for all pixels: bandwidth first_order "
-                       "and photoreceptor_law constant");
+                       "and photoreceptor_law constant, without highpass_hz");
     double least = td_sensor_least_threshold(sensor);
     tides_status status =
         td_surround_create(sensor, s->layout.width, height, s->given.tolerance * least, &steps->surround, error);

@@ -201,7 +201,7 @@ TD_WIDE static void find_turns(const td_timing *timing, const td_timed *timed, s
 }
 
 /* Behind a first-order low-pass S' = rate (L - S), and S is on the level that the event took the reference to; behind the
- * circuit the slope and the curvature of L stand in for those of S. */
+ * circuit and the high-pass the slope and the curvature of L stand in for those of S. */
 static void filter_turn(const td_timed *timed, int n, some *of) {
     const td_frontend *frontend = timed->frontend;
     /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): set for each of `count` */
@@ -252,7 +252,7 @@ void td_timing_add_solved(td_timing *timing, double stands_for, double error, do
 
 void td_timing_add(td_timing *timing, const td_timed *timed) {
     const td_frontend *frontend = timed->frontend;
-    const int filters = frontend && frontend->on && frontend->kind != TD_FRONTEND_CIRCUIT;
+    const int filters = frontend && (frontend->kind == TD_FRONTEND_CONSTANT || frontend->kind == TD_FRONTEND_INTENSITY);
     some taken; /* large: only what is set is read */
     for (size_t begin = 0; begin < timed->count; begin += EVENTS) {
         const size_t left = timed->count - begin;
