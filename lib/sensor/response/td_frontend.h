@@ -52,11 +52,17 @@ double td_frontend_rest(const td_frontend *frontend, double L, double log_eps, d
 void td_frontend_step(const td_frontend *frontend, double h, const td_model *input, double log_eps,
                       double state[TD_FRONTEND_STATE], td_response *response);
 
-/* TD_FRONTEND_CONSTANT alone: the steps of many pixels without their responses, in a loop that compilers vectorise. Of pixel i,
- * control[k][i] are the input's control values, S[i] its state[0], and after[i] becomes what td_frontend_step makes of that, to
- * the bit. `low` and `high` get bounds of the response and its values, rounding included: pixels that could reach a level need
- * their response, from S[i]. Those of an input that isn't finite are NaN. */
-void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, const double *const control[4], const double *S,
-                           double *after, double *low, double *high);
+/* TD_FRONTEND_CONSTANT and TD_FRONTEND_INTENSITY: the steps of many pixels without their responses, in loops that compilers
+ * vectorise. Of pixel i, control[k][i] are the input's control values, S[i] its state[0], and after[i] becomes what
+ * td_frontend_step makes of that: to the bit where the rate is constant, else within TD_FRONTEND_TOLERANCE. `low` and `high`
+ * get bounds of the response and its values, rounding included: pixels that could reach a level need their response, from S[i].
+ * Both are NaN where the input isn't finite, and where a rate that goes with the light asks for td_frontend_step. What becomes
+ * of a pixel depends on no other. */
+void td_frontend_step_many(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
+                           const double *S, double *after, double *low, double *high);
+
+/* Where the rate goes with the light: its half of that (lowpass_light.c). */
+void td_lowpass_light_many(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
+                           const double *S, double *after, double *low, double *high);
 
 #endif
