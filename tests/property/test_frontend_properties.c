@@ -355,7 +355,7 @@ static void many_pixels_are_like_one(void **state) {
             for (int k = 0; k < 4; k++) control[k][i] = input.control[k];
             S[i] = i % 50 == 9 ? NAN : uniform(-6, 0);
         }
-        td_frontend_step_many(&frontend, h, PIXELS, columns, S, after, low, high);
+        td_frontend_step_many(&frontend, h, LOG_EPS, PIXELS, columns, S, after, low, high);
         for (int i = 0; i < PIXELS; i++) {
             td_model input = {{control[0][i], control[1][i], control[2][i], control[3][i]}};
             double memory[TD_FRONTEND_STATE] = {S[i], S[i], 0, S[i]};
