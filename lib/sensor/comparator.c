@@ -131,7 +131,11 @@ static void reject_filtered(const tile_job *job, size_t first, size_t count, dou
     double b[4][BLOCK], after[BLOCK], low[BLOCK], high[BLOCK], *S = sensor->filter[0] + at;
     const double *const control[4] = {b[0], b[1], b[2], b[3]};
     gather_block(job, first, count, b);
-    td_frontend_step_many(&sensor->frontend, job->pixel.step->length_s, sensor->log_eps, count, control, S, after, low, high);
+    const double h = job->pixel.step->length_s;
+    if (sensor->frontend.kind == TD_FRONTEND_INTENSITY)
+        td_frontend_step_light(&sensor->frontend, h, sensor->log_eps, count, control, S, after, low, high);
+    else
+        td_frontend_step_many(&sensor->frontend, h, count, control, S, after, low, high);
     for (size_t k = 0; k < count; k++) {
         double ramp = leak[k] * start, rise = leak[k] * length, slack = 16 * DBL_EPSILON * (ramp + rise + fabs(reference[k]));
         double flag = high[k] + (ramp - reference[k]) + rise + slack < on[k] ? 0.0 : 1.0;

@@ -67,7 +67,7 @@ static void bench_many(const td_frontend *frontend, double rise) {
     long pixels = 0;
     for (; spent < 0.3; pixels += PIXELS) {
         double begun = td_now();
-        td_frontend_step_many(frontend, H, LOG_EPS, PIXELS, columns, S, after, low, high);
+        td_frontend_step_many(frontend, H, PIXELS, columns, S, after, low, high);
         spent += td_now() - begun;
     }
     printf("%-22s rise %4.2f  %-8s %8.1f ns/pixel\n", "first order, many", rise, "update", 1e9 * spent / (double)pixels);

@@ -47,12 +47,8 @@ static inline void step(int slow, const real_pole *pole, size_t count, const dou
     }
 }
 
-void td_frontend_step_many(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
-                           const double *S, double *after, double *low, double *high) {
-    if (frontend->kind == TD_FRONTEND_INTENSITY) {
-        td_lowpass_light_many(frontend, h, log_eps, count, control, S, after, low, high);
-        return;
-    }
+void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, const double *const control[4], const double *S,
+                           double *after, double *low, double *high) {
     const double rate = frontend->rate * h;
     const int slow = !(rate > 1); /* as td_poles_respond has it */
     const td_mode mode = {rate, 0, 1, 0, slow};

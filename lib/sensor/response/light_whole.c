@@ -1,4 +1,5 @@
-/* The low-pass whose rate goes with the light over the pixels of a tile, in loops that compilers vectorise.
+/* The low-pass whose rate goes with the light over whole steps of the pixels of a tile, in loops that compilers vectorise: for
+ * light_many.c, which has substeps for those that find no answer here.
  *
  * With V the integral of its rate, S' = V' (L - S) has the solution
  *
@@ -18,7 +19,7 @@
  *
  * Bounds of S on the step come from its ends: at a maximum between them S is L, so at most L's largest; and from there it falls
  * no faster than towards L's least, so that it is at most S(1) + (S(1) - least) (e^R - 1). The same of a minimum. */
-#include "td_exp.h"
+#include "td_exponential.h"
 #include "td_extremes.h"
 #include "td_frontend.h"
 #include "td_wide.h"
@@ -44,11 +45,14 @@ static const double weight[NODES] = {0.46791393457269104739, 0.36076157304813860
 /* R in full light that one use of the rule is good for; longer steps are taken in panels. */
 static const double longest = 3.5;
 
+/* Of S. A part of what is promised, since it takes little: the bounds are far above what is measured (1e-13). */
+static const double tolerance = 0.1 * TD_FRONTEND_TOLERANCE;
+
 /* What the pixels of a step share. */
 typedef struct light_pole {
     double rate, light, beside; /* V' = rate (light e^L + beside) */
-    double dark_L, tolerance;   /* of S */
-    double middle, half;        /* of the panel at hand, in x of the step */
+    double dark_L;
+    double middle, half; /* of the panel at hand, in x of the step */
 } light_pole;
 
 /* Pixels side by side: their input about the panel's middle, its least and largest on the step, and what comes of it. */
@@ -92,7 +96,7 @@ TD_WIDE static void take_input(const light_pole *given, int count, const double 
 TD_WIDE static void take_series(const light_pole *given, int count, light_block *restrict at) {
     const light_pole p = *given;
     for (int i = 0; i < count; i++) {
-        const double E = p.rate * p.light * td_exp(at->l[0][i]);
+        const double E = p.rate * p.light * td_exponential(at->l[0][i]);
         const double a1 = at->l[1][i], a2 = 2 * at->l[2][i], a3 = 3 * at->l[3][i], r1 = a1 * E;
         const double r2 = (a1 * r1 + a2 * E) * (1.0 / 2), r3 = (a1 * r2 + a2 * r1 + a3 * E) * (1.0 / 3);
         const double r4 = (a1 * r3 + a2 * r2 + a3 * r1) * (1.0 / 4), r5 = (a1 * r4 + a2 * r3 + a3 * r2) * (1.0 / 5);
@@ -108,7 +112,7 @@ TD_WIDE static void take_series(const light_pole *given, int count, light_block 
                             g6 * ((AXIS_4 * AXIS_2 * AXIS + 1) / 7) + g7 * ((AXIS_4 * AXIS_4 + 1) / 8);
         const double steep = m1 + AXIS * m2 + AXIS_2 * m3;
         /* Beyond 600 it is far too much whatever it is. */
-        const double M = steep * (r0 * (AXIS + 1) + bent) * td_exp(td_lesser(r0 * (AXIS - 1) + bent, 600));
+        const double M = steep * (r0 * (AXIS + 1) + bent) * td_exponential(td_lesser(r0 * (AXIS - 1) + bent, 600));
         at->r[0][i] = r0;
         at->r[1][i] = r1;
         at->r[2][i] = r2;
@@ -130,7 +134,7 @@ TD_WIDE static void add_nodes(double x, double by, int count, light_block *restr
         const double odd = odd_part(at->r[0][i], at->r[2][i], at->r[4][i], at->r[6][i], x);
         const double even = even_part(at->r[1][i], at->r[3][i], at->r[5][i], at->r[7][i], x) - at->end[i];
         const double flat = at->l[1][i] + 3 * at->l[3][i] * (x * x), tilt = 2 * at->l[2][i] * x;
-        at->sum[i] += by * ((flat + tilt) * td_exp(even + odd) + (flat - tilt) * td_exp(even - odd));
+        at->sum[i] += by * ((flat + tilt) * td_exponential(even + odd) + (flat - tilt) * td_exponential(even - odd));
     }
 }
 
@@ -142,14 +146,15 @@ TD_WIDE static void finish(const light_pole *given, int count, const light_block
         const double l0 = at->l[0][i], l1 = at->l[1][i], l2 = at->l[2][i], l3 = at->l[3][i], S = S_at[i];
         const double least = at->least[i], most = at->most[i];
         const double R = 2 * odd_part(at->r[0][i], at->r[2][i], at->r[4][i], at->r[6][i], 1), lag = S - (l0 - l1 + l2 - l3);
-        const double decay = td_exp(td_greater(-R, -600)), after = (l0 + l1 + l2 + l3) + lag * decay - at->sum[i];
+        const double decay = td_exponential(td_greater(-R, -600)), after = (l0 + l1 + l2 + l3) + lag * decay - at->sum[i];
         const double moved = 2 * (fabs(l1) + 2 * fabs(l2) + 3 * fabs(l3));
         const double error = 1.01 * at->missing[i] * (fabs(lag) + moved) + RULE * at->M[i]; /* e^missing < 1.01 where it counts */
         const double over = after + TD_FRONTEND_TOLERANCE, under = after - TD_FRONTEND_TOLERANCE, grown = 1 / decay - 1;
         const double peak = td_lesser(most, over + td_greater(over - least, 0) * grown);
         const double trough = td_greater(least, under - td_greater(most - under, 0) * grown);
         const double margin = TD_FRONTEND_TOLERANCE + 64 * DBL_EPSILON * (fabs(S) + fabs(most) + fabs(least));
-        double fails = error * (1 + R) <= p.tolerance * R ? 0.0 : NAN;
+        double fails = error * (1 + R) <= tolerance * R ? 0.0 : NAN;
+        fails = R > 0 ? fails : NAN; /* a series that is far off may come to anything */
         fails = least >= p.dark_L ? fails : NAN;
         fails = most < 60 ? fails : NAN;
         S_at[i] = after;
@@ -170,12 +175,11 @@ static void step_block(light_pole *p, int panels, int count, const double *const
     }
 }
 
-void td_lowpass_light_many(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
-                           const double *S, double *after, double *low, double *high) {
+void td_light_whole(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
+                    const double *S, double *after, double *low, double *high) {
     const double full = frontend->rate * h, most = PANELS_MAX;
     const int panels = (int)td_lesser(ceil(td_greater(full / longest, 1)), most);
-    light_pole p = {0.5 * full / panels, frontend->light, frontend->dark - frontend->light * log_eps, log(log_eps),
-                    frontend->tolerance, 0,               1.0 / panels};
+    light_pole p = {0.5 * full / panels, frontend->light, frontend->dark - frontend->light * log_eps, log(log_eps), 0, 1.0 / panels};
     for (size_t i = 0; i < count; i++) {
         after[i] = S[i];
         low[i] = INFINITY;
