@@ -73,8 +73,7 @@ static tides_status measure_scene(bench *b, const char *name, bench_cost *costs,
     for (size_t i = 0; i < SENSORS && status == TIDES_OK; i++) bench_pairs_begin(&scene, &sensors[i], &costs[i]);
     if (status == TIDES_OK) status = bench_pairs_measure(b, &scene, &plan, p, costs, error);
     for (size_t i = 0; i < SENSORS && status == TIDES_OK; i++) {
-        costs[i].pixel_steps =
-            costs[i].stats.renders_full_frame_equivalent * scene.intrinsics.width * scene.intrinsics.height;
+        costs[i].pixel_steps = costs[i].stats.renders_full_frame_equivalent * scene.intrinsics.width * scene.intrinsics.height;
         bench_pairs_judge(&p[i], &costs[i]);
         bench_say(b, "%-10s %-16s %8.3g s  x %.4g (%.4g to %.4g)", costs[i].scene, costs[i].block, costs[i].run_time_s,
                   costs[i].ratio, costs[i].ratio_low, costs[i].ratio_high);

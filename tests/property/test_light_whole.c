@@ -1,5 +1,5 @@
-/* The low-pass whose rate goes with the light, over whole steps of many pixels: against the careful walk with a tolerance a thousand times as
- * small, for inputs as images make them and for the worst that could be thought of. */
+/* The low-pass whose rate goes with the light, over whole steps of many pixels: against the careful walk with a tolerance
+ * a thousand times as small, for inputs as images make them and for the worst that could be thought of. */
 #include "sensor/response/td_frontend.h"
 #include "td_base.h"
 
@@ -87,8 +87,8 @@ static int check(const td_frontend *exact, double h, const batch *b) {
         const double S = walk(exact, h, b, i, &response);
         answers++;
         if (!(fabs(S - b->after[i]) <= 0.1 * TD_FRONTEND_TOLERANCE + truth_off))
-            fail_msg("%.17g, not %.17g: off by %g; h %g, S %.17g, L %.17g %.17g %.17g %.17g", b->after[i], S, b->after[i] - S, h,
-                     b->S[i], b->control[0][i], b->control[1][i], b->control[2][i], b->control[3][i]);
+            fail_msg("%.17g, not %.17g: off by %g; h %g, S %.17g, L %.17g %.17g %.17g %.17g", b->after[i], S, b->after[i] - S,
+                     h, b->S[i], b->control[0][i], b->control[1][i], b->control[2][i], b->control[3][i]);
         for (int k = 0; k <= 16; k++) {
             const double value = td_response_value(&response, k / 16.0);
             if (!(value > b->low[i] && value < b->high[i]))
@@ -100,7 +100,8 @@ static int check(const td_frontend *exact, double h, const batch *b) {
     return answers;
 }
 
-/* From still to a log unit in a step, bent as what moves past is, rates from 1e-6 to 10 per step; most of what images make has an answer. */
+/* From still to a log unit in a step, bent as what moves past is, rates from 1e-6 to 10 per step; most of what
+ * images make has an answer. */
 static void is_the_walk(void **state) {
     (void)state;
     seed(0);
@@ -132,7 +133,7 @@ static void of_the_worst(void **state) {
     seed(1);
     static batch b;
     const double dark = log(LOG_EPS);
-    const double shape[][4] = {{0, 0, 0, 1},  {0, 1, 1, 1},   {0, 0, 1, 1},  {0, 1, 0, 1},      {1, 0, 1, 0},
+    const double shape[][4] = {{0, 0, 0, 1},  {0, 1, 1, 1},  {0, 0, 1, 1}, {0, 1, 0, 1},      {1, 0, 1, 0},
                                {0, 1, -1, 0}, {0, 3, -3, 0}, {0, 0, 0, 0}, {0, 1e-300, 0, 0}, {1, 0, 0, 0}};
     enum { SHAPES = sizeof shape / sizeof *shape };
     int answers = 0;

@@ -1,5 +1,5 @@
-/* What the front end adds to events, against closed forms; and the low-passes of a whole tile against its pixels one by one: the
- * constant one to the bit. */
+/* What the front end adds to events, against closed forms; and the low-passes of a whole tile against its pixels one by
+ * one, the constant one to the bit. */
 #include "sensor_rig.h"
 
 static const double TAU = 1 / (2 * 3.14159265358979323846 * 300); /* of 300 Hz [s] */

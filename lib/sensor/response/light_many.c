@@ -1,9 +1,9 @@
 /* The low-pass whose rate goes with the light over the pixels of a tile, in loops that compilers vectorise.
  *
  * Most steps are answered as a whole (light_whole.c). Each other pixel walks along its own substeps, by the same operations and
- * the same lengths as in substeps.c, so that it ends the step where td_frontend_step has it end, to the bit. All that are still on their way go one substep further at a time; those
- * that have arrived make room. A pixel whose light is cut off at 0, or which would take very many substeps, is left to
- * td_frontend_step. */
+ * the same lengths as in substeps.c, so that it ends the step where td_frontend_step has it end, to the bit. All that are still
+ * on their way go one substep further at a time; those that have arrived make room. A pixel whose light is cut off at 0, or
+ * which would take very many substeps, is left to td_frontend_step. */
 #include "td_frontend.h"
 #include "td_light_step.h"
 #include "td_substeps.h"

@@ -148,7 +148,8 @@ TD_WIDE static void finish(const light_pole *given, int count, const light_block
         const double R = 2 * odd_part(at->r[0][i], at->r[2][i], at->r[4][i], at->r[6][i], 1), lag = S - (l0 - l1 + l2 - l3);
         const double decay = td_exponential(td_greater(-R, -600)), after = (l0 + l1 + l2 + l3) + lag * decay - at->sum[i];
         const double moved = 2 * (fabs(l1) + 2 * fabs(l2) + 3 * fabs(l3));
-        const double error = 1.01 * at->missing[i] * (fabs(lag) + moved) + RULE * at->M[i]; /* e^missing < 1.01 where it counts */
+        const double error =
+            1.01 * at->missing[i] * (fabs(lag) + moved) + RULE * at->M[i]; /* e^missing < 1.01 where it counts */
         const double over = after + TD_FRONTEND_TOLERANCE, under = after - TD_FRONTEND_TOLERANCE, grown = 1 / decay - 1;
         const double peak = td_lesser(most, over + td_greater(over - least, 0) * grown);
         const double trough = td_greater(least, under - td_greater(most - under, 0) * grown);
@@ -179,7 +180,8 @@ void td_light_whole(const td_frontend *frontend, double h, double log_eps, size_
                     const double *S, double *after, double *low, double *high) {
     const double full = frontend->rate * h, most = PANELS_MAX;
     const int panels = (int)td_lesser(ceil(td_greater(full / longest, 1)), most);
-    light_pole p = {0.5 * full / panels, frontend->light, frontend->dark - frontend->light * log_eps, log(log_eps), 0, 1.0 / panels};
+    light_pole p = {0.5 * full / panels, frontend->light, frontend->dark - frontend->light * log_eps, log(log_eps), 0,
+                    1.0 / panels};
     for (size_t i = 0; i < count; i++) {
         after[i] = S[i];
         low[i] = INFINITY;

@@ -65,8 +65,8 @@ static void pack(const double *b, int inner, int columns, int column, double *pa
             panel[k * COLUMNS + j] = column + j < columns ? b[(size_t)k * columns + column + j] : 0;
 }
 
-/* ROWS of a times so many rows of a panel, added to the sums, each in k's order. Only a loop over columns that is long vectorises
- * whole. */
+/* ROWS of a times so many rows of a panel, added to the sums, each in k's order. What vectorises whole is a long loop over
+ * columns. */
 TD_WIDE static void add_four(const double *const a[ROWS], const double *restrict b, double (*restrict sum)[COLUMNS]) {
     const double *b0 = b, *b1 = b + COLUMNS, *b2 = b + 2 * COLUMNS, *b3 = b + 3 * COLUMNS;
     double *s0 = sum[0], *s1 = sum[1], *s2 = sum[2], *s3 = sum[3];
