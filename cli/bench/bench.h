@@ -224,7 +224,20 @@ tides_status bench_figure_bars(const bench *b, const bench_rows *rows, tides_err
 tides_status bench_frame_costs(bench *b, const bench_scene *scene, const tides_image_params *images, size_t count,
                                double *seconds, tides_error *error);
 
-/* bench_blocks.c: what a block costs in a scene: its runs against runs without it, taken in turns. */
+/* bench_pairs.c: runs with settings, each after one with those of the first case. */
+enum { BENCH_SETTINGS_MAX = 4, BENCH_PAIRS = 9 };
+typedef struct bench_case {
+    const char *name, *group;
+    const char *settings[BENCH_SETTINGS_MAX]; /* what a user would give with --set; NULL where there are fewer */
+} bench_case;
+typedef struct bench_timed {
+    double run, all_threads, own_thread; /* [s] */
+} bench_timed;
+typedef struct bench_pairs {
+    bench_timed with[BENCH_PAIRS], without[BENCH_PAIRS];
+} bench_pairs;
+
+/* What a case costs in a scene: its runs against those of the first case, taken in turns. */
 typedef struct bench_cost {
     char scene[64];
     const char *block, *group; /* "mismatch" of "comparator" */
@@ -232,18 +245,33 @@ typedef struct bench_cost {
     int32_t runs;
     double run_time_s, processor_s;      /* medians; the latter of all threads */
     double ratio, ratio_low, ratio_high; /* processor time over the one without: median and quartiles */
+    double run_ratio;                    /* the same of run time: median */
     double ns, ns_low, ns_high;          /* of the thread that runs the sensor, more per pixel and step: the same [ns] */
     double steps, pixel_steps;
     double spent_s; /* in its runs and theirs */
     tides_stats stats;
 } bench_cost;
-/* bench_blocks_figure.c: blocks.png. */
+void bench_pairs_begin(const bench_scene *scene, const bench_case *of, bench_cost *cost);
+/* As many pairs of each case as bench_pairs has room for, or 2 at least where they take longer than `enough_s`. */
+typedef struct bench_plan {
+    const bench_case *cases;
+    size_t count;
+    double enough_s, enough_quick_s;
+    tides_stepping stepping;
+} bench_plan;
+tides_status bench_pairs_measure(bench *b, const bench_scene *scene, const bench_plan *plan, bench_pairs *p, bench_cost *costs,
+                                 tides_error *error);
+/* Medians and quartiles; cost->pixel_steps is the caller's. */
+void bench_pairs_judge(const bench_pairs *p, bench_cost *cost);
+/* bench_blocks_figure.c: blocks.png, of the nanoseconds; sensors.png, of the ratios. */
 tides_status bench_figure_costs(const bench *b, const bench_cost *costs, size_t count, tides_error *error);
+tides_status bench_figure_ratios(const bench *b, const bench_cost *costs, size_t count, tides_error *error);
 
 /* bench_accuracy.c, bench_ablation.c, bench_blocks.c; the exit code is the command's. */
 tides_status bench_accuracy(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_ablation(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_blocks(bench *b, const cli_list *scenes, tides_error *error);
+tides_status bench_sensors(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_live(bench *b, const cli_list *scenes, tides_error *error);
 tides_status bench_throughput(bench *b, const cli_list *scenes, tides_error *error);
 /* Axes, rows and runs, not scenes; all open devices by themselves, in processes of their own. */

@@ -14,19 +14,8 @@
 #include <string.h>
 
 #define STEPS_PER_S 2000.0 /* [1/s] */
-/* Pairs of runs for each row; no more once they took so long [s], but two. */
-enum { PAIRS = 9, PAIRS_QUICK = 3, PAIRS_LEAST = 2 };
-#define LONG_S 4.0
-#define LONG_QUICK_S 0.5
-
-enum { SETTINGS_MAX = 4 };
-typedef struct block_case {
-    const char *name, *group;
-    const char *settings[SETTINGS_MAX];
-} block_case;
-
 /* Sizes where the block acts on what fires here: mismatch and leak as in v2e, rates and periods as in its noisy preset. */
-static const block_case blocks[] = {
+static const bench_case blocks[] = {
     {"off", "base", {NULL}},
     {"mismatch", "comparator", {"sensor.threshold_sigma=0.03"}},
     {"refractory hold", "comparator", {"sensor.refractory_s=0.0005", "sensor.refractory_law=hold"}},
@@ -67,91 +56,16 @@ static const block_case blocks[] = {
 };
 enum { BLOCKS = sizeof blocks / sizeof blocks[0] };
 
-/* One run [s]. */
-typedef struct timed {
-    double run, all_threads, own_thread;
-} timed;
-
-/* A row's runs, and those without its block. */
-typedef struct pairs {
-    timed with[PAIRS], without[PAIRS];
-} pairs;
-
 typedef struct job {
     bench_cost *costs;
     size_t count;
     cJSON *header;
 } job;
 
-/* -- one row ------------------------------------------------------------------------------------------------------------- */
-
-/* The scene with a block's settings. */
-static tides_status set_block(const block_case *block, bench_scene *scene, int32_t *rules, tides_error *error) {
-    static const char least[] = "{\"scene\": {\"file\": \"-\"}, \"camera\": {\"file\": \"-\"}}";
-    size_t count = 0;
-    while (count < SETTINGS_MAX && block->settings[count]) count++;
-    tides_run *run = NULL;
-    tides_run_values values;
-    tides_status status = tides_run_parse(least, "", block->settings, count, &run, error);
-    if (status != TIDES_OK) return status;
-    tides_run_get(run, &values);
-    scene->sensor = values.sensor;
-    scene->readout = values.readout;
-    *rules = values.image.rules;
-    tides_run_destroy(run);
-    return TIDES_OK;
-}
-
-static tides_status simulate(bench *b, const bench_scene *scene, const block_case *block, timed *took, bench_row *row,
-                             tides_error *error) {
-    bench_scene with = *scene;
-    int32_t rules;
-    tides_stepping stepping;
-    tides_stepping_defaults(&stepping);
-    stepping.mode = TIDES_STEPPING_FIXED;
-    stepping.step_s = 1 / STEPS_PER_S;
-    memset(row, 0, sizeof *row);
-    tides_status status = set_block(block, &with, &rules, error);
-    if (status == TIDES_OK) status = bench_simulate(b, &with, rules, &with.sensor, &stepping, NULL, row, error);
-    *took = (timed){row->run_time_s, row->all_threads_s, row->own_thread_s};
-    return status;
-}
-
-static tides_status measure_pair(bench *b, const bench_scene *scene, const block_case *block, pairs *p, bench_cost *cost,
-                                 tides_error *error) {
-    bench_row row;
-    tides_status status = simulate(b, scene, &blocks[0], &p->without[cost->runs], &row, error);
-    if (status == TIDES_OK) status = simulate(b, scene, block, &p->with[cost->runs], &row, error);
-    if (status != TIDES_OK) return status;
-    cost->stats = row.stats;
-    cost->spent_s += p->with[cost->runs].run + p->without[cost->runs].run;
-    cost->runs++;
-    return TIDES_OK;
-}
-
-static void judge_pairs(const pairs *p, bench_cost *cost) {
-    double run[PAIRS] = {0}, processor[PAIRS] = {0}, ratio[PAIRS] = {0}, ns[PAIRS] = {0}, low, high;
-    for (int32_t i = 0; i < cost->runs; i++) {
-        run[i] = p->with[i].run;
-        processor[i] = p->with[i].all_threads;
-        ratio[i] = p->with[i].all_threads / p->without[i].all_threads;
-        ns[i] = 1e9 * (p->with[i].own_thread - p->without[i].own_thread) / cost->pixel_steps;
-    }
-    bench_quartiles(ratio, cost->runs, &cost->ratio_low, &cost->ratio, &cost->ratio_high);
-    bench_quartiles(ns, cost->runs, &cost->ns_low, &cost->ns, &cost->ns_high);
-    bench_quartiles(processor, cost->runs, &low, &cost->processor_s, &high);
-    bench_quartiles(run, cost->runs, &low, &cost->run_time_s, &high);
-}
-
 /* -- one scene ----------------------------------------------------------------------------------------------------------- */
 
-static void begin_cost(const bench_scene *scene, const block_case *block, bench_cost *cost) {
-    memset(cost, 0, sizeof *cost);
-    snprintf(cost->scene, sizeof cost->scene, "%s", scene->name);
-    cost->block = block->name;
-    cost->group = block->group;
-    for (size_t i = 0, used = 0; i < SETTINGS_MAX && block->settings[i] && used < sizeof cost->settings; i++)
-        used += (size_t)snprintf(cost->settings + used, sizeof cost->settings - used, "%s%s", i ? " " : "", block->settings[i]);
+static void begin_cost(const bench_scene *scene, const bench_case *block, bench_cost *cost) {
+    bench_pairs_begin(scene, block, cost);
     cost->steps = round(STEPS_PER_S * (scene->stop - scene->start));
     cost->pixel_steps = cost->steps * scene->intrinsics.width * scene->intrinsics.height;
 }
@@ -163,21 +77,19 @@ static void say_cost(const bench *b, const bench_cost *cost) {
 
 static tides_status visit(void *user, bench *b, bench_scene *scene, tides_error *error) {
     job *j = user;
-    const int32_t rounds = b->quick ? PAIRS_QUICK : PAIRS;
-    const double enough_s = b->quick ? LONG_QUICK_S : LONG_S;
+    bench_plan plan = {blocks, BLOCKS, 4, 0.5, {0}};
+    tides_stepping_defaults(&plan.stepping);
+    plan.stepping.mode = TIDES_STEPPING_FIXED;
+    plan.stepping.step_s = 1 / STEPS_PER_S;
     bench_cost *grown = realloc(j->costs, (j->count + BLOCKS) * sizeof *grown);
-    pairs *p = calloc(BLOCKS, sizeof *p);
+    bench_pairs *p = calloc(BLOCKS, sizeof *p);
     tides_status status = grown && p ? TIDES_OK : cli_error(error, TIDES_NO_MEMORY, "out of memory: results");
     if (grown) j->costs = grown;
     bench_cost *costs = j->costs + j->count;
     for (size_t i = 0; i < BLOCKS && status == TIDES_OK; i++) begin_cost(scene, &blocks[i], &costs[i]);
-    for (int32_t round = 0; round < rounds; round++)
-        for (size_t i = 0; i < BLOCKS && status == TIDES_OK; i++) {
-            if (round >= PAIRS_LEAST && costs[i].spent_s > enough_s) continue;
-            status = measure_pair(b, scene, &blocks[i], &p[i], &costs[i], error);
-        }
+    if (status == TIDES_OK) status = bench_pairs_measure(b, scene, &plan, p, costs, error);
     for (size_t i = 0; i < BLOCKS && status == TIDES_OK; i++) {
-        judge_pairs(&p[i], &costs[i]);
+        bench_pairs_judge(&p[i], &costs[i]);
         say_cost(b, &costs[i]);
         j->count++;
     }

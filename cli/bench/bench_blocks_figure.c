@@ -70,6 +70,42 @@ static void draw_panel(cli_canvas *canvas, int32_t column, const bench_cost *cos
     }
 }
 
+/* Of processor time to the first row's. */
+static void draw_ratios(cli_canvas *canvas, const bench_cost *costs, size_t count) {
+    const int32_t top = HEADING + TOP;
+    plot_panel panel = {.left = LEFT, .top = top, .right = WIDTH - RIGHT, .bottom = top + (int32_t)count * PITCH};
+    char title[160];
+    snprintf(title, sizeof title, "%s: %.3g s with %s", costs[0].scene, costs[0].processor_s, costs[0].block);
+    panel.x_low = panel.x_high = 1;
+    for (size_t i = 0; i < count; i++) {
+        panel.x_low = fmin(panel.x_low, costs[i].ratio);
+        panel.x_high = fmax(panel.x_high, costs[i].ratio);
+    }
+    panel.x_low *= 0.9;
+    panel.x_high *= 1.1;
+    plot_round_range(&panel.x_low, &panel.x_high);
+    panel.title = title;
+    panel.x_label = "processor time over that";
+    panel.y_label = "";
+    plot_axes(canvas, &panel, 0);
+    plot_mark(canvas, &panel, 1);
+    for (size_t i = 0; i < count; i++) {
+        const int32_t bar = top + (int32_t)i * PITCH, text = bar + PITCH / 2;
+        char value[64];
+        plot_bar(canvas, &panel, bar + 4, bar + PITCH - 4, costs[i].ratio, style_of(costs, (span){0, count}, i));
+        canvas_text(canvas, panel.left - 10, text, 1, costs[i].block);
+        snprintf(value, sizeof value, "x%.3f (%.3f..%.3f)", costs[i].ratio, costs[i].ratio_low, costs[i].ratio_high);
+        canvas_text(canvas, panel.right + 10, text, 0, value);
+    }
+}
+
+tides_status bench_figure_ratios(const bench *b, const bench_cost *costs, size_t count, tides_error *error) {
+    cli_canvas canvas = bench_canvas(b, WIDTH, HEADING + TOP + (int32_t)count * PITCH + BOTTOM,
+                                     "each sensor's run, in turns with the first one's; median and quartiles");
+    draw_ratios(&canvas, costs, count);
+    return bench_write_canvas(b, &canvas, "sensors", error);
+}
+
 tides_status bench_figure_costs(const bench *b, const bench_cost *costs, size_t count, tides_error *error) {
     span spans[SPANS_MAX];
     const int32_t panels = find_spans(costs, count, spans);

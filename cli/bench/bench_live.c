@@ -138,21 +138,7 @@ static double percentile(const live_row *row, double percent) {
 /* The demo's world, which lasts as long as the run; others as they are. */
 static tides_status make_scene(const bench *b, const char *name, bench_scene *scene, tides_error *error) {
     if (strcmp(name, "demo") != 0) return bench_world_make(name, b->quick, scene, error);
-    tides_generate_options options;
-    tides_world world;
-    tides_generate_options_defaults(&options);
-    options.duration_s = (STEPS + 2) * STEP_S; /* quick ones see its beginning */
-    options.width = WIDTH;
-    options.height = HEIGHT;
-    tides_status status = tides_generate("fan", &options, &world, error);
-    if (status != TIDES_OK) return status;
-    bench_lay_out(scene, name, "the demo: a textured fan before a room, handheld camera");
-    scene->scene = world.scene;
-    scene->camera = world.camera;
-    scene->intrinsics = world.intrinsics;
-    scene->stop = world.duration_s;
-    for (int k = 0; k < 3; k++) scene->image.background[k] = world.background[k];
-    return TIDES_OK;
+    return bench_make_demo((STEPS + 2) * STEP_S, scene, error); /* quick ones see its beginning */
 }
 
 static tides_status measure_scene(bench *b, const char *name, live_rows *all, tides_error *error) {

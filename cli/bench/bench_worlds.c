@@ -290,3 +290,21 @@ tides_status bench_world_make(const char *name, int32_t quick, bench_scene *scen
         bench_scene_free(&made);
     return status;
 }
+
+tides_status bench_make_demo(double duration_s, bench_scene *scene, tides_error *error) {
+    tides_generate_options options;
+    tides_world made;
+    tides_generate_options_defaults(&options);
+    if (duration_s > 0) options.duration_s = duration_s;
+    options.width = 346;
+    options.height = 260;
+    tides_status status = tides_generate("fan", &options, &made, error);
+    if (status != TIDES_OK) return status;
+    bench_lay_out(scene, "demo", "the demo: a textured fan before a room, handheld camera");
+    scene->scene = made.scene;
+    scene->camera = made.camera;
+    scene->intrinsics = made.intrinsics;
+    scene->stop = made.duration_s;
+    for (int k = 0; k < 3; k++) scene->image.background[k] = made.background[k];
+    return TIDES_OK;
+}

@@ -8,6 +8,9 @@
 const char *const *bench_world_names(void);
 tides_status bench_world_make(const char *name, int32_t quick, bench_scene *scene, tides_error *error);
 
+/* The demo's world, which lasts so long [s]; 0: as the demo's does. */
+tides_status bench_make_demo(double duration_s, bench_scene *scene, tides_error *error);
+
 /* Random splats in a cube of 2, as dense whatever their number; flat ones on spheres, which cover them whatever their
  * number. */
 tides_status bench_add_random(tides_scene *scene, int64_t count, tides_error *error);

@@ -14,6 +14,7 @@ static const bench_entry benchmarks[] = {
     {"determinism", "The same runs made in different ways, and one SHA-256 for each run.", bench_determinism, 1,
      determinism_names},
     {"live", "How long a run takes for each pose that it is told as it goes.", bench_live, 0, bench_world_names},
+    {"sensors", "What a run takes with each sensor, against the ideal one.", bench_sensors, 0, bench_world_names},
     {"stability", "Worlds made to break the simulator, and whether they do.", bench_stability, 1, stability_names},
 };
 

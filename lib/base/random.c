@@ -3,6 +3,7 @@
  * Each is written once, for one number and for lanes of several alike: straight-line code without tables or calls of libm, that
  * compilers vectorise, and whose numbers are the same with every C library. */
 #include "td_random.h"
+#include "td_wide.h"
 
 #include <math.h>
 #include <string.h>
@@ -41,6 +42,10 @@ td_random_bits td_random(uint64_t seed, uint32_t pixel, uint64_t index, uint32_t
     return td_philox(counter, key);
 }
 
+TD_WIDE static void philox_lanes(uint32_t c[4][TD_RANDOM_LANES], uint64_t seed) {
+    philox(TD_RANDOM_LANES, c[0], c[1], c[2], c[3], (uint32_t)seed, (uint32_t)(seed >> 32));
+}
+
 void td_random_many(uint64_t seed, const uint32_t *pixel, const uint64_t *index, uint32_t purpose, td_random_lanes *bits) {
     uint32_t c[4][TD_RANDOM_LANES];
     for (int i = 0; i < TD_RANDOM_LANES; i++) {
@@ -49,7 +54,7 @@ void td_random_many(uint64_t seed, const uint32_t *pixel, const uint64_t *index,
         c[2][i] = pixel[i];
         c[3][i] = purpose;
     }
-    philox(TD_RANDOM_LANES, c[0], c[1], c[2], c[3], (uint32_t)seed, (uint32_t)(seed >> 32));
+    philox_lanes(c, seed);
     memcpy(bits->word, c, sizeof c);
 }
 
@@ -137,8 +142,12 @@ void td_random_normals(const td_random_bits *bits, double normal[2]) {
     normals(td_random_uniform(bits, 0), td_random_uniform(bits, 1), &normal[0], &normal[1]);
 }
 
-void td_random_normals_many(const td_random_lanes *bits, double *restrict first, double *restrict second) {
+TD_WIDE static void normals_lanes(const td_random_lanes *restrict bits, double *restrict first, double *restrict second) {
     for (int i = 0; i < TD_RANDOM_LANES; i++)
         normals(uniform(bits->word[0][i], bits->word[1][i]), uniform(bits->word[2][i], bits->word[3][i]), &first[i],
                 &second[i]);
+}
+
+void td_random_normals_many(const td_random_lanes *bits, double *restrict first, double *restrict second) {
+    normals_lanes(bits, first, second);
 }

@@ -191,7 +191,6 @@ void td_sensor_begin_estimates(td_sensor *sensor, size_t first, int32_t count) {
  * S_eff. */
 static int may_fire(td_sensor *sensor, size_t i, int cuts, double low, double high, double reference) {
     double on = sensor->threshold_on[i], off = sensor->threshold_off[i];
-    if (sensor->frontend.on) return 1;
     if (on == off && !td_sensor_holds(sensor)) return reaches_level(low, high, reference, on);
     int leaves = !(low > reference - off && high < reference + on);
     if (leaves && cuts <= TD_FEW_CUTS) sensor->reach[i] = 1;
@@ -218,6 +217,52 @@ static td_estimate estimate_blocks(td_sensor *sensor, const td_estimated *step, 
     return worst;
 }
 
+/* Where every pixel counts, to the bit what count_pixel makes of them; thresholds and leaks are the tile's. */
+static inline void look_filtered(int probed, const td_estimated *step, const double *on, const double *off, const double *leak,
+                                 double nominal, double time, int32_t first, int32_t count, lanes *restrict to) {
+    const double *S0 = step->signals->S0 + first, *S0_dot = step->signals->S0_dot + first;
+    const double *S1 = step->signals->S1 + first, *S1_dot = step->signals->S1_dot + first;
+    const double *deviation = probed ? step->deviation + first : NULL;
+    const double h = step->h, rounding = step->rounding;
+    for (int32_t k = 0; k < count; k++) {
+        const pixel_step p = {S0[k], S1[k], h * S0_dot[k], h * S1_dot[k], 0, 0};
+        const double embedded = td_embedded(p.S1 - p.S0, p.rate0, p.rate1), bump = probed ? deviation[k] : embedded;
+        const double error = probed ? td_probe_error(embedded, bump) : embedded;
+        const double own = td_lesser(on[first + k], off[first + k]), scale = nominal / own;
+        const double ramp0 = leak[first + k] * time, ramp1 = ramp0 + leak[first + k] * h * 1e9;
+        const double timed = td_greater(error - noise, 0), moved = td_greater(fabs(p.S1 - p.S0 + (ramp1 - ramp0)), error);
+        const double counts = error >= 0 ? 1.0 : 0.0, told = probed && !(bump > rounding) ? 0.0 : counts;
+        const double way = (way_of(&p) + fabs(ramp1 - ramp0)) / own, seconds = moved > 0 ? timed * h / moved : 0.0;
+        to->rounded[k] = td_greater(counts > 0.0 ? error * scale : 0.0, to->rounded[k]);
+        to->error[k] = td_greater(told > 0.0 ? error * scale : 0.0, to->error[k]);
+        if (probed) to->deviation[k] = td_greater(told > 0.0 ? bump * scale : 0.0, to->deviation[k]);
+        to->seconds[k] = td_greater(told > 0.0 ? seconds : 0.0, to->seconds[k]);
+        to->way[k] = td_greater(counts > 0.0 ? way : 0.0, to->way[k]);
+    }
+}
+
+TD_WIDE static void look_filtered_all(const td_estimated *step, const double *on, const double *off, const double *leak,
+                                      double nominal, double time, lanes *to) {
+    for (int32_t at = 0; at < step->count; at += LANES) {
+        const int32_t count = step->count - at < LANES ? step->count - at : LANES;
+        if (step->deviation)
+            look_filtered(1, step, on, off, leak, nominal, time, at, count, to);
+        else
+            look_filtered(0, step, on, off, leak, nominal, time, at, count, to);
+    }
+}
+
+static td_estimate estimate_filtered(const td_sensor *sensor, const td_estimated *step, size_t first, double time) {
+    td_estimate worst = {0, 0, 0, 0, 0};
+    lanes of;
+    memset(&of, 0, offsetof(lanes, doubt));
+    look_filtered_all(step, sensor->threshold_on + first, sensor->threshold_off + first, sensor->leak + first,
+                      td_sensor_least_threshold(&sensor->sensor), time, &of);
+    take_lanes(&of, 1, &worst);
+    return worst;
+}
+
 td_estimate td_sensor_estimate(td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time) {
+    if (sensor->frontend.on) return estimate_filtered(sensor, step, first, time);
     return sensor->on ? estimate_blocks(sensor, step, first, cuts, time) : estimate_ideal(sensor, step);
 }

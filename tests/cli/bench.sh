@@ -1,6 +1,6 @@
 # A benchmark leaves tables that agree with each other and pictures, refuses nonsense, and stops when asked to.
 refuse 2 "no benchmark is called acuracy; did you mean accuracy\?" tides bench acuracy
-refuse 2 "no benchmark is called speed; there are accuracy, ablation, blocks, determinism, live, stability and all" \
+refuse 2 "no benchmark is called speed; there are accuracy, ablation, blocks, determinism, live, sensors, stability and all" \
     tides bench speed
 refuse 2 "--row needle-1e6: there is no such row; did you mean needles-1e6\?" tides bench stability --row needle-1e6
 refuse 2 "--row: blocks has no rows; --scene chooses a scene" tides bench blocks --row needles-1e6
@@ -179,3 +179,13 @@ for key in median_ms p99_ms worst_ms first_ms events_per_step; do
     grep -q "\"$key\":[[:space:]]*[0-9.]*[1-9]" made/live.json || fail "live.json lacks $key"
 done
 exists made/live.png
+
+# What each sensor costs, against the ideal one in turns.
+expect 0 tides bench sensors --quick -o made
+out "^demo +davis346 "
+for file in sensors.json sensors.csv sensors.png; do exists made/$file; done
+[ "$(grep -c "^demo,.*,preset," made/sensors.csv)" = 6 ] || fail "sensors.csv should have six presets"
+for key in run_time_ratio ratio ratio_low compare_s events; do
+    grep -q "\"$key\":[[:space:]]*[0-9.]*[1-9]" made/sensors.json || fail "sensors.json lacks $key"
+done
+grep -q '<h2 id="sensors">' made/index.html || fail "the page lacks sensors"

@@ -384,7 +384,8 @@ static td_model odd_input(int trial, int i) {
     return input;
 }
 
-/* The low-pass whose rate goes with the light: to the bit where it says so, and of what an image makes it hardly leaves any. */
+/* The low-pass whose rate goes with the light: within what both may be off by (test_light_whole.c has how little it is where no
+ * substeps are taken); and of what an image makes it hardly leaves any. */
 static void many_pixels_in_the_light_are_like_one(void **state) {
     (void)state;
     seed(9);
@@ -415,8 +416,8 @@ static void many_pixels_in_the_light_are_like_one(void **state) {
             }
             done++;
             td_frontend_step(&frontend, h, &input, LOG_EPS, memory, &response);
-            assert_memory_equal(&memory[0], &after[i], sizeof after[i]);
-            assert_true(fabs(td_response_value(&response, 1) - after[i]) <= 1e-12 * (1 + fabs(after[i])));
+            assert_true(fabs(memory[0] - after[i]) <= TD_FRONTEND_TOLERANCE);
+            assert_true(fabs(td_response_value(&response, 1) - memory[0]) <= 1e-12 * (1 + fabs(memory[0])));
             for (int k = 0; k <= 32; k++) {
                 const double value = td_response_value(&response, k / 32.0);
                 assert_true(value >= low[i] && value <= high[i]);

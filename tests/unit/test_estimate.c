@@ -196,13 +196,65 @@ static void test_crossings(void **state) {
     }
 }
 
+/* Behind a filter every pixel counts, in what its own threshold is worth, with its own leak: here each by the formula, NaN
+ * among them, with a probe's deviations and without. */
+static void test_behind_a_filter(void **state) {
+    (void)state;
+    enum { COUNT = 203, FIRST = 5 };
+    static double S0[COUNT], S0_dot[COUNT], S1[COUNT], S1_dot[COUNT], deviation[COUNT];
+    static double on[FIRST + COUNT], off[FIRST + COUNT], leak[FIRST + COUNT];
+    const double rounding = 2e-6, time = 3e7;
+    td_sensor sensor = sensor_of(0.3, C);
+    uint64_t seed = SEED + 5;
+    sensor.on = sensor.frontend.on = 1;
+    sensor.threshold_on = on;
+    sensor.threshold_off = off;
+    sensor.leak = leak;
+    for (int trial = 0; trial < 60; trial++) {
+        const int probed = trial % 2;
+        td_estimate worst = {0, 0, 0, 0, 0};
+        for (int i = 0; i < COUNT; i++) {
+            const double size = pow(10, scene_between(&seed, -7, 0));
+            S0[i] = scene_between(&seed, -5, 0);
+            S1[i] = S0[i] + scene_between(&seed, -size, size);
+            S0_dot[i] = scene_between(&seed, -size, size) / H;
+            S1_dot[i] = !probed && i % 41 == 3 ? NAN : scene_between(&seed, -size, size) / H;
+            deviation[i] = i % 11 == 4 ? 1e-6 : scene_between(&seed, 0, size);
+            on[FIRST + i] = scene_between(&seed, 0.2, 0.4);
+            off[FIRST + i] = scene_between(&seed, 0.1, 0.3);
+            leak[FIRST + i] = i % 3 ? scene_between(&seed, 0, 1e-9) : 0;
+            if (isnan(S1_dot[i])) continue;
+            const double first = H * S0_dot[i], last = H * S1_dot[i], rise = S1[i] - S0[i], ramp = leak[FIRST + i] * H * 1e9;
+            const double embedded = BULGE * fabs(last + first - 2 * rise), bump = probed ? deviation[i] : embedded;
+            const double error = probed ? fmin(fmax(0.7 * embedded, 0.25 * bump), bump) : embedded;
+            const double own = fmin(on[FIRST + i], off[FIRST + i]), moved = fmax(fabs(rise + ramp), error);
+            const double way = fabs(first / 3) + fabs(rise - (first + last) / 3) + fabs(last / 3) + ramp;
+            worst.crossings = fmax(worst.crossings, way / own);
+            worst.rounded = fmax(worst.rounded, error * C / own);
+            if (probed && bump <= rounding) continue;
+            worst.error = fmax(worst.error, error * C / own);
+            worst.seconds = fmax(worst.seconds, fmax(error - 1e-6, 0) * H / moved);
+            if (probed) worst.deviation = fmax(worst.deviation, bump * C / own);
+        }
+        const td_signals signals = {S0, S0_dot, S1, S1_dot};
+        const td_estimated step = {H, &signals, trial % 3 ? S0 : NULL, probed ? deviation : NULL, rounding, COUNT};
+        const td_estimate all = td_sensor_estimate(&sensor, &step, FIRST, 0, time);
+        expect_near(all.error, worst.error, 1, "error");
+        expect_near(all.seconds, worst.seconds, 1, "seconds");
+        expect_near(all.deviation, worst.deviation, 1, "deviation");
+        expect_near(all.rounded, worst.rounded, 1, "error without rounding");
+        expect_near(all.crossings, worst.crossings, 100, "crossings");
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_cubic_signals),
                                        cmocka_unit_test(test_quadratic_signals_have_no_error),
                                        cmocka_unit_test(test_bounds_the_models_error),
                                        cmocka_unit_test(test_only_pixels_near_a_level_count),
                                        cmocka_unit_test(test_worst_of_many),
-                                       cmocka_unit_test(test_crossings)};
+                                       cmocka_unit_test(test_crossings),
+                                       cmocka_unit_test(test_behind_a_filter)};
     print_message("seed %llu\n", (unsigned long long)SEED);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

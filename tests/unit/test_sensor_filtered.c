@@ -1,5 +1,5 @@
-/* What the front end adds to events, against closed forms; and the constant low-pass of a whole tile against its pixels one by
- * one, to the bit. */
+/* What the front end adds to events, against closed forms; and the low-passes of a whole tile against its pixels one by
+ * one, the constant one to the bit. */
 #include "sensor_rig.h"
 
 static const double TAU = 1 / (2 * 3.14159265358979323846 * 300); /* of 300 Hz [s] */
@@ -137,12 +137,55 @@ static void test_tile_is_its_pixels(void **state) {
     }
 }
 
+/* Where the pole goes with the light, the pixels that are passed over are within TD_FRONTEND_TOLERANCE of their walk. All fire
+ * as if each took it, at times that this moves by less than the nanosecond that they are rounded to; where a signal turns at a
+ * level, by the root of 2 TD_FRONTEND_TOLERANCE over its curvature, which is more than 10 / s^2 here wherever a pixel fires. */
+static void test_tile_by_light_is_its_pixels(void **state) {
+    (void)state;
+    static const double cutoffs[] = {3, 300, 3000}, lengths[] = {1e-3, 1e-4, 1e-2};
+    for (int k = 0; k < 9; k++) {
+        tides_sensor sensor = sensor_of(0.05, cutoffs[k % 3]);
+        const double length = lengths[k / 3], most_ns = 1e9 * sqrt(2 * TD_FRONTEND_TOLERANCE / 10);
+        sensor.photoreceptor_law = TIDES_PHOTORECEPTOR_INTENSITY;
+        sensor.threshold_sigma = k % 2 ? 0.01 : 0;
+        sensor.leak_rate_hz = 3;
+        sensor.refractory_s = k % 2 ? 0.002 : 0;
+        sensor.shot_noise_hz = k % 2 ? 5 : 0;
+        sensor.seed = 3;
+        rig *fast = rig_make(&sensor, 2, 0, waves, NULL), *slow = rig_make(&sensor, 2, 0, waves, NULL);
+        slow->sensor.exhaustive = 1;
+        for (int n = 1; n <= 60; n++) {
+            rig_step(fast, length * n);
+            rig_step(slow, length * n);
+        }
+        const td_event_buffer *events = &fast->work.events, *expected = &slow->work.events;
+        size_t moved = 0;
+        assert_int_equal(events->count, expected->count);
+        for (size_t e = 0; e < events->count; e++) {
+            const tides_event *a = &events->events[e], *b = &expected->events[e];
+            const double apart = fabs((double)(a->t - b->t));
+            assert_true(a->x == b->x && a->y == b->y && a->polarity == b->polarity && a->cause == b->cause);
+            assert_true(apart <= most_ns);
+            moved += apart > 1;
+        }
+        assert_true(moved <= events->count / 100);
+        for (size_t i = 0; i < fast->pixels; i++) {
+            assert_true(fabs(fast->sensor.filter[0][i] - slow->sensor.filter[0][i]) <= TD_FRONTEND_TOLERANCE);
+            assert_int_equal(fast->sensor.pixels.count_on[i], slow->sensor.pixels.count_on[i]);
+        }
+        if (length <= 1e-3) assert_true(fast->work.counts.solved < slow->work.counts.solved / 2); /* both ways were taken */
+        rig_free(fast);
+        rig_free(slow);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_ramp_through_a_low_pass),
         cmocka_unit_test(test_nothing_added),
         cmocka_unit_test(test_noise),
         cmocka_unit_test(test_tile_is_its_pixels),
+        cmocka_unit_test(test_tile_by_light_is_its_pixels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

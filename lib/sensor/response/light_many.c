@@ -1,9 +1,9 @@
 /* The low-pass whose rate goes with the light over the pixels of a tile, in loops that compilers vectorise.
  *
- * Each pixel walks along its own substeps, by the same operations and the same lengths as in substeps.c, so that it ends the
- * step where td_frontend_step has it end, to the bit. All that are still on their way go one substep further at a time; those
- * that have arrived make room. A pixel whose light is cut off at 0, or which would take very many substeps, is left to
- * td_frontend_step. */
+ * Most steps are answered as a whole (light_whole.c). Each other pixel walks along its own substeps, by the same operations and
+ * the same lengths as in substeps.c, so that it ends the step where td_frontend_step has it end, to the bit. All that are still
+ * on their way go one substep further at a time; those that have arrived make room. A pixel whose light is cut off at 0, or
+ * which would take very many substeps, is left to td_frontend_step. */
 #include "td_frontend.h"
 #include "td_light_step.h"
 #include "td_substeps.h"
@@ -112,10 +112,12 @@ static int is_finite(const double b[4], double S) {
     return (b[0] - b[0]) + (b[1] - b[1]) + (b[2] - b[2]) + (b[3] - b[3]) + (S - S) == 0;
 }
 
+/* Those that have no answer for the whole step. */
 static void set_out(walk *at, size_t count, const double *const control[4], const double *S, const ends *to) {
     at->count = 0;
     for (size_t i = 0; i < count; i++) {
         const double b[4] = {control[0][i], control[1][i], control[2][i], control[3][i]};
+        if (to->low[i] <= to->high[i]) continue;
         to->after[i] = S[i];
         to->low[i] = to->high[i] = NAN;
         if (!is_finite(b, S[i])) continue;
@@ -132,6 +134,7 @@ static void set_out(walk *at, size_t count, const double *const control[4], cons
 void td_frontend_step_light(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
                             const double *S, double *after, double *low, double *high) {
     const shared by = {{log_eps, frontend->light, frontend->dark}, log(log_eps), frontend->rate * h, frontend->tolerance};
+    td_light_whole(frontend, h, log_eps, count, control, S, after, low, high);
     for (size_t done = 0; done < count; done += TOGETHER) {
         const double *const part[4] = {control[0] + done, control[1] + done, control[2] + done, control[3] + done};
         const ends to = {after + done, low + done, high + done};
