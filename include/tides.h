@@ -40,5 +40,6 @@
 #include "tides/session.h"
 #include "tides/live.h"
 #include "tides/measure.h"
+#include "tides/calibrate.h"
 
 #endif
