@@ -30,7 +30,7 @@ static plot_panel lay(const figure *f, int32_t index, const char *title, const c
                         .y_linear = 1};
 }
 
-/* -- transitions ----------------------------------------------------------------------------------------------------------- */
+/* -- transitions ---------------------------------------------------------------------------------------- */
 
 static void draw_transitions(figure *f) {
     plot_panel p = lay(f, 0, "changes of light by transition", "median change [thresholds]", "");
@@ -43,16 +43,17 @@ static void draw_transitions(figure *f) {
     const int32_t band = (p.bottom - p.top) / CALIBRATE_TRANSITIONS;
     for (int32_t i = 0; i < CALIBRATE_TRANSITIONS; i++) {
         const double value = f->found->transitions[i];
-        if (value == value) plot_bar(&f->canvas, &p, p.top + i * band + 16, p.top + (i + 1) * band - 16, fmin(fmax(value, 0), p.x_high), i);
+        if (value == value)
+            plot_bar(&f->canvas, &p, p.top + i * band + 16, p.top + (i + 1) * band - 16, fmin(fmax(value, 0), p.x_high), i);
         canvas_text(&f->canvas, p.left - 10, p.top + (i + 0.5) * band, 1, calibrate_transition(i));
     }
     plot_mark(&f->canvas, &p, 1);
 }
 
-/* -- deviation over a parameter ---------------------------------------------------------------------------------------------- */
+/* -- deviation over a parameter ---------------------------------------------------------------------------------------- */
 
-static void draw_scan(figure *f, int32_t index, const double scan[TIDES_CALIBRATION_SCAN][2], const char *const texts[2], double found,
-                      double unit) {
+static void draw_scan(figure *f, int32_t index, const double scan[TIDES_CALIBRATION_SCAN][2], const char *const texts[2],
+                      double found, double unit) {
     double x[TIDES_CALIBRATION_SCAN], y[TIDES_CALIBRATION_SCAN], most = 0;
     plot_panel p = lay(f, index, texts[0], texts[1], "mean deviation of changes");
     for (int32_t i = 0; i < TIDES_CALIBRATION_SCAN; i++) {
@@ -70,7 +71,7 @@ static void draw_scan(figure *f, int32_t index, const double scan[TIDES_CALIBRAT
     if (found * unit > p.x_low && found * unit < p.x_high) plot_mark(&f->canvas, &p, found * unit);
 }
 
-/* -- rates ----------------------------------------------------------------------------------------------------------------- */
+/* -- rates ---------------------------------------------------------------------------------------- */
 
 static void draw_rates(figure *f) {
     const tides_calibration *c = f->found;
@@ -99,7 +100,7 @@ static void draw_rates(figure *f) {
     free(y);
 }
 
-/* -- the map --------------------------------------------------------------------------------------------------------------- */
+/* -- the map ---------------------------------------------------------------------------------------- */
 
 /* Blue below the median, red above it, at 0.5 and 1.5 in full. */
 static canvas_colour colour_of(const figure *f, double change) {
@@ -132,12 +133,15 @@ static void draw_map(figure *f) {
     free(rgb);
 }
 
-/* -- halves ---------------------------------------------------------------------------------------------------------------- */
+/* -- halves ---------------------------------------------------------------------------------------- */
 
 static void draw_halves(figure *f) {
     static const int32_t shown[] = {TIDES_CALIBRATED_ON, TIDES_CALIBRATED_OFF, TIDES_CALIBRATED_EPS, TIDES_CALIBRATED_POLE};
     static const char *const names[] = {"threshold_on", "threshold_off", "log_eps", "pole"};
-    const plot_curve legend[] = {{"first", NULL, NULL, 0, 0}, {"second", NULL, NULL, 0, 1}, {"left", NULL, NULL, 0, 2}, {"right", NULL, NULL, 0, 3}};
+    const plot_curve legend[] = {{"first", NULL, NULL, 0, 0},
+                                 {"second", NULL, NULL, 0, 1},
+                                 {"left", NULL, NULL, 0, 2},
+                                 {"right", NULL, NULL, 0, 3}};
     plot_panel p = lay(f, 5, "", "half's value over the whole's", "");
     p.left += 60;
     p.x_low = 0.5;
@@ -153,12 +157,14 @@ static void draw_halves(figure *f) {
         const double halves[] = {v->early, v->late, v->left, v->right}, y = 3.5 - i;
         canvas_text(&f->canvas, p.left - 10, plot_y(&p, y), 1, names[i]);
         for (int32_t k = 0; k < 4 && v->raw > 0; k++)
-            if (isfinite(halves[k])) canvas_marker(&f->canvas, plot_x(&p, fmin(fmax(halves[k] / v->raw, 0.5), 1.5)), plot_y(&p, y), k);
+            if (isfinite(halves[k]))
+                canvas_marker(&f->canvas, plot_x(&p, fmin(fmax(halves[k] / v->raw, 0.5), 1.5)), plot_y(&p, y), k);
     }
 }
 
 tides_status calibrate_figure(const calibrate_report *report, tides_error *error) {
-    static const char *const pole[] = {"deviation over the pole", "pole [ms]"}, *const eps[] = {"deviation over the black level", "log_eps"};
+    static const char *const pole[] = {"deviation over the pole", "pole [ms]"},
+                             *const eps[] = {"deviation over the black level", "log_eps"};
     figure f = {report, report->found, canvas_create(&report->style, COLUMNS * WIDTH, ROWS * HEIGHT)};
     char stem[4200];
     snprintf(stem, sizeof stem, "%s/calibrate", report->directory);

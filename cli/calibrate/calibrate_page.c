@@ -16,7 +16,10 @@ static void put_value(FILE *file, const tides_calibrated *v, const tides_calibra
     const double halves[] = {v->early, v->late, v->left, v->right, v->raw};
     const int32_t bound = v->state == TIDES_CALIBRATED_BOUND;
     fprintf(file, "<tr><td class=text>%s</td><td class=\"text%s\">%s</td>", row->name,
-            v->state == TIDES_CALIBRATED_UNCERTAIN ? " no" : v->state == TIDES_CALIBRATED_MEASURED ? " yes" : "", calibrate_state(v->state));
+            v->state == TIDES_CALIBRATED_UNCERTAIN  ? " no"
+            : v->state == TIDES_CALIBRATED_MEASURED ? " yes"
+                                                    : "",
+            calibrate_state(v->state));
     put_number(file, bound ? fabs(v->value) + 2 * v->error : v->value);
     put_number(file, bound ? NAN : v->error);
     fprintf(file, "<td class=text>%s</td>", row->unit);
@@ -27,7 +30,8 @@ static void put_value(FILE *file, const tides_calibrated *v, const tides_calibra
 static void put_values(FILE *file, const tides_calibration *f) {
     tides_calibrated_row row;
     html_table_begin(file);
-    fputs("<tr><th class=text>value</th><th class=text>state</th><th></th><th>+-</th><th class=text>unit</th><th>first half</th>"
+    fputs("<tr><th class=text>value</th><th class=text>state</th><th></th><th>+-</th><th class=text>unit</th><th>first "
+          "half</th>"
           "<th>second half</th><th>left half</th><th>right half</th><th>uncorrected</th></tr></thead><tbody>\n",
           file);
     for (int32_t i = 0; tides_calibrated_at(i, &row); i++) put_value(file, &f->values[i], &row);
@@ -68,11 +72,14 @@ static void put_head(FILE *file, const calibrate_report *r) {
     fprintf(file, ", %s to %s s, by the light of ", cli_seconds(f->start_ns, start), cli_seconds(f->stop_ns, stop));
     html_text(file, r->run);
     fprintf(file,
-            ".</p>\n<p class=small>tides %s; %llu events, %llu of them in %d bursts of frames' readout; %llu pairs in %llu pixels; light at "
-            "%d times; changes differ by %.1f %% in the mean and %.1f %% have their event's sign; black level and threshold_on correlate by "
+            ".</p>\n<p class=small>tides %s; %llu events, %llu of them in %d bursts of frames' readout; %llu pairs in %llu "
+            "pixels; light at "
+            "%d times; changes differ by %.1f %% in the mean and %.1f %% have their event's sign; black level and threshold_on "
+            "correlate by "
             "%.2f.</p>\n",
-            tides_version(), (unsigned long long)f->events, (unsigned long long)f->burst_events, f->bursts, (unsigned long long)f->pairs,
-            (unsigned long long)f->pixels, f->samples, 100 * f->deviation, 100 * f->agreement, f->correlation);
+            tides_version(), (unsigned long long)f->events, (unsigned long long)f->burst_events, f->bursts,
+            (unsigned long long)f->pairs, (unsigned long long)f->pixels, f->samples, 100 * f->deviation, 100 * f->agreement,
+            f->correlation);
 }
 
 static void put_page(FILE *file, const void *what) {
@@ -83,7 +90,8 @@ static void put_page(FILE *file, const void *what) {
     put_notes(file, r->found->notes);
     fputs("<h2>Values</h2>\n", file);
     put_values(file, r->found);
-    fputs("<p class=small>Errors are one sigma: of pixels drawn by chance, or half of what halves differ by. Uncertain: halves differ by a "
+    fputs("<p class=small>Errors are one sigma: of pixels drawn by chance, or half of what halves differ by. Uncertain: halves "
+          "differ by a "
           "fifth and more. At most: it can't be told from none.</p>\n<h2>Changes of light from event to event</h2>\n",
           file);
     put_transitions(file, r->found);

@@ -101,7 +101,7 @@ cJSON *calibrate_json(const calibrate_report *report) {
     return facts;
 }
 
-/* -- on a terminal ------------------------------------------------------------------------------------------------------------ */
+/* -- on a terminal ---------------------------------------------------------------------------------------- */
 
 static void print_value(const tides_calibrated *v, const tides_calibrated_row *row) {
     if (v->state == TIDES_CALIBRATED_UNKNOWN)
@@ -110,7 +110,9 @@ static void print_value(const tides_calibrated *v, const tides_calibrated_row *r
         printf("%-16s at most %.3g%s%s\n", row->name, fabs(v->value) + 2 * v->error, row->unit[0] ? " " : "", row->unit);
     else
         printf("%-16s %.4g +- %.2g%s%s%s\n", row->name, v->value, v->error, row->unit[0] ? " " : "", row->unit,
-               v->state == TIDES_CALIBRATED_MEASURED ? "" : v->state == TIDES_CALIBRATED_GIVEN ? " (given)" : " (uncertain)");
+               v->state == TIDES_CALIBRATED_MEASURED ? ""
+               : v->state == TIDES_CALIBRATED_GIVEN  ? " (given)"
+                                                     : " (uncertain)");
 }
 
 void calibrate_print(const calibrate_report *report) {
@@ -120,7 +122,8 @@ void calibrate_print(const calibrate_report *report) {
     if (!f->refused)
         for (int32_t i = 0; tides_calibrated_at(i, &row); i++) print_value(&f->values[i], &row);
     printf("of %s pairs of events in %s pixels; changes differ by %.0f %%, and %.1f %% have their event's sign\n",
-           cli_count((double)f->pairs, texts[0]), cli_count((double)f->pixels, texts[1]), 100 * f->deviation, 100 * f->agreement);
+           cli_count((double)f->pairs, texts[0]), cli_count((double)f->pixels, texts[1]), 100 * f->deviation,
+           100 * f->agreement);
     for (int32_t i = 0; i < CALIBRATE_TRANSITIONS && !f->refused; i++)
         printf("%-16s %.3f thresholds\n", calibrate_transition(i), f->transitions[i]);
 }

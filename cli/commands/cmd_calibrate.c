@@ -71,7 +71,8 @@ static tides_status check_outputs(const arguments *a, tides_error *error) {
     tides_status status = cli_check_outputs(a->files[0], &preset, 1, error);
     if (status == TIDES_OK) status = cli_check_outputs(a->still, &preset, 1, error);
     if (status == TIDES_OK) status = cli_check_run(a->files[1], &a->sets, &preset, 1, error);
-    if (status == TIDES_OK && a->directory) status = cli_check_folder(a->files[1], &a->sets, a->files[0], a->directory, names, error);
+    if (status == TIDES_OK && a->directory)
+        status = cli_check_folder(a->files[1], &a->sets, a->files[0], a->directory, names, error);
     return status;
 }
 
@@ -125,8 +126,10 @@ int cmd_calibrate(const cli_command *command, int argc, char **argv) {
         {"--start", 0, "S", "use events from here on (the busiest second)", NULL, &a.start, NULL},
         {"--stop", 0, "S", "use events before this time", NULL, &a.stop, NULL},
         {"--roi", 0, "X,Y,W,H", "use events of this region", NULL, &a.roi, NULL},
-        {"--fix", 0, "KEY=VALUE", "a value that is known (image.log_eps, refractory_s ...); may be repeated", NULL, NULL, &a.fixed},
-        {"--static", 0, "EVENTS", "a recording of a still scene or behind a cap: noise and leak are of it", NULL, &a.still, NULL},
+        {"--fix", 0, "KEY=VALUE", "a value that is known (image.log_eps, refractory_s ...); may be repeated", NULL, NULL,
+         &a.fixed},
+        {"--static", 0, "EVENTS", "a recording of a still scene or behind a cap: noise and leak are of it", NULL, &a.still,
+         NULL},
         CLI_READING_FILE(a.reading),
         CLI_READING_CLOCK(a.reading),
         {"--theme", 0, "THEME", CANVAS_THEME_HELP, NULL, &a.theme, NULL},

@@ -99,10 +99,14 @@ static const cli_command commands[] = {
      2, cmd_metrics, 1},
     {"calibrate", "RECORDING RUN.json [-o PRESET.json] [--page DIR]",
      "Measure a sensor from a recording and the light that it saw, as a preset.",
-     "RUN.json says what light there was: a scene and a path, or frames (frames.file), on the recording's clock. From one event\n"
-     "of a pixel to its next the low-passed ln(Y + log_eps) moves by a threshold: black level, pole, refractory period and the\n"
-     "clocks' offset are those by which these changes agree best. Pixels at rest say leak and noise. Errors are by halves of time\n"
-     "and image and by pixels drawn by chance; what the recording can't tell isn't written. Bursts of frames' readout are cut.\n"
+     "RUN.json says what light there was: a scene and a path, or frames (frames.file), on the recording's clock. From one "
+     "event\n"
+     "of a pixel to its next the low-passed ln(Y + log_eps) moves by a threshold: black level, pole, refractory period and "
+     "the\n"
+     "clocks' offset are those by which these changes agree best. Pixels at rest say leak and noise. Errors are by halves of "
+     "time\n"
+     "and image and by pixels drawn by chance; what the recording can't tell isn't written. Bursts of frames' readout are "
+     "cut.\n"
      "Where recording and light don't belong together nothing is written, and the exit code is 1.",
      2, cmd_calibrate, 0},
     {"compare", "RUN.json [-o DIR] [--methods LIST]",

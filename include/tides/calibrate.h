@@ -1,9 +1,12 @@
 /* A sensor measured from a recording and from the light that it saw: a run's scene and path, or its frames.
  *
- * From one event of a pixel to its next the low-passed ln(Y + log_eps) moves by the threshold of the latter, ON or OFF, whichever
- * event came before. A front end (black level, pole, refractory period, offset of the clocks) is found as the one by which these
- * changes agree best, by their mean relative deviation from their medians; the medians are the thresholds. What a simulation with
- * these values comes out different by is taken off. Nothing begins from a preset. */
+ * From one event of a pixel to its next the low-passed ln(Y + log_eps) moves by the threshold of the latter, ON or OFF,
+ * whichever event came before. A front end (black level, pole, refractory period, offset of the clocks) is found as the one by
+ * which these changes agree best: by the squares of their relative deviations from their medians, which are the thresholds.
+ * What a simulation with these values comes out different by is taken off. Nothing begins from a preset.
+ *
+ * Leak is told by pixels at rest, as if they had run long before the recording began: a leak of 0.1 Hz fires nothing in the
+ * first ten seconds of a simulation. */
 #ifndef TIDES_CALIBRATE_H
 #define TIDES_CALIBRATE_H
 
@@ -61,36 +64,37 @@ TIDES_API int32_t tides_calibrated_at(int32_t index, tides_calibrated_row *row);
 typedef struct tides_calibrate_options {
     uint32_t size;
     int32_t reserved;
-    int64_t start_ns, stop_ns; /* the stretch [start, stop); INT64_MIN, INT64_MAX: of what recording and light have in common
+    int64_t start_ns, stop_ns;   /* the stretch [start, stop); INT64_MIN, INT64_MAX: of what recording and light have in common
                                   the busiest second */
-    int32_t x, y, width, height;          /* pixels that count; width 0: all */
-    double given[TIDES_CALIBRATED_VALUES]; /* values that are known; NaN: to be measured. Of the thresholds none */
-    const char *still;                     /* a recording of a still scene or behind a cap, for noise and leak; or NULL */
+    int32_t x, y, width, height; /* pixels that count; width 0: all */
+    double given[TIDES_CALIBRATED_VALUES];     /* values that are known; NaN: to be measured. Of the thresholds none */
+    const char *still;                         /* a recording of a still scene or behind a cap, for noise and leak; or NULL */
     const struct tides_event_reading *reading; /* how the recordings are read; NULL: by content */
     uint64_t seed;                             /* of the halves and the simulations */
 } tides_calibrate_options;
 TIDES_API void tides_calibrate_options_defaults(tides_calibrate_options *options);
 
+/* Points of a scan, and hot pixels that are named. */
 enum { TIDES_CALIBRATION_SCAN = 25, TIDES_CALIBRATION_HOT = 256 };
 
 /* What came of it. The caller frees what it points to with tides_calibration_free. */
 typedef struct tides_calibration {
     tides_calibrated values[TIDES_CALIBRATED_VALUES];
-    int32_t law;     /* TIDES_PHOTORECEPTOR_*: whether the pole goes with light */
-    int32_t refused; /* 1: recording and light don't belong together, or tell nothing: no preset can be written */
+    int32_t law;           /* TIDES_PHOTORECEPTOR_*: whether the pole goes with light */
+    int32_t refused;       /* 1: recording and light don't belong together, or tell nothing: no preset can be written */
     double transitions[4]; /* medians of changes [thresholds]: ON after ON, ON after OFF, OFF after OFF, OFF after ON */
     uint64_t transition_pairs[4];
-    double deviation;   /* mean relative deviation of changes from their medians */
-    double agreement;   /* share of changes that have the sign of their event */
-    double correlation; /* between black level and threshold_on, over random halves of the pixels */
-    double dead_share;  /* of the pixels whose light moved by three thresholds and more: those without an event */
-    int64_t start_ns, stop_ns;                  /* the stretch */
-    uint64_t events, burst_events, pairs;       /* in the stretch; in bursts of frames' readout; pairs that were used */
-    uint64_t pixels, still_pixels;              /* whose light was sampled; that rested */
-    int32_t bursts, samples;                    /* of frames' readout; times at which light was sampled */
-    int32_t hot_count;                          /* pixels that fire far more often than their light says, */
-    int32_t map_width, map_height, rate_count;  /* sizes of the arrays below */
-    uint16_t hot[TIDES_CALIBRATION_HOT][2];     /* x, y of the first of them */
+    double deviation;          /* mean relative deviation of changes from their medians */
+    double agreement;          /* share of changes that have the sign of their event */
+    double correlation;        /* between black level and threshold_on, over random halves of the pixels */
+    double dead_share;         /* of the pixels whose light moved by three thresholds and more: those without an event */
+    int64_t start_ns, stop_ns; /* the stretch */
+    uint64_t events, burst_events, pairs;        /* in the stretch; in bursts of frames' readout; pairs that were used */
+    uint64_t pixels, still_pixels;               /* whose light was sampled; that rested */
+    int32_t bursts, samples;                     /* of frames' readout; times at which light was sampled */
+    int32_t hot_count;                           /* pixels that fire far more often than their light says, */
+    int32_t map_width, map_height, rate_count;   /* sizes of the arrays below */
+    uint16_t hot[TIDES_CALIBRATION_HOT][2];      /* x, y of the first of them */
     double pole_scan[TIDES_CALIBRATION_SCAN][2]; /* deviation over pole [s], the rest as found */
     double eps_scan[TIDES_CALIBRATION_SCAN][2];  /* and over black level */
     double *map;                                 /* (map_height x map_width): mean change of tiles of 4x4 px, 1: the median;

@@ -13,8 +13,8 @@ enum {
     SILENT = 6,   /* bins between the two leaps of one readout, while pixels are held */
     WIDER = 2     /* bins on either side that a burst's foot has */
 };
-#define ABOVE 1.5    /* times the usual rate, */
-#define SIGMAS 6.0   /* and so many of its own scatter */
+#define ABOVE 1.5  /* times the usual rate, */
+#define SIGMAS 6.0 /* and so many of its own scatter */
 
 static double usual(const td_taken *t, size_t bin) {
     double around[2 * AROUND + 1];

@@ -1,7 +1,7 @@
 /* A sensor from its recording, step by step:
  *
  *   recording.c, bursts.c   the stretch's events by pixel; those of frames' readout marked
- *   light.c                 Y of pixels with events, where it moves at most 0.02 log units off straight lines
+ *   light.c                 Y of pixels with events, where it moves at most 0.008 log units off straight lines
  *   pairs.c, changes.c      by how much the low-passed logarithm moved from event to event
  *   fit.c                   the front end by which these changes agree best
  *   spread.c, noise.c       mismatch, transitions, hot and dead pixels; leak and noise of what rests
@@ -89,9 +89,7 @@ static void note_counts(const td_calibration *c, tides_calibration *found) {
 }
 
 /* Whether there is enough to simulate with. */
-static int32_t is_sound(const td_calibration *c) {
-    return c->fit.on > 0.005 && c->fit.off > 0.005 && c->fit.agreement > 0.7;
-}
+static int32_t is_sound(const td_calibration *c) { return c->fit.on > 0.005 && c->fit.off > 0.005 && c->fit.agreement > 0.7; }
 
 static tides_status work(const char *recording, tides_session *session, td_calibration *c, tides_calibration *found,
                          tides_error *error) {
@@ -116,11 +114,14 @@ static tides_status work(const char *recording, tides_session *session, td_calib
 
 static tides_status check(const char *recording, const tides_session *session, const tides_calibrate_options *o,
                           tides_error *error) {
-    if (!recording || !session || !o) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_calibrate: recording, session or options are NULL");
+    if (!recording || !session || !o)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_calibrate: recording, session or options are NULL");
     if (o->size != sizeof *o)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_calibrate: options aren't filled: tides_calibrate_options_defaults does that");
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "tides_calibrate: options aren't filled: tides_calibrate_options_defaults does that");
     if (o->stop_ns <= o->start_ns) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_calibrate: stop should be after start");
-    if (o->given[TIDES_CALIBRATED_ON] == o->given[TIDES_CALIBRATED_ON] || o->given[TIDES_CALIBRATED_OFF] == o->given[TIDES_CALIBRATED_OFF])
+    if (o->given[TIDES_CALIBRATED_ON] == o->given[TIDES_CALIBRATED_ON] ||
+        o->given[TIDES_CALIBRATED_OFF] == o->given[TIDES_CALIBRATED_OFF])
         return td_fail(error, TIDES_BAD_ARGUMENT, "thresholds are what is measured: they can't be given");
     for (int32_t i = 0; i < TIDES_CALIBRATED_VALUES; i++)
         if (isinf(o->given[i]) || (i != TIDES_CALIBRATED_OFFSET && o->given[i] < 0))

@@ -47,8 +47,7 @@ static walk begin(td_light *light, size_t place, const td_front *front, double f
 }
 
 static double within(const walk *w, double dt, double decay, double tau) {
-    const double x0 = w->L[w->at],
-                 m = (w->L[w->at + 1] - x0) / (w->light->time[w->at + 1] - w->light->time[w->at]);
+    const double x0 = w->L[w->at], m = (w->L[w->at + 1] - x0) / (w->light->time[w->at + 1] - w->light->time[w->at]);
     return tau > 0 ? x0 + m * (dt - tau) + (w->signal - x0 + m * tau) * decay : x0 + m * dt;
 }
 
@@ -98,7 +97,8 @@ void td_changes(td_light *light, td_pairs *pairs, const td_front *front, const t
             w = begin(light, place, front, from, pixels_end(pairs, i) - front->offset_s);
         }
         const double before = walk_to(&w, from);
-        pairs->change[i] = (walk_to(&w, to) - before) * p->after;
+        const double change = (walk_to(&w, to) - before) * p->after;
+        pairs->change[i] = change == change ? change : INFINITY;
         reached = to;
     }
 }

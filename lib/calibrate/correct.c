@@ -1,5 +1,5 @@
-/* What the method does to a sensor that it found: the same light through TIDES's own pixels with these values, and measured in the
- * same way. What comes out different is the method's own doing, and is taken off. */
+/* What the method does to a sensor that it found: the same light through TIDES's own pixels with these values, and measured in
+ * the same way. What comes out different is the method's own doing, and is taken off. */
 #include "td_calibrate.h"
 
 #include <math.h>
@@ -47,7 +47,8 @@ static void describe(const td_calibration *c, const tides_calibration *found, ti
     p->seed = p->sensor.seed = c->options->seed;
     p->sensor.threshold_on = c->fit.on;
     p->sensor.threshold_off = c->fit.off;
-    p->sensor.threshold_sigma = v[TIDES_CALIBRATED_SIGMA].state == TIDES_CALIBRATED_BOUND ? 0 : known(v[TIDES_CALIBRATED_SIGMA].value);
+    p->sensor.threshold_sigma =
+        v[TIDES_CALIBRATED_SIGMA].state == TIDES_CALIBRATED_BOUND ? 0 : known(v[TIDES_CALIBRATED_SIGMA].value);
     p->sensor.threshold_min = 0.1 * fmin(c->fit.on, c->fit.off);
     p->sensor.refractory_s = c->fit.front.refractory_s;
     p->sensor.leak_rate_hz = known(v[TIDES_CALIBRATED_LEAK].value);
@@ -133,7 +134,8 @@ static double take_off(td_calibration *c, const td_fit *target, const td_fit *ag
     return off;
 }
 
-static tides_status one_round(td_calibration *c, tides_calibration *found, const td_fit *target, double *off, tides_error *error) {
+static tides_status one_round(td_calibration *c, tides_calibration *found, const td_fit *target, double *off,
+                              tides_error *error) {
     simulated s = {.c = c, .error = error};
     s.taken.start_ns = c->taken.start_ns;
     s.taken.stop_ns = c->taken.stop_ns;

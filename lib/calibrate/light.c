@@ -14,7 +14,7 @@ enum {
     PURPOSE = 200           /* of td_random: which pixels */
 };
 #define STEP_S 2e-3
-#define BENT 0.02  /* [log units] that the middle of a step may be off a straight line, */
+#define BENT 0.008 /* [log units] that the middle of a step may be off a straight line, */
 #define SHARE 0.02 /* in more than so many of the pixels, before it is halved */
 #define DARK 0.02  /* black level in that: nothing is known of it yet */
 
@@ -122,7 +122,8 @@ static tides_status sample_frames(rows *r, tides_error *error) {
     for (size_t i = 0; i < tides_frames_count(frames) && status == TIDES_OK; i++) {
         const double time = tides_frames_time(frames, i) - 1e-9 * (double)r->c->taken.start_ns;
         const int32_t last = i + 1 == tides_frames_count(frames);
-        if (time > r->to || (!last && tides_frames_time(frames, i + 1) - 1e-9 * (double)r->c->taken.start_ns < r->from)) continue;
+        if (time > r->to || (!last && tides_frames_time(frames, i + 1) - 1e-9 * (double)r->c->taken.start_ns < r->from))
+            continue;
         status = tides_frames_read(frames, i, r->Y, error);
         float *row = status == TIDES_OK ? row_of(r, time, error) : NULL;
         if (status == TIDES_OK) status = row ? keep(r, time, row, error) : TIDES_NO_MEMORY;
@@ -131,7 +132,7 @@ static tides_status sample_frames(rows *r, tides_error *error) {
     return status;
 }
 
-/* -- which pixels ----------------------------------------------------------------------------------------------------------- */
+/* -- which pixels ---------------------------------------------------------------------------------------- */
 
 /* Pixels with two events that aren't of bursts, drawn by chance where there are too many. */
 static tides_status choose(td_calibration *c, size_t most, tides_error *error) {
@@ -158,7 +159,7 @@ static tides_status choose(td_calibration *c, size_t most, tides_error *error) {
     return c->light.pixel ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
-/* -- all of it -------------------------------------------------------------------------------------------------------------- */
+/* -- all of it ---------------------------------------------------------------------------------------- */
 
 void td_light_span(const tides_session_facts *facts, double *start, double *stop) {
     if (facts->frames) {

@@ -7,10 +7,10 @@
 #include <string.h>
 
 enum { AROUND = 3 /* px: how far things may be from where the light has them */ };
-#define STILL 0.08         /* log units that the light of a pixel at rest moves by, at most */
-#define FEW_S 30.0         /* pixel seconds of rest, below which nothing is said */
-#define SHOT_DROP 0.736    /* as above */
-#define HOT_HZ 20.0        /* of a still recording: pixels above aren't noise's */
+#define STILL 0.08      /* log units that the light of a pixel at rest moves by, at most */
+#define FEW_S 30.0      /* pixel seconds of rest, below which nothing is said */
+#define SHOT_DROP 0.736 /* as above */
+#define HOT_HZ 20.0     /* of a still recording: pixels above aren't noise's */
 
 typedef struct rest {
     double seconds, light; /* pixel seconds, and the mean light of them */
@@ -119,8 +119,9 @@ static tides_status values(const rest *r, tides_calibration *found, tides_error 
     set(&found->values[TIDES_CALIBRATED_LEAK], on - off, both);
     set(&found->values[TIDES_CALIBRATED_SHOT], 2 * fmin(on, off) / dimmer, 2 * (on < off ? on_error : off_error) / dimmer);
     if (off < on + 3 * both) return TIDES_OK;
-    return td_note(&found->notes, error, "pixels at rest fire %.2g ON and %.2g OFF events a second: shot noise is what both have, and no key is "
-                                         "for the rest",
+    return td_note(&found->notes, error,
+                   "pixels at rest fire %.2g ON and %.2g OFF events a second: shot noise is what both have, and no key is "
+                   "for the rest",
                    on, off);
 }
 

@@ -11,8 +11,8 @@ enum {
     BATCH = 8192,
     EVENTS_MOST = 12000000 /* 200 MB of them */
 };
-#define LONGEST_S 1.0      /* of a stretch that nobody chose: some 700 renders a second */
-#define COUNTED_S 20000.0  /* light and recording in common: as many bins as 300 MB hold */
+#define LONGEST_S 1.0     /* of a stretch that nobody chose: some 700 renders a second */
+#define COUNTED_S 20000.0 /* light and recording in common: as many bins as 300 MB hold */
 
 typedef struct counter {
     td_calibration *c;
@@ -33,7 +33,8 @@ static tides_status take(counter *k, const tides_event *e, tides_error *error) {
     td_taken *t = &k->c->taken;
     if (e->x >= t->width || e->y >= t->height)
         return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "%s: has an event at pixel %d, %d, outside of the run's %dx%d px: camera.width and height are the sensor's",
+                       "%s: has an event at pixel %d, %d, outside of the run's %dx%d px: camera.width and height are the "
+                       "sensor's",
                        k->path, e->x, e->y, t->width, t->height);
     if (!k->keep) {
         const int64_t bin = (e->t - k->start_ns) / (int64_t)(TD_BIN_S * 1e9);
@@ -142,12 +143,14 @@ static tides_status common_time(counter *k, double light_start, double light_sto
     return TIDES_OK;
 }
 
-static tides_status no_events(const counter *k, double light_start, double light_stop, tides_error *error) {
+static tides_status no_events(const counter *k, tides_error *error) {
+    const double start = 1e-9 * (double)k->start_ns, stop = start + TD_BIN_S * (double)k->count;
     if (k->last_ns < k->first_ns) return td_fail(error, TIDES_BAD_ARGUMENT, "%s: has no events", k->path);
     return td_fail(error, TIDES_BAD_ARGUMENT,
-                   "%s: lasts from %.9g to %.9g s and has no events from %.9g to %.9g s, of which light is known: the clocks "
-                   "may differ (events.offset, --offset), or another --start and --stop be meant",
-                   k->path, 1e-9 * (double)k->first_ns, 1e-9 * (double)k->last_ns, light_start, light_stop);
+                   "%s: lasts from %.9g to %.9g s and has no events%s from %.9g to %.9g s, which is what is asked for and has "
+                   "light: the clocks may differ (--offset), or another --start and --stop be meant",
+                   k->path, 1e-9 * (double)k->first_ns, 1e-9 * (double)k->last_ns,
+                   k->c->options->width > 0 ? " in the region" : "", start, stop);
 }
 
 /* Of a still scene light is known for ever: the recording's own time is counted then. */
@@ -182,10 +185,10 @@ tides_status td_taken_read(const char *path, td_calibration *c, double light_sta
     if (status == TIDES_OK) choose_stretch(&k);
     free(k.bins);
     k.bins = NULL;
-    if (status == TIDES_OK && c->taken.stop_ns <= c->taken.start_ns) return no_events(&k, light_start, light_stop, error);
+    if (status == TIDES_OK && c->taken.stop_ns <= c->taken.start_ns) return no_events(&k, error);
     k.keep = 1;
     if (status == TIDES_OK) status = visit(&k, error);
-    if (status == TIDES_OK && c->taken.count == 0) return no_events(&k, light_start, light_stop, error);
+    if (status == TIDES_OK && c->taken.count == 0) return no_events(&k, error);
     if (status == TIDES_OK) status = td_taken_sort(&c->taken, error);
     return status == TIDES_OK ? td_bursts_find(&c->taken, error) : status;
 }

@@ -12,7 +12,7 @@ enum { TILE = 4, TILE_PAIRS = 6, HOT_EVENTS = 20, FEW_NEIGHBOURS = 100 };
 #define HOT_TIMES 4.0 /* more events than its light has thresholds */
 #define DEAD_CHANGE 3 /* thresholds that light moved by without an event */
 
-static int32_t is_known(const td_pairs *pairs, size_t i) { return pairs->change[i] == pairs->change[i]; }
+static int32_t is_known(const td_pairs *pairs, size_t i) { return isfinite(pairs->change[i]); }
 
 /* -- transitions ----------------------------------------------------------------------------------------------------------- */
 
@@ -22,7 +22,8 @@ static void transitions(td_calibration *c, tides_calibration *found) {
     for (int32_t k = 0; k < 4; k++) {
         size_t count = 0;
         for (size_t i = 0; i < p->count; i++)
-            if (p->list[i].before == before[k] && p->list[i].after == after[k] && is_known(p, i)) p->room[count++] = p->change[i];
+            if (p->list[i].before == before[k] && p->list[i].after == after[k] && is_known(p, i))
+                p->room[count++] = p->change[i];
         qsort(p->room, count, sizeof *p->room, td_ascending);
         found->transition_pairs[k] = count;
         found->transitions[k] = count ? p->room[count / 2] / td_usual(&c->fit, after[k]) : NAN;
@@ -30,9 +31,9 @@ static void transitions(td_calibration *c, tides_calibration *found) {
 }
 
 /* -- mismatch ----------------------------------------------------------------------------------------------------------------
- * A pixel's threshold is the same in both halves of the time, and its neighbour's another; wrong light is wrong for both, and as
- * a scene goes by not for long. So with a and b the mean deviations of the halves, (a_i - a_j) (b_i - b_j) of neighbours i and j
- * is twice the variance of thresholds in the mean. */
+ * A pixel's threshold is the same in both halves of the time, and its neighbour's another; wrong light is wrong for both, and
+ * as a scene goes by not for long. So with a and b the mean deviations of the halves, (a_i - a_j) (b_i - b_j) of neighbours i
+ * and j is twice the variance of thresholds in the mean. */
 
 typedef struct half_means {
     double a, b; /* NaN: no pair in that half */
@@ -87,7 +88,7 @@ static void mismatch(const td_calibration *c, tides_calibration *found) {
     v->state = variance < 3 * doubt ? TIDES_CALIBRATED_BOUND : TIDES_CALIBRATED_MEASURED;
 }
 
-/* -- over the image ------------------------------------------------------------------------------------------------------------ */
+/* -- over the image -------------------------------------------------------------------------------------------------------- */
 
 static tides_status map(const td_calibration *c, tides_calibration *found, tides_error *error) {
     const int32_t width = (c->taken.width + TILE - 1) / TILE, height = (c->taken.height + TILE - 1) / TILE;
@@ -96,13 +97,15 @@ static tides_status map(const td_calibration *c, tides_calibration *found, tides
     found->map = td_alloc(tiles, sizeof *found->map, error);
     for (size_t i = 0; count && found->map && i < c->pairs.count; i++) {
         const td_pair *p = &c->pairs.list[i];
-        const uint32_t pixel = c->light.pixel[p->place], x = pixel % (uint32_t)c->taken.width, y = pixel / (uint32_t)c->taken.width;
+        const uint32_t pixel = c->light.pixel[p->place], x = pixel % (uint32_t)c->taken.width,
+                       y = pixel / (uint32_t)c->taken.width;
         const size_t tile = (size_t)(y / TILE) * (size_t)width + x / TILE;
         if (!is_known(&c->pairs, i)) continue;
         count[tile]++;
         found->map[tile] += fmax(0, fmin(2, c->pairs.change[i] / td_usual(&c->fit, p->after)));
     }
-    for (size_t i = 0; count && found->map && i < tiles; i++) found->map[i] = count[i] < TILE_PAIRS ? NAN : found->map[i] / count[i];
+    for (size_t i = 0; count && found->map && i < tiles; i++)
+        found->map[i] = count[i] < TILE_PAIRS ? NAN : found->map[i] / count[i];
     found->map_width = width;
     found->map_height = height;
     const tides_status status = count && found->map ? TIDES_OK : TIDES_NO_MEMORY;
@@ -110,7 +113,7 @@ static tides_status map(const td_calibration *c, tides_calibration *found, tides
     return status;
 }
 
-/* -- pixels that don't do as light does ------------------------------------------------------------------------------------- */
+/* -- pixels that don't do as light does ------------------------------------------------------------------------------------ */
 
 /* The way that a pixel's logarithm goes, up and down together. */
 static double way_of(const td_light *light, size_t place, double log_eps) {
@@ -130,7 +133,8 @@ static void hot(const td_calibration *c, tides_calibration *found) {
     const double least = fmin(c->fit.on, c->fit.off);
     for (size_t i = 0; i < c->light.count; i++) {
         const size_t count = events_of(&c->taken, c->light.pixel[i]);
-        if (count < HOT_EVENTS || (double)count < HOT_TIMES * (1 + way_of(&c->light, i, c->fit.front.log_eps) / least)) continue;
+        if (count < HOT_EVENTS || (double)count < HOT_TIMES * (1 + way_of(&c->light, i, c->fit.front.log_eps) / least))
+            continue;
         if (found->hot_count < TIDES_CALIBRATION_HOT) {
             found->hot[found->hot_count][0] = (uint16_t)(c->light.pixel[i] % (uint32_t)c->taken.width);
             found->hot[found->hot_count][1] = (uint16_t)(c->light.pixel[i] / (uint32_t)c->taken.width);

@@ -1,7 +1,7 @@
 /* Internal: a sensor measured from a recording and the light that it saw. calibrate.c says what comes after what.
  *
- * Between two successive events of a pixel the low-passed ln(Y + o) has moved by the threshold of the second one, whichever came
- * before. A model of the front end (td_front) is right where these changes agree; what they agree on are the thresholds.
+ * Between two successive events of a pixel the low-passed ln(Y + o) has moved by the threshold of the second one, whichever
+ * came before. A model of the front end (td_front) is right where these changes agree; what they agree on are the thresholds.
  *
  * Times are seconds since the stretch's start. */
 #ifndef TD_CALIBRATE_H
@@ -36,9 +36,9 @@ typedef struct td_light {
 
 /* Two events of a pixel, one after the other. */
 typedef struct td_pair {
-    uint32_t place;      /* which of the light's pixels */
+    uint32_t place;       /* which of the light's pixels */
     int8_t before, after; /* polarities */
-    double from, to;     /* [s] */
+    double from, to;      /* [s] */
 } td_pair;
 
 typedef struct td_pairs {
@@ -49,9 +49,9 @@ typedef struct td_pairs {
 
 /* What is between light and comparator. */
 typedef struct td_front {
-    double log_eps;    /* [1] */
-    double pole_s;     /* [s]; with `law` 1 that at Y = 1 */
-    double offset_s;   /* [s] events later than light by this */
+    double log_eps;  /* [1] */
+    double pole_s;   /* [s]; with `law` 1 that at Y = 1 */
+    double offset_s; /* [s] events later than light by this */
     double refractory_s;
     int32_t law; /* TIDES_PHOTORECEPTOR_* */
 } td_front;
@@ -59,11 +59,11 @@ typedef struct td_front {
 /* What a front end makes of pairs. */
 typedef struct td_fit {
     td_front front;
-    double on, off;    /* medians of changes [log units] */
-    double misfit;     /* mean of d^2, d = |change / median - 1|, 1.5 at most: what is minimised */
-    double deviation;  /* mean of d */
-    double agreement;  /* share of changes that have their event's sign */
-    size_t pairs;      /* that light is known for */
+    double on, off;   /* medians of changes [log units] */
+    double misfit;    /* mean of d^2, d = |change / median - 1|, 1.5 at most: what is minimised */
+    double deviation; /* mean of d */
+    double agreement; /* share of changes that have their event's sign */
+    size_t pairs;     /* that light is known for */
 } td_fit;
 
 /* Which parameters a search moves, and where they are held. */
@@ -102,7 +102,9 @@ void td_taken_free(td_taken *taken);
 #define TD_BIN_S 2.5e-4
 tides_status td_bursts_find(td_taken *taken, tides_error *error);
 void td_bursts_mark(td_taken *taken);
-static inline size_t td_bin(const td_taken *taken, int64_t t) { return (size_t)((double)(t - taken->start_ns) / (TD_BIN_S * 1e9)); }
+static inline size_t td_bin(const td_taken *taken, int64_t t) {
+    return (size_t)((double)(t - taken->start_ns) / (TD_BIN_S * 1e9));
+}
 
 /* light.c: chooses pixels and samples their light, from the session's scene or frames. */
 tides_status td_light_sample(td_calibration *c, tides_session *session, tides_error *error);
@@ -115,7 +117,7 @@ tides_status td_pairs_make(const td_taken *taken, const td_light *light, td_pair
 void td_pairs_free(td_pairs *pairs);
 double td_shortest_interval(const td_pairs *pairs);
 
-/* changes.c: fills pairs->change; NaN where light isn't known. */
+/* changes.c: fills pairs->change; NaN of another part's, INFINITY where light isn't known. */
 void td_changes(td_light *light, td_pairs *pairs, const td_front *front, const td_part *part);
 /* fit.c */
 void td_judge(td_pairs *pairs, td_fit *fit);
