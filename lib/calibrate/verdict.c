@@ -83,34 +83,55 @@ static int32_t is_exchanged(td_calibration *c) {
     return fit.agreement < 1 - AGREES;
 }
 
-static tides_status unlike(td_calibration *c, const activity *a, tides_calibration *found, tides_error *error) {
+/* What a recording that isn't of this light looks like. */
+static tides_status why_unlike(td_calibration *c, const activity *a, char **notes, tides_error *error) {
     static const char *const mirrored[] = {"", "left and right", "up and down", "both ways"};
     const double as_is = correlation(a, 0);
     int32_t best = 0;
     for (int32_t flip = 1; flip < 4; flip++)
         if (correlation(a, flip) > correlation(a, best)) best = flip;
-    tides_status status =
+    if (is_exchanged(c))
+        return td_note(notes, error, "ON and OFF look exchanged: light moves the other way at nearly every event");
+    if (correlation(a, best) > fmax(as_is + 0.1, ALIKE))
+        return td_note(notes, error,
+                       "the recording looks mirrored (%s): events are where the mirrored light moves (%.2f, as it is %.2f)",
+                       mirrored[best], correlation(a, best), as_is);
+    if (as_is > ALIKE)
+        return td_note(notes, error,
+                       "events are where light moves (%.2f), but their polarities or times aren't its own: another clock by "
+                       "more "
+                       "than 60 ms, or polarities that are lost",
+                       as_is);
+    return td_note(notes, error, "events aren't where light moves (%.2f): another scene, path, lens or stretch of time", as_is);
+}
+
+/* Light goes the events' way, and too far or not far enough. */
+static tides_status too_coarse(const td_calibration *c, tides_calibration *found, tides_error *error) {
+    const double every =
+        c->light.samples > 1 ? (c->light.time[c->light.samples - 1] - c->light.time[0]) / (double)(c->light.samples - 1) : 0;
+    found->refused = 1;
+    if (c->facts.frames)
+        return td_note(&found->notes, error,
+                       "changes of light differ by %.0f %%: frames that are %.3g ms apart don't say what light did between "
+                       "them: "
+                       "faster ones would, or a scene that was trained on them, with the camera's path",
+                       100 * found->deviation, 1e3 * every);
+    return td_note(&found->notes, error,
+                   "changes of light have the events' signs, and differ by %.0f %%: the scene's light isn't the recording's, "
+                   "as where "
+                   "its colours are coded otherwise (image.transfer), or it is blurred",
+                   100 * found->deviation);
+}
+
+static tides_status unlike(td_calibration *c, const activity *a, tides_calibration *found, tides_error *error) {
+    if (found->agreement >= AGREES && !is_exchanged(c)) return too_coarse(c, found, error);
+    found->refused = 1;
+    const tides_status status =
         td_note(&found->notes, error,
                 "%.0f %% of the changes of light go the way that their event says, and they differ by %.0f %%: "
                 "light and recording don't belong together",
                 100 * found->agreement, 100 * found->deviation);
-    if (status == TIDES_OK && is_exchanged(c))
-        status = td_note(&found->notes, error, "ON and OFF look exchanged: light moves the other way at nearly every event");
-    else if (status == TIDES_OK && correlation(a, best) > fmax(as_is + 0.1, ALIKE))
-        status = td_note(&found->notes, error,
-                         "the recording looks mirrored (%s): events are where the mirrored light moves (%.2f, as it is %.2f)",
-                         mirrored[best], correlation(a, best), as_is);
-    else if (status == TIDES_OK && as_is > ALIKE)
-        status = td_note(&found->notes, error,
-                         "events are where light moves (%.2f), but their polarities or times aren't its own: another clock by "
-                         "more than "
-                         "60 ms, or polarities that are lost",
-                         as_is);
-    else if (status == TIDES_OK)
-        status = td_note(&found->notes, error,
-                         "events aren't where light moves (%.2f): another scene, path, lens or stretch of time", as_is);
-    found->refused = 1;
-    return status;
+    return status == TIDES_OK ? why_unlike(c, a, &found->notes, error) : status;
 }
 
 static tides_status judge(td_calibration *c, tides_calibration *found, tides_error *error) {

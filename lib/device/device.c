@@ -175,10 +175,6 @@ int td_device_is_double(const tides_device *device) {
     return device->info.kind == TIDES_DEVICE_REFERENCE && !device->single_precision;
 }
 
-int td_device_has_double(const tides_device *device) {
-    return device->info.kind != TIDES_DEVICE_REFERENCE && device->has_double;
-}
-
 static void open_reference(tides_device *device, int single_precision) {
     device->single_precision = single_precision;
     device->info.kind = TIDES_DEVICE_REFERENCE;

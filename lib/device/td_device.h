@@ -31,7 +31,9 @@ int td_device_is_double(const tides_device *device);
 
 /* 1 where kernels can be built in double precision. Elsewhere (the references, OpenCL without cl_khr_fp64) what is wanted in
  * double is worked out in C, to the same bits. */
-int td_device_has_double(const tides_device *device);
+static inline int td_device_has_double(const tides_device *device) {
+    return device->info.kind != TIDES_DEVICE_REFERENCE && device->has_double;
+}
 
 /* "CL_OUT_OF_RESOURCES"; "CL error -9999" style numbers come out as "unknown OpenCL error". */
 const char *td_cl_name(cl_int code);

@@ -46,6 +46,7 @@ from .events import (
     write_events,
 )
 from .exposure import Exposure
+from .filters import Filter, Filters, filter
 from .generate import GenerateOptions, World, generate, generators
 from .live import Live, LiveOptions
 from .measure import ExactOptions, exact_stream, ideal_settings, image_is_continuous
@@ -100,6 +101,9 @@ __all__ = [
     "ExactOptions",
     "Exposure",
     "files",
+    "Filter",
+    "filter",
+    "Filters",
     "fingerprint_text",
     "Fingerprints",
     "Frames",

@@ -253,6 +253,7 @@ void tides_simulator_destroy(tides_simulator *simulator) {
     td_launch_release(&simulator->launch);
     td_grid_release(&simulator->grid);
     td_readout_release(&simulator->readout);
+    tides_filter_destroy(simulator->filters.filter);
     td_sensor_release(&simulator->sensor);
     td_surround_steps_release(&simulator->surround);
     for (int p = 0; p < TD_PLANES_ALL; p++) {
