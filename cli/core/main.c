@@ -120,7 +120,8 @@ static const cli_command commands[] = {
      "those of straight lines in log luminance. A method that fails takes no other with it.\n"
      "The keys for --set are listed by tides simulate --help.",
      1, cmd_compare, 0},
-    {"bench", "accuracy|ablation|blocks|determinism|live|stability|all [-o DIR] [--quick] [--scene NAME] [--row NAME]",
+    {"bench",
+     "accuracy|ablation|blocks|calibrate|determinism|live|stability|all [-o DIR] [--quick] [--scene NAME] [--row NAME]",
      "Measure run time against the error of event times, and try to break it.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
      "ablation: what each part of the method is worth, what masking and the readout change; ablation.json, .csv and a plot.\n"
@@ -128,6 +129,9 @@ static const cli_command commands[] = {
      "exit code is 1.\n"
      "stability: worlds made to break it, on the device and both references, with a verdict on each row; stability.json, .csv\n"
      "and a plot. Where a row fails the exit code is 1.\n"
+     "calibrate: sensors drawn by chance, simulated on the demo's scene or a run file's (--scene RUN.json) and measured "
+     "again;\n"
+     "calibrate.json and .csv.\n"
      "blocks: what each block of sensor and readout costs; blocks.json, .csv and a plot.\n"
      "live: latency of a run that is told a pose every millisecond, at 346x260; live.json, .csv and a plot.\n"
      "all: each of them. index.html is a page of all results in the folder.\n"
