@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { SENSORS = 40, SENSORS_QUICK = 1, MEASURED = 6, SETS = 10 };
+enum { SENSORS = 40, SENSORS_QUICK = 1, MEASURED = 6, SETS = 12 };
 static const int32_t measured[MEASURED] = {TIDES_CALIBRATED_ON,   TIDES_CALIBRATED_OFF,        TIDES_CALIBRATED_EPS,
                                            TIDES_CALIBRATED_POLE, TIDES_CALIBRATED_REFRACTORY, TIDES_CALIBRATED_SIGMA};
 
@@ -56,6 +56,7 @@ static void draw_sensor(calibrate_row *row) {
 /* As --set has it; the texts are in `text`. */
 static size_t describe(const bench *b, const calibrate_row *row, char text[SETS][80], const char *sets[SETS]) {
     size_t n = 0;
+    snprintf(text[n++], 80, "sensor.preset=ideal"); /* nothing of the run's own sensor */
     snprintf(text[n++], 80, "sensor.threshold_on=%.17g", row->truth[0]);
     snprintf(text[n++], 80, "sensor.threshold_off=%.17g", row->truth[1]);
     snprintf(text[n++], 80, "image.log_eps=%.17g", row->truth[2]);

@@ -261,6 +261,9 @@ static void settle_offset(td_calibration *c, td_fit *best) {
     c->offset_s = best->front.offset_s;
     if (!(c->free & TD_FREE_OFFSET)) return;
     held.front.offset_s = 0;
+    held.misfit = INFINITY;
+    look_around(c, &held); /* the best pole beside none may be far from the one beside an offset */
+    rough(c, &held, c->free & ~TD_FREE_OFFSET);
     rough(c, &held, c->free & ~TD_FREE_OFFSET);
     if (held.misfit > OFFSET_GAIN * best->misfit) return;
     c->free &= ~TD_FREE_OFFSET;
