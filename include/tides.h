@@ -42,5 +42,6 @@
 #include "tides/session.h"
 #include "tides/live.h"
 #include "tides/measure.h"
+#include "tides/calibrate.h"
 
 #endif

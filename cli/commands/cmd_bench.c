@@ -1,5 +1,6 @@
 /* tides bench: what accuracy costs, what the parts of the method and of the sensor do, what breaks, and that nothing else
  * changes an event. How fast the library's own stages are is the tests' to say (tests/bench/own). */
+#include "bench_calibrate.h"
 #include "bench_determinism.h"
 #include "bench_main.h"
 #include "bench_stability.h"
@@ -11,6 +12,8 @@ static const bench_entry benchmarks[] = {
     {"ablation", "What each part of the method is worth, and what masking and a readout change.", bench_ablation, 0,
      bench_scene_names},
     {"blocks", "What each block of the sensor and of the readout costs, alone.", bench_blocks, 0, bench_scene_names},
+    {"calibrate", "Sensors drawn by chance, simulated, and measured again from their events.", bench_calibrate, 0,
+     bench_calibrate_names},
     {"determinism", "The same runs made in different ways, and one SHA-256 for each run.", bench_determinism, 1,
      determinism_names},
     {"live", "How long a run takes for each pose that it is told as it goes.", bench_live, 0, bench_world_names},

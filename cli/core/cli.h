@@ -75,6 +75,7 @@ int cmd_cut(const cli_command *command, int argc, char **argv);
 int cmd_view(const cli_command *command, int argc, char **argv);
 int cmd_export(const cli_command *command, int argc, char **argv);
 int cmd_metrics(const cli_command *command, int argc, char **argv);
+int cmd_calibrate(const cli_command *command, int argc, char **argv);
 int cmd_compare(const cli_command *command, int argc, char **argv);
 int cmd_bench(const cli_command *command, int argc, char **argv);
 int cmd_init(const cli_command *command, int argc, char **argv);

@@ -100,6 +100,18 @@ static const cli_command commands[] = {
      "Values are undefined (-, in JSON null) where they would divide by nothing. include/tides/metrics.h defines each one.\n"
      "The kernel distance takes long, and match wants an exact reference: both only where asked for.",
      2, cmd_metrics, 1},
+    {"calibrate", "RECORDING RUN.json [-o PRESET.json] [--page DIR]",
+     "Measure a sensor from a recording and the light that it saw, as a preset.",
+     "RUN.json says what light there was: a scene and a path, or frames (frames.file), on the recording's clock. From one "
+     "event\n"
+     "of a pixel to its next the low-passed ln(Y + log_eps) moves by a threshold: black level, pole, refractory period and "
+     "the\n"
+     "clocks' offset are those by which these changes agree best. Pixels at rest say leak and noise. Errors are by halves of "
+     "time\n"
+     "and image and by pixels drawn by chance; what the recording can't tell isn't written. Bursts of frames' readout are "
+     "cut.\n"
+     "Where recording and light don't belong together nothing is written, and the exit code is 1.",
+     2, cmd_calibrate, 0},
     {"compare", "RUN.json [-o DIR] [--methods LIST]",
      "Run every method on one scene or frame sequence and compare their events.",
      "Each method against the exact stream of the run: events matched one by one (median and 95th percentile of |dt|,\n"
@@ -111,7 +123,8 @@ static const cli_command commands[] = {
      "those of straight lines in log luminance. A method that fails takes no other with it.\n"
      "The keys for --set are listed by tides simulate --help.",
      1, cmd_compare, 0},
-    {"bench", "accuracy|ablation|blocks|determinism|live|stability|all [-o DIR] [--quick] [--scene NAME] [--row NAME]",
+    {"bench",
+     "accuracy|ablation|blocks|calibrate|determinism|live|stability|all [-o DIR] [--quick] [--scene NAME] [--row NAME]",
      "Measure run time against the error of event times, and try to break it.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
      "ablation: what each part of the method is worth, what masking and the readout change; ablation.json, .csv and a plot.\n"
@@ -119,6 +132,9 @@ static const cli_command commands[] = {
      "exit code is 1.\n"
      "stability: worlds made to break it, on the device and both references, with a verdict on each row; stability.json, .csv\n"
      "and a plot. Where a row fails the exit code is 1.\n"
+     "calibrate: sensors drawn by chance, simulated on the demo's scene or a run file's (--scene RUN.json) and measured "
+     "again;\n"
+     "calibrate.json and .csv.\n"
      "blocks: what each block of sensor and readout costs; blocks.json, .csv and a plot.\n"
      "live: latency of a run that is told a pose every millisecond, at 346x260; live.json, .csv and a plot.\n"
      "all: each of them. index.html is a page of all results in the folder.\n"

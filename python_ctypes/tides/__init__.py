@@ -21,6 +21,7 @@ from ._library import VERSION as __version__
 from ._library import lib
 from ._values import Value
 from .baselines import Baseline, BaselineParams, Frames, FramesOptions, esim_next_time, ldati
+from .calibrate import Calibration, calibrate
 from .device import Device, devices
 from .errors import TidesError
 from .events import (
@@ -74,6 +75,8 @@ __all__ = [
     "as_events",
     "Baseline",
     "BaselineParams",
+    "calibrate",
+    "Calibration",
     "Camera",
     "can_resume",
     "CAUSES",

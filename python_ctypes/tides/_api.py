@@ -249,6 +249,23 @@ TIDES_VOXEL_TIMELENS = 2
 TIDES_LIVE_CAMERA = -1
 TIDES_IDEAL_THRESHOLDS = 1
 TIDES_IDEAL_PIXEL = 2
+TIDES_CALIBRATED_ON = 0
+TIDES_CALIBRATED_OFF = 1
+TIDES_CALIBRATED_SIGMA = 2
+TIDES_CALIBRATED_EPS = 3
+TIDES_CALIBRATED_POLE = 4
+TIDES_CALIBRATED_REFRACTORY = 5
+TIDES_CALIBRATED_LEAK = 6
+TIDES_CALIBRATED_SHOT = 7
+TIDES_CALIBRATED_OFFSET = 8
+TIDES_CALIBRATED_VALUES = 9
+TIDES_CALIBRATED_UNKNOWN = 0
+TIDES_CALIBRATED_MEASURED = 1
+TIDES_CALIBRATED_UNCERTAIN = 2
+TIDES_CALIBRATED_BOUND = 3
+TIDES_CALIBRATED_GIVEN = 4
+TIDES_CALIBRATION_SCAN = 25
+TIDES_CALIBRATION_HOT = 256
 
 # Opaque objects: only pointers to them exist here.
 
@@ -3465,6 +3482,185 @@ class tides_exact(Structure):
     ]
 
 
+class tides_calibrated(Structure):
+    """double value; /* NaN where unknown */
+    double error; /* one sigma: of random halves of the pixels, or of what halves differ by, whichever is more */
+    double early, late; /* of the halves of the time, */
+    double left, right; /* and of the image */
+    double raw; /* before what a simulation says is taken off */
+    int32_t state; /* TIDES_CALIBRATED_UNKNOWN ... */
+    int32_t reserved;
+    """
+
+    value: float
+    error: float
+    early: float
+    late: float
+    left: float
+    right: float
+    raw: float
+    state: int
+    reserved: int
+
+    _fields_ = [
+        ("value", c_double),
+        ("error", c_double),
+        ("early", c_double),
+        ("late", c_double),
+        ("left", c_double),
+        ("right", c_double),
+        ("raw", c_double),
+        ("state", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_calibrated_row(Structure):
+    """const char *name, *key, *unit; /* static storage */
+    """
+
+    name: bytes | None
+    key: bytes | None
+    unit: bytes | None
+
+    _fields_ = [
+        ("name", c_char_p),
+        ("key", c_char_p),
+        ("unit", c_char_p),
+    ]
+
+
+class tides_calibrate_options(Structure):
+    """uint32_t size;
+    int32_t reserved;
+    int64_t start_ns, stop_ns; /* the stretch [start, stop); INT64_MIN, INT64_MAX: of what recording and light have in common
+    the busiest second */
+    int32_t x, y, width, height; /* pixels that count; width 0: all */
+    double given[TIDES_CALIBRATED_VALUES]; /* values that are known; NaN: to be measured. Of the thresholds none */
+    const char *still; /* a recording of a still scene or behind a cap, for noise and leak; or NULL */
+    const struct tides_event_reading *reading; /* how the recordings are read; NULL: by content */
+    uint64_t seed; /* of the halves and the simulations */
+    """
+
+    size: int
+    reserved: int
+    start_ns: int
+    stop_ns: int
+    x: int
+    y: int
+    width: int
+    height: int
+    given: Any
+    still: bytes | None
+    reading: Any
+    seed: int
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("reserved", c_int32),
+        ("start_ns", c_int64),
+        ("stop_ns", c_int64),
+        ("x", c_int32),
+        ("y", c_int32),
+        ("width", c_int32),
+        ("height", c_int32),
+        ("given", c_double * 9),
+        ("still", c_char_p),
+        ("reading", P(tides_event_reading)),
+        ("seed", c_uint64),
+    ]
+
+
+class tides_calibration(Structure):
+    """tides_calibrated values[TIDES_CALIBRATED_VALUES];
+    int32_t law; /* TIDES_PHOTORECEPTOR_*: whether the pole goes with light */
+    int32_t refused; /* 1: recording and light don't belong together, or tell nothing: no preset can be written */
+    double transitions[4]; /* medians of changes [thresholds]: ON after ON, ON after OFF, OFF after OFF, OFF after ON */
+    uint64_t transition_pairs[4];
+    double deviation; /* mean relative deviation of changes from their medians */
+    double agreement; /* share of changes that have the sign of their event */
+    double correlation; /* between black level and threshold_on, over random halves of the pixels */
+    double dead_share; /* of the pixels whose light moved by three thresholds and more: those without an event */
+    int64_t start_ns, stop_ns; /* the stretch */
+    uint64_t events, burst_events, pairs; /* in the stretch; in bursts of frames' readout; pairs that were used */
+    uint64_t pixels, still_pixels; /* whose light was sampled; that rested */
+    int32_t bursts, samples; /* of frames' readout; times at which light was sampled */
+    int32_t hot_count; /* pixels that fire far more often than their light says, */
+    int32_t map_width, map_height, rate_count; /* sizes of the arrays below */
+    uint16_t hot[TIDES_CALIBRATION_HOT][2]; /* x, y of the first of them */
+    double pole_scan[TIDES_CALIBRATION_SCAN][2]; /* deviation over pole [s], the rest as found */
+    double eps_scan[TIDES_CALIBRATION_SCAN][2]; /* and over black level */
+    double *map; /* (map_height x map_width): mean change of tiles of 4x4 px, 1: the median;
+    NaN: too few events */
+    double *rate_s, *rate, *rate_simulated; /* (rate_count): [s], [1/s] of the pixels whose light was sampled */
+    char *notes; /* what is to be said of it, lines; "" where nothing */
+    """
+
+    values: Any
+    law: int
+    refused: int
+    transitions: Any
+    transition_pairs: Any
+    deviation: float
+    agreement: float
+    correlation: float
+    dead_share: float
+    start_ns: int
+    stop_ns: int
+    events: int
+    burst_events: int
+    pairs: int
+    pixels: int
+    still_pixels: int
+    bursts: int
+    samples: int
+    hot_count: int
+    map_width: int
+    map_height: int
+    rate_count: int
+    hot: Any
+    pole_scan: Any
+    eps_scan: Any
+    map: Any
+    rate_s: Any
+    rate: Any
+    rate_simulated: Any
+    notes: bytes | None
+
+    _fields_ = [
+        ("values", tides_calibrated * 9),
+        ("law", c_int32),
+        ("refused", c_int32),
+        ("transitions", c_double * 4),
+        ("transition_pairs", c_uint64 * 4),
+        ("deviation", c_double),
+        ("agreement", c_double),
+        ("correlation", c_double),
+        ("dead_share", c_double),
+        ("start_ns", c_int64),
+        ("stop_ns", c_int64),
+        ("events", c_uint64),
+        ("burst_events", c_uint64),
+        ("pairs", c_uint64),
+        ("pixels", c_uint64),
+        ("still_pixels", c_uint64),
+        ("bursts", c_int32),
+        ("samples", c_int32),
+        ("hot_count", c_int32),
+        ("map_width", c_int32),
+        ("map_height", c_int32),
+        ("rate_count", c_int32),
+        ("hot", c_uint16 * 2 * 256),
+        ("pole_scan", c_double * 2 * 25),
+        ("eps_scan", c_double * 2 * 25),
+        ("map", P(c_double)),
+        ("rate_s", P(c_double)),
+        ("rate", P(c_double)),
+        ("rate_simulated", P(c_double)),
+        ("notes", c_char_p),
+    ]
+
+
 # name: (type of the result, types of the arguments, their names)
 FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     # void tides_animation_abandon(tides_animation *animation)
@@ -3546,6 +3742,23 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
         P(tides_baseline), P(tides_frame_supply), tides_event_sink, c_void_p, tides_progress, c_void_p,
         P(tides_stats), P(tides_error)
     ], "baseline supply sink sink_user progress user stats error"),
+    # tides_status tides_calibrate(const char *recording, tides_session *session, const tides_calibrate_options
+    # *options, tides_progress progress, void *user, tides_calibration *found, tides_error *error)
+    "tides_calibrate": (c_int32, [
+        c_char_p, P(tides_session), P(tides_calibrate_options), tides_progress, c_void_p, P(tides_calibration),
+        P(tides_error)
+    ], "recording session options progress user found error"),
+    # void tides_calibrate_options_defaults(tides_calibrate_options *options)
+    "tides_calibrate_options_defaults": (None, [P(tides_calibrate_options)], "options"),
+    # int32_t tides_calibrated_at(int32_t index, tides_calibrated_row *row)
+    "tides_calibrated_at": (c_int32, [c_int32, P(tides_calibrated_row)], "index row"),
+    # void tides_calibration_free(tides_calibration *found)
+    "tides_calibration_free": (None, [P(tides_calibration)], "found"),
+    # tides_status tides_calibration_preset(const tides_calibration *found, const char *about, char **text, tides_error
+    # *error)
+    "tides_calibration_preset": (c_int32, [
+        P(tides_calibration), c_char_p, P(c_char_p), P(tides_error)
+    ], "found about text error"),
     # const char *tides_channel_name(int32_t channel)
     "tides_channel_name": (c_char_p, [c_int32], "channel"),
     # int32_t tides_colour_filter_channel(int32_t filter, int32_t x, int32_t y)
@@ -4429,5 +4642,5 @@ STRUCTS = (
     tides_event_truth, tides_event_conversion, tides_event_conversion_report, tides_match, tides_metrics_options,
     tides_interval_fit, tides_stream_metrics, tides_metrics, tides_metric, tides_voxel_options, tides_array_shape,
     tides_page_options, tides_page_report, tides_run_input, tides_fingerprint, tides_live_options, tides_exact_options,
-    tides_exact,
+    tides_exact, tides_calibrated, tides_calibrated_row, tides_calibrate_options, tides_calibration,
 )

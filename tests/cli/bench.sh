@@ -1,6 +1,6 @@
 # A benchmark leaves tables that agree with each other and pictures, refuses nonsense, and stops when asked to.
 refuse 2 "no benchmark is called acuracy; did you mean accuracy\?" tides bench acuracy
-refuse 2 "no benchmark is called speed; there are accuracy, ablation, blocks, determinism, live, sensors, stability and all" \
+refuse 2 "no benchmark is called speed; there are accuracy, ablation, blocks, calibrate, determinism, live, sensors, stability and all" \
     tides bench speed
 refuse 2 "--row needle-1e6: there is no such row; did you mean needles-1e6\?" tides bench stability --row needle-1e6
 refuse 2 "--row: blocks has no rows; --scene chooses a scene" tides bench blocks --row needles-1e6
@@ -173,6 +173,8 @@ tail -n 1 err | grep -q "stopped on request; nothing was written" || fail "it sh
 missing stopped/accuracy.json
 
 # Live runs are told a pose every millisecond; every step has its latency.
+expect 0 tides bench calibrate --quick -o made
+less "$(value made/calibrate.json refused)" 0.5 "the first sensor, refused"
 expect 0 tides bench live --quick -o made
 out "demo +tiles +10 "
 for key in median_ms p99_ms worst_ms first_ms events_per_step; do

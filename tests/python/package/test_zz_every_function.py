@@ -4,7 +4,7 @@ import pytest
 import tides
 from conftest import CALLS
 
-FILES = {"api", "baselines", "values", "world", "simulation", "events", "event_reading", "session", "dataset", "exposure", "page", "threads"}
+FILES = {"api", "baselines", "calibrate", "values", "world", "simulation", "events", "event_reading", "session", "dataset", "exposure", "page", "threads"}
 
 
 def test_every_function_was_called(request):

@@ -1,0 +1,11 @@
+/* tides bench calibrate. */
+#ifndef CLI_BENCH_CALIBRATE_H
+#define CLI_BENCH_CALIBRATE_H
+
+#include "bench.h"
+
+/* "demo"; another name is a run file. NULL-terminated. */
+const char *const *bench_calibrate_names(void);
+tides_status bench_calibrate(bench *b, const cli_list *scenes, tides_error *error);
+
+#endif

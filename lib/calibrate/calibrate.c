@@ -1,0 +1,160 @@
+/* A sensor from its recording, step by step:
+ *
+ *   recording.c, bursts.c   the stretch's events by pixel; those of frames' readout marked
+ *   light.c                 Y of pixels with events, where it moves at most 0.008 log units off straight lines
+ *   pairs.c, changes.c      by how much the low-passed logarithm moved from event to event
+ *   fit.c                   the front end by which these changes agree best
+ *   spread.c, noise.c       mismatch, transitions, hot and dead pixels; leak and noise of what rests
+ *   correct.c               what a simulation with all that is measured as, taken off
+ *   doubt.c, verdict.c      error bars; what can't be believed, and why */
+#include "td_calibrate.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+tides_status td_calibrate_told(const td_calibration *c, double fraction, const char *stage, tides_error *error) {
+    if (c->progress && c->progress(c->user, fraction, stage)) return td_fail(error, TIDES_CANCELLED, "stopped on request");
+    return TIDES_OK;
+}
+
+void tides_calibrate_options_defaults(tides_calibrate_options *options) {
+    memset(options, 0, sizeof *options);
+    options->size = sizeof *options;
+    options->start_ns = INT64_MIN;
+    options->stop_ns = INT64_MAX;
+    for (int32_t i = 0; i < TIDES_CALIBRATED_VALUES; i++) options->given[i] = NAN;
+}
+
+int32_t tides_calibrated_at(int32_t index, tides_calibrated_row *row) {
+    static const tides_calibrated_row rows[TIDES_CALIBRATED_VALUES] = {
+        {"threshold_on", "sensor.threshold_on", "log units"},
+        {"threshold_off", "sensor.threshold_off", "log units"},
+        {"threshold_sigma", "sensor.threshold_sigma", "log units"},
+        {"log_eps", "image.log_eps", ""},
+        {"pole_s", "frontend.photoreceptor_cutoff_hz", "s"},
+        {"refractory_s", "sensor.refractory_s", "s"},
+        {"leak_rate_hz", "sensor.leak_rate_hz", "Hz"},
+        {"shot_noise_hz", "frontend.shot_noise_hz", "Hz"},
+        {"offset_s", "", "s"},
+    };
+    if (index < 0 || index >= TIDES_CALIBRATED_VALUES) return 0;
+    *row = rows[index];
+    return 1;
+}
+
+/* -- the steps ------------------------------------------------------------------------------------------------------------- */
+
+static void note_fit(td_calibration *c, tides_calibration *found) {
+    const double raw[TIDES_CALIBRATED_VALUES] = {
+        [TIDES_CALIBRATED_ON] = c->raw.on,
+        [TIDES_CALIBRATED_OFF] = c->raw.off,
+        [TIDES_CALIBRATED_EPS] = c->raw.front.log_eps,
+        [TIDES_CALIBRATED_POLE] = c->raw.front.pole_s,
+        [TIDES_CALIBRATED_REFRACTORY] = c->raw.front.refractory_s,
+        [TIDES_CALIBRATED_OFFSET] = c->offset_s,
+    };
+    const double fitted[TIDES_CALIBRATED_VALUES] = {
+        [TIDES_CALIBRATED_ON] = c->fit.on,
+        [TIDES_CALIBRATED_OFF] = c->fit.off,
+        [TIDES_CALIBRATED_EPS] = c->fit.front.log_eps,
+        [TIDES_CALIBRATED_POLE] = c->fit.front.pole_s,
+        [TIDES_CALIBRATED_REFRACTORY] = c->fit.front.refractory_s,
+        [TIDES_CALIBRATED_OFFSET] = c->offset_s,
+    };
+    for (int32_t i = 0; i < TIDES_CALIBRATED_VALUES; i++) {
+        tides_calibrated *v = &found->values[i];
+        const int32_t others = i == TIDES_CALIBRATED_SIGMA || i == TIDES_CALIBRATED_LEAK || i == TIDES_CALIBRATED_SHOT;
+        v->early = v->late = v->left = v->right = NAN;
+        if (!others) v->value = fitted[i];
+        if (!others) v->raw = raw[i];
+        if (!(c->options->given[i] == c->options->given[i])) continue;
+        v->value = v->raw = c->options->given[i];
+        v->state = TIDES_CALIBRATED_GIVEN;
+    }
+    found->law = c->fit.front.law;
+}
+
+static void note_counts(const td_calibration *c, tides_calibration *found) {
+    found->deviation = c->raw.deviation;
+    found->agreement = c->raw.agreement;
+    found->pairs = c->raw.pairs;
+    found->start_ns = c->taken.start_ns;
+    found->stop_ns = c->taken.stop_ns;
+    found->events = c->taken.count;
+    found->burst_events = c->taken.in_bursts;
+    found->bursts = c->taken.bursts;
+    found->pixels = c->light.count;
+    found->samples = (int32_t)c->light.samples;
+}
+
+/* Whether there is enough to simulate with. */
+static int32_t is_sound(const td_calibration *c) { return c->fit.on > 0.005 && c->fit.off > 0.005 && c->fit.agreement > 0.7; }
+
+static tides_status work(const char *recording, tides_session *session, td_calibration *c, tides_calibration *found,
+                         tides_error *error) {
+    double start, stop;
+    td_light_span(&c->facts, &start, &stop);
+    tides_status status = td_taken_read(recording, c, start, stop, error);
+    if (status == TIDES_OK) status = td_light_sample(c, session, error);
+    if (status == TIDES_OK) status = td_pairs_make(&c->taken, &c->light, &c->pairs, error);
+    if (status != TIDES_OK) return status;
+    c->longest_refractory_s = td_shortest_interval(&c->pairs);
+    status = td_search(c, error);
+    c->raw = c->fit;
+    if (status == TIDES_OK) status = td_spread(c, found, error);
+    if (status == TIDES_OK) status = td_noise(c, found, error);
+    if (status == TIDES_OK && is_sound(c)) status = td_correct(c, found, error);
+    if (status != TIDES_OK) return status;
+    note_fit(c, found);
+    note_counts(c, found);
+    if (is_sound(c)) status = td_doubt(c, found, error);
+    return status == TIDES_OK ? td_verdict(c, found, error) : status;
+}
+
+static tides_status check(const char *recording, const tides_session *session, const tides_calibrate_options *o,
+                          tides_error *error) {
+    if (!recording || !session || !o)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_calibrate: recording, session or options are NULL");
+    if (o->size != sizeof *o)
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "tides_calibrate: options aren't filled: tides_calibrate_options_defaults does that");
+    if (o->stop_ns <= o->start_ns) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_calibrate: stop should be after start");
+    if (o->given[TIDES_CALIBRATED_ON] == o->given[TIDES_CALIBRATED_ON] ||
+        o->given[TIDES_CALIBRATED_OFF] == o->given[TIDES_CALIBRATED_OFF])
+        return td_fail(error, TIDES_BAD_ARGUMENT, "thresholds are what is measured: they can't be given");
+    for (int32_t i = 0; i < TIDES_CALIBRATED_VALUES; i++)
+        if (isinf(o->given[i]) || (i != TIDES_CALIBRATED_OFFSET && o->given[i] < 0))
+            return td_fail(error, TIDES_BAD_ARGUMENT, "a value that is given should be finite and not negative");
+    return TIDES_OK;
+}
+
+tides_status tides_calibrate(const char *recording, tides_session *session, const tides_calibrate_options *options,
+                             tides_progress progress, void *user, tides_calibration *found, tides_error *error) {
+    td_calibration c = {.options = options, .progress = progress, .user = user};
+    tides_calibration made;
+    tides_status status = check(recording, session, options, error);
+    if (status != TIDES_OK) return status;
+    memset(&made, 0, sizeof made);
+    tides_session_get(session, &c.facts);
+    status = work(recording, session, &c, &made, error);
+    td_taken_free(&c.taken);
+    td_light_free(&c.light);
+    td_pairs_free(&c.pairs);
+    if (status == TIDES_OK)
+        *found = made;
+    else
+        tides_calibration_free(&made);
+    return status;
+}
+
+void tides_calibration_free(tides_calibration *found) {
+    if (!found) return;
+    free(found->map);
+    free(found->rate_s);
+    free(found->rate);
+    free(found->rate_simulated);
+    free(found->notes);
+    found->map = found->rate_s = found->rate = found->rate_simulated = NULL;
+    found->notes = NULL;
+}

@@ -1,0 +1,301 @@
+/* The front end by which changes agree best, found without a place to begin: a grid over black level and pole, the clocks'
+ * offset over +-60 ms, and a simplex (Nelder and Mead 1965) from there. */
+#include "td_calibrate.h"
+#include "td_random.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PARAMETERS = 4, POINTS = PARAMETERS + 1, STEPS = 80, STEPS_OF_PART = 30, PURPOSE = 201 };
+#define CLIP 1.5
+#define EPS_SHIFT 0.004 /* in whose logarithm black levels are moved: below it they are alike */
+#define POLE_SHIFT 1e-3 /* [s] the same of poles */
+#define FAR_S 0.06      /* offsets that are tried */
+#define FEW 20          /* pairs */
+#define CLOSE 2e-4      /* of the misfit: a simplex that is no higher than this is done, */
+#define CLOSE_OF_PART 1e-3
+#define OFFSET_GAIN 1.05 /* by how much an offset must better the misfit, */
+#define LAW_GAIN 0.98    /* and a pole that goes with light */
+
+int32_t td_in_part(const td_pair *pair, uint32_t pixel, const td_part *part) {
+    if (!part || part->what == TD_ALL) return 1;
+    if (part->what == TD_EARLY) return pair->to < part->middle;
+    if (part->what == TD_LATE) return pair->to >= part->middle;
+    if (part->what == TD_LEFT) return pixel % (uint32_t)part->width < (uint32_t)part->middle;
+    if (part->what == TD_RIGHT) return pixel % (uint32_t)part->width >= (uint32_t)part->middle;
+    const td_random_bits bits = td_random(part->seed, pixel, 0, PURPOSE);
+    return bits.word[0] & 1;
+}
+
+/* -- how well changes agree ------------------------------------------------------------------------------------------------ */
+
+/* Puts the `rank`-th smallest in its place, what is smaller before it: Hoare's selection, which a sort would take ten times as
+ * long for. */
+static double select_rank(double *x, size_t count, size_t rank) {
+    size_t low = 0, high = count - 1;
+    while (low < high) {
+        const double pivot = x[low + (high - low) / 2];
+        size_t i = low, k = high;
+        for (;; i++, k--) {
+            while (x[i] < pivot) i++;
+            while (x[k] > pivot) k--;
+            if (i >= k) break;
+            const double other = x[i];
+            x[i] = x[k];
+            x[k] = other;
+        }
+        if (rank <= k)
+            high = k;
+        else
+            low = k + 1;
+    }
+    return x[rank];
+}
+
+/* The median of the changes of a polarity, the upper one of two; NaN of few. */
+static double median(const td_pairs *pairs, int8_t polarity) {
+    size_t count = 0;
+    for (size_t i = 0; i < pairs->count; i++)
+        if (pairs->list[i].after == polarity && isfinite(pairs->change[i])) pairs->room[count++] = pairs->change[i];
+    return count < FEW ? NAN : select_rank(pairs->room, count, count / 2);
+}
+
+double td_usual(const td_fit *fit, int8_t polarity) { return polarity > 0 ? fit->on : fit->off; }
+
+/* Squares: light that is blurred or wrong makes changes too small, those of short intervals most, and by their absolute values
+ * these would be what the rest is told by. On slider_depth, against values that were measured otherwise: 0.6 % high by squares,
+ * 4 % low by absolute values. Pairs whose light isn't known fit worst, or offsets that leave few would fit best. */
+void td_judge(td_pairs *pairs, td_fit *fit) {
+    size_t count = 0, agree = 0, lost = 0;
+    double sum = 0, squares = 0;
+    fit->on = median(pairs, 1);
+    fit->off = median(pairs, -1);
+    for (size_t i = 0; i < pairs->count; i++) {
+        const double change = pairs->change[i], usual = td_usual(fit, pairs->list[i].after);
+        if (isinf(change)) lost++;
+        if (!isfinite(change) || !(usual == usual)) continue;
+        const double d = usual > 0 ? fmin(CLIP, fabs(change / usual - 1)) : CLIP;
+        count++;
+        agree += change > 0;
+        sum += d;
+        squares += d * d;
+    }
+    fit->pairs = count;
+    fit->agreement = count ? (double)agree / (double)count : 0;
+    fit->deviation = count >= FEW ? sum / (double)count : CLIP;
+    fit->misfit = count >= FEW ? (squares + CLIP * CLIP * (double)lost) / (double)(count + lost) : CLIP * CLIP;
+}
+
+double td_try(td_light *light, td_pairs *pairs, const td_front *front, const td_part *part, td_fit *fit) {
+    fit->front = *front;
+    td_changes(light, pairs, front, part);
+    td_judge(pairs, fit);
+    return fit->misfit;
+}
+
+/* -- the simplex ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct search {
+    td_light *light;
+    td_pairs *pairs;
+    const td_part *part;
+    td_fit best;
+    int32_t law, free, axes[PARAMETERS], count;
+    double longest;
+    double start[PARAMETERS];
+} search;
+
+static void to_place(const td_front *f, double x[PARAMETERS]) {
+    x[0] = log(f->log_eps + EPS_SHIFT);
+    x[1] = log(f->pole_s + POLE_SHIFT);
+    x[2] = f->offset_s / 2e-3;
+    x[3] = f->refractory_s / 1e-3;
+}
+
+static td_front from_place(const search *s, const double x[PARAMETERS]) {
+    return (td_front){.log_eps = fmin(fmax(exp(x[0]) - EPS_SHIFT, 1e-6), 10),
+                      .pole_s = fmax(exp(x[1]) - POLE_SHIFT, 0),
+                      .offset_s = 2e-3 * x[2],
+                      .refractory_s = fmin(fabs(1e-3 * x[3]), s->longest),
+                      .law = s->law};
+}
+
+static double value(search *s, const double *moved) {
+    double x[PARAMETERS];
+    td_fit fit;
+    memcpy(x, s->start, sizeof x);
+    for (int32_t i = 0; i < s->count; i++) x[s->axes[i]] = moved[i];
+    const td_front front = from_place(s, x);
+    const double misfit = td_try(s->light, s->pairs, &front, s->part, &fit);
+    if (misfit < s->best.misfit) s->best = fit;
+    return misfit;
+}
+
+typedef struct corner {
+    double x[PARAMETERS], value;
+} corner;
+
+static int by_value(const void *a, const void *b) {
+    const corner *p = a, *q = b;
+    return (p->value > q->value) - (p->value < q->value);
+}
+
+/* The point centre + by (worst - centre). */
+static corner moved(search *s, const corner *c, const double *centre, double by) {
+    corner m = {.value = 0};
+    for (int32_t i = 0; i < s->count; i++) m.x[i] = centre[i] + by * (c[s->count].x[i] - centre[i]);
+    m.value = value(s, m.x);
+    return m;
+}
+
+static void shrink(search *s, corner *c) {
+    for (int32_t k = 1; k <= s->count; k++) {
+        for (int32_t i = 0; i < s->count; i++) c[k].x[i] = 0.5 * (c[k].x[i] + c[0].x[i]);
+        c[k].value = value(s, c[k].x);
+    }
+}
+
+static void step(search *s, corner *c) {
+    double centre[PARAMETERS] = {0};
+    const int32_t n = s->count;
+    for (int32_t k = 0; k < n; k++)
+        for (int32_t i = 0; i < n; i++) centre[i] += c[k].x[i] / n;
+    const corner mirrored = moved(s, c, centre, -1);
+    if (mirrored.value < c[0].value) {
+        const corner further = moved(s, c, centre, -2);
+        c[n] = further.value < mirrored.value ? further : mirrored;
+    } else if (mirrored.value < c[n - 1].value) {
+        c[n] = mirrored;
+    } else {
+        const corner nearer = moved(s, c, centre, mirrored.value < c[n].value ? -0.5 : 0.5);
+        if (nearer.value < c[n].value)
+            c[n] = nearer;
+        else
+            shrink(s, c);
+    }
+    qsort(c, (size_t)n + 1, sizeof *c, by_value);
+}
+
+void td_refine(td_light *light, td_pairs *pairs, td_fit *fit, int32_t free, double longest_refractory_s, const td_part *part) {
+    static const double reach[PARAMETERS] = {0.25, 0.25, 0.3, 0.15};
+    search s = {.light = light, .pairs = pairs, .part = part, .law = fit->front.law, .longest = longest_refractory_s};
+    corner c[POINTS];
+    memset(c, 0, sizeof c);
+    s.best.misfit = INFINITY;
+    to_place(&fit->front, s.start);
+    for (int32_t i = 0; i < PARAMETERS; i++)
+        if (free & (1 << i)) s.axes[s.count++] = i;
+    for (int32_t k = 0; k <= s.count; k++) {
+        for (int32_t i = 0; i < s.count; i++) c[k].x[i] = s.start[s.axes[i]] + (i + 1 == k ? reach[s.axes[i]] : 0);
+        c[k].value = value(&s, c[k].x);
+    }
+    qsort(c, (size_t)s.count + 1, sizeof *c, by_value);
+    const int32_t steps = s.count == 0 ? 0 : part ? STEPS_OF_PART : STEPS;
+    const double close = part ? CLOSE_OF_PART : CLOSE;
+    for (int32_t i = 0; i < steps && c[s.count].value - c[0].value > close * c[0].value + 1e-8; i++) step(&s, c);
+    *fit = s.best;
+}
+
+/* -- from nothing ---------------------------------------------------------------------------------------------------------- */
+
+static void best_of(td_calibration *c, const td_front *front, td_fit *best) {
+    td_fit fit;
+    if (td_try(&c->light, &c->pairs, front, NULL, &fit) < best->misfit) *best = fit;
+}
+
+static void look_around(td_calibration *c, td_fit *best) {
+    static const double eps[] = {0.003, 0.012, 0.04, 0.12}, pole[] = {0, 2e-3, 5e-3, 12e-3};
+    for (size_t i = 0; i < 4; i++) {
+        for (size_t k = 0; k < 4; k++) {
+            td_front front = best->front;
+            if (c->free & TD_FREE_EPS) front.log_eps = eps[i];
+            if (c->free & TD_FREE_POLE) front.pole_s = pole[k];
+            best_of(c, &front, best);
+        }
+    }
+}
+
+static void look_for_offset(td_calibration *c, td_fit *best) {
+    const td_front front = best->front;
+    for (double offset = -FAR_S; offset <= FAR_S * 1.001; offset += 3e-3) {
+        td_front at = front;
+        at.offset_s = offset;
+        best_of(c, &at, best);
+    }
+}
+
+/* What is given is where it is held. */
+static td_front given_front(td_calibration *c) {
+    const double *g = c->options->given;
+    td_front front = {.log_eps = 0.02, .law = TIDES_PHOTORECEPTOR_CONSTANT};
+    c->free = TD_FREE_ALL;
+    if (g[TIDES_CALIBRATED_EPS] == g[TIDES_CALIBRATED_EPS]) {
+        front.log_eps = g[TIDES_CALIBRATED_EPS];
+        c->free &= ~TD_FREE_EPS;
+    }
+    if (g[TIDES_CALIBRATED_POLE] == g[TIDES_CALIBRATED_POLE]) {
+        front.pole_s = g[TIDES_CALIBRATED_POLE];
+        c->free &= ~TD_FREE_POLE;
+    }
+    if (g[TIDES_CALIBRATED_OFFSET] == g[TIDES_CALIBRATED_OFFSET]) {
+        front.offset_s = g[TIDES_CALIBRATED_OFFSET];
+        c->free &= ~TD_FREE_OFFSET;
+    }
+    if (g[TIDES_CALIBRATED_REFRACTORY] == g[TIDES_CALIBRATED_REFRACTORY]) {
+        front.refractory_s = g[TIDES_CALIBRATED_REFRACTORY];
+        c->free &= ~TD_FREE_REFRACTORY;
+    }
+    return front;
+}
+
+/* On half of the pixels, roughly: which kind of front end it is. */
+static void rough(td_calibration *c, td_fit *fit, int32_t free) {
+    const td_part half = {.what = TD_RANDOM_HALF, .seed = c->options->seed};
+    td_refine(&c->light, &c->pairs, fit, free, c->longest_refractory_s, &half);
+}
+
+/* A delay and a pole do nearly the same, and no run has a delay: one is taken where it makes a difference that lasts. */
+static void settle_offset(td_calibration *c, td_fit *best) {
+    td_fit held = *best;
+    c->offset_s = best->front.offset_s;
+    if (!(c->free & TD_FREE_OFFSET)) return;
+    held.front.offset_s = 0;
+    held.misfit = INFINITY;
+    look_around(c, &held); /* the best pole beside none may be far from the one beside an offset */
+    rough(c, &held, c->free & ~TD_FREE_OFFSET);
+    rough(c, &held, c->free & ~TD_FREE_OFFSET);
+    if (held.misfit > OFFSET_GAIN * best->misfit) return;
+    c->free &= ~TD_FREE_OFFSET;
+    *best = held;
+}
+
+/* A pole that goes with light, where it fits better. */
+static void settle_law(td_calibration *c, td_fit *best) {
+    td_fit with_light = *best;
+    if (!(c->free & TD_FREE_POLE) || best->front.pole_s <= 0) return;
+    with_light.front.law = TIDES_PHOTORECEPTOR_INTENSITY;
+    with_light.front.pole_s *= 0.3;
+    rough(c, &with_light, c->free);
+    if (with_light.misfit < LAW_GAIN * best->misfit) *best = with_light;
+}
+
+tides_status td_search(td_calibration *c, tides_error *error) {
+    td_fit best = {.front = given_front(c), .misfit = INFINITY};
+    if (!(c->free & TD_FREE_REFRACTORY)) c->longest_refractory_s = best.front.refractory_s;
+    look_around(c, &best);
+    tides_status status = td_calibrate_told(c, 0.53, "fitting", error);
+    if (c->free & TD_FREE_OFFSET && status == TIDES_OK) look_for_offset(c, &best);
+    look_around(c, &best);
+    if (status == TIDES_OK) status = td_calibrate_told(c, 0.56, "fitting", error);
+    if (status != TIDES_OK) return status;
+    rough(c, &best, c->free);
+    rough(c, &best, c->free);
+    settle_offset(c, &best);
+    settle_law(c, &best);
+    status = td_calibrate_told(c, 0.6, "fitting", error);
+    if (status != TIDES_OK) return status;
+    td_refine(&c->light, &c->pairs, &best, c->free, c->longest_refractory_s, NULL);
+    c->fit = best;
+    return td_calibrate_told(c, 0.65, "fitting", error);
+}
