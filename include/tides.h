@@ -31,6 +31,8 @@
 #include "tides/baselines.h"
 #include "tides/events.h"
 #include "tides/readout.h"
+#include "tides/filters.h"
+#include "tides/convert.h"
 #include "tides/image.h"
 #include "tides/metrics.h"
 #include "tides/representations.h"

@@ -56,6 +56,28 @@ static int is_scene(const char *in) {
     return status != TIDES_OK && status != TIDES_UNSUPPORTED && tides_scene_is_file(in);
 }
 
+/* Keys with or without "filters." in front, as --set has them in a run. */
+static int take_filters(const cli_list *given, tides_filters *filters, tides_event_conversion *what) {
+    static const char run_of_any[] = "{\"frames\": {\"file\": \"-\"}}";
+    char keys[CLI_LIST_MAX][256];
+    const char *sets[CLI_LIST_MAX];
+    tides_error error = {TIDES_OK, ""};
+    tides_run_values values;
+    tides_run *run = NULL;
+    for (size_t i = 0; i < given->count; i++) {
+        const char *prefix = strncmp(given->items[i], "filters.", 8) == 0 ? "" : "filters.";
+        snprintf(keys[i], sizeof keys[i], "%s%s", prefix, given->items[i]);
+        sets[i] = keys[i];
+    }
+    tides_status status = tides_run_parse(run_of_any, ".", sets, given->count, &run, &error);
+    if (status != TIDES_OK) return cli_fail(&error);
+    tides_run_get(run, &values);
+    *filters = values.filters;
+    tides_run_destroy(run);
+    what->filters = filters;
+    return CLI_GO;
+}
+
 int cmd_convert(const cli_command *command, int argc, char **argv) {
     cli_common common;
     cli_reading reading = {.format = NULL};
@@ -64,11 +86,14 @@ int cmd_convert(const cli_command *command, int argc, char **argv) {
     tides_scene_options how;
     tides_scene_options_defaults(&how);
     const char *files[2] = {NULL, NULL}, *width = NULL, *height = NULL;
+    tides_filters filters;
+    cli_list given = {.count = 0};
     const cli_option options[] = {
         CLI_READING_FILE(reading),
         {"--to", 0, "FORMAT", "events: write as this (by ending)", NULL, &what.to, NULL},
         {"--width", 0, "PX", "events: the sensor's width, where the file doesn't say", NULL, &width, NULL},
         {"--height", 0, "PX", "events: and its height", NULL, &height, NULL},
+        {"--filter", 0, "KEY=VALUE", "events: through a camera's filters; keys of filters.* (repeatable)", NULL, NULL, &given},
         {"--part", 0, "PART", "scenes: a glTF's scene, an .h5's object, an iteration, a level", NULL, &how.part, NULL},
         CLI_READING_CLOCK(reading),
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
@@ -79,9 +104,10 @@ int cmd_convert(const cli_command *command, int argc, char **argv) {
     if (code == CLI_GO) code = cli_conversion_reading(command, &reading, &what);
     if (code == CLI_GO && width) code = cli_size(command, "--width", width, &what.width);
     if (code == CLI_GO && height) code = cli_size(command, "--height", height, &what.height);
+    if (code == CLI_GO && given.count > 0) code = take_filters(&given, &filters, &what);
     if (code != CLI_GO) return code;
-    const int asked =
-        what.from || what.to || width || height || what.rebase || what.columns || what.unit || what.stream || reading.offset;
+    const int asked = what.filters || what.from || what.to || width || height || what.rebase || what.columns || what.unit ||
+                      what.stream || reading.offset;
     how.invalid = what.drop_invalid;
     if (!asked && is_scene(files[0])) return convert_scene(files[0], files[1], &how, &common);
     if (how.part) return cli_usage(command, "--part is of scenes, and %s is none", files[0]);

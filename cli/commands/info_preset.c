@@ -25,7 +25,7 @@ static int32_t is_preset(const cJSON *json) {
     if (!cJSON_IsObject(json)) return 0; /* what a list holds has no names */
     cJSON_ArrayForEach(item, json) {
         const int32_t group = strcmp(item->string, "sensor") == 0 || strcmp(item->string, "frontend") == 0 ||
-                              strcmp(item->string, "readout") == 0;
+                              strcmp(item->string, "readout") == 0 || strcmp(item->string, "filters") == 0;
         if (!group && strcmp(item->string, "about") != 0) return 0;
         groups += group;
     }

@@ -69,9 +69,11 @@ static int32_t tell(compare_row *row, const char *const *texts, size_t count, co
     return ok;
 }
 
-/* Readout and labels are the other methods' neither on scenes nor on frames: they are compared without. TIDES's own are refused
- * where they can't be had. */
-static const char *const of_tides[] = {"readout.enabled=false", "sensor.labels=false"};
+/* Readout, filters and labels are the other methods' neither on scenes nor on frames: they are compared without. TIDES's own
+ * are refused where they can't be had. */
+static const char *const of_tides[] =
+    {"readout.enabled=false",         "sensor.labels=false", "filters.background_s=0", "filters.activity_low_start=0",
+     "filters.activity_high_start=0", "filters.afk=off",     "filters.trail=off",      "filters.erc_events=0"};
 enum { OF_TIDES = sizeof of_tides / sizeof of_tides[0] };
 
 enum { SETTINGS_MAX = 64 };

@@ -24,6 +24,9 @@ static void tell_reading(const char *in, const tides_event_conversion_report *r,
     cli_reading_tell(common, in, &facts, what->rebase);
 }
 
+static const char *const stages[TIDES_STAGES] = {"filtered_background", "filtered_activity", "filtered_afk", "filtered_trail",
+                                                 "filtered_erc"};
+
 static cJSON *report_json(const char *out, const tides_event_conversion_report *r) {
     cJSON *facts = cJSON_CreateObject();
     cJSON_AddStringToObject(facts, "file", out);
@@ -39,6 +42,8 @@ static cJSON *report_json(const char *out, const tides_event_conversion_report *
     cJSON_AddNumberToObject(facts, "last_ns", (double)r->last_ns);
     cJSON_AddBoolToObject(facts, "labels_dropped", r->labels != 0);
     cJSON_AddNumberToObject(facts, "invalid_dropped", (double)r->dropped);
+    for (int i = 0; i < TIDES_STAGES; i++)
+        if (r->filtered[i]) cJSON_AddNumberToObject(facts, stages[i], (double)r->filtered[i]);
     if (r->read_as[0]) cJSON_AddStringToObject(facts, "read_as", r->read_as);
     return facts;
 }
@@ -64,6 +69,8 @@ int cli_event_convert(const char *in, const char *out, const tides_event_convers
     printf("%s: %llu of %llu events, %s to %s, %d x %d px\n", out, (unsigned long long)report.written,
            (unsigned long long)report.read, report.from, report.to, report.width, report.height);
     if (report.disorder) printf("%llu events were out of order, and were put in order\n", (unsigned long long)report.disorder);
+    for (int i = 0; i < TIDES_STAGES; i++)
+        if (report.filtered[i]) printf("%-20s %llu events\n", stages[i], (unsigned long long)report.filtered[i]);
     cli_tell_collapsed(report.collapsed);
     if (report.labels) fprintf(stderr, "tides: the labels of %s aren't kept\n", in);
     return CLI_OK;

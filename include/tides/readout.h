@@ -11,6 +11,20 @@
  *                or not, one per tick, and stamps all that waits in it with the end of the tick.
  *   BOTTLENECK   a single queue for the whole sensor, k0 events per tick.
  *
+ * Two kinds have no ticks: they follow what a chip's arbiter does, and know nothing of activity (k0, tick_s, beta_k, eta and
+ * gamma_sigma_s aren't read).
+ *
+ *   REQUESTED    one queue per row, which asks for the bus when something waits in it. A bus that is free is given at once to
+ *                the first row, after the one that had it last and going round, that asks. row_s later the row is latched: all
+ *                that has fired in it by then is read, event_s each, and the bus is free again after the last (whole
+ *                nanoseconds, rounded up). Event k of the reading, from 0 on in the order of firing, is stamped k + 1 event_s
+ *                after the latch, floored (STAMP_EVENT), or all with the latch (STAMP_ROW, as EVT 3 chips do, whose row is one
+ *                vector).
+ *   SCANNED      the sensor is read as event frames (DVXplorer): at whole multiples of frame_s all that has fired by then is
+ *                read, and stamped with that time (global hold). A pixel holds one event until it is read, and what it fires
+ *                meanwhile is lost (counted as overflowed; queue_capacity isn't read). A frame of n events lasts
+ *                max(frame_s, n event_s); the frame after one that lasts longer begins when it is over.
+ *
  * psi_m in [0, 1] is a tile's activity (tides_arbiter_activity). Events are dropped on arrival with probability p0 + eta psi_m,
  * and where a queue is full. When an event leaves gets jitter on top, of standard deviation sigma = sigma0 + gamma_sigma psi_m
  * by either law. Jitter is of the time stamp alone: queues, ticks and delays are as without it.
@@ -31,10 +45,18 @@ extern "C" {
 #endif
 
 /* What queues, as said above. */
-enum { TIDES_READOUT_TILES = 0, TIDES_READOUT_ROWS = 1, TIDES_READOUT_BOTTLENECK = 2 };
+enum {
+    TIDES_READOUT_TILES = 0,
+    TIDES_READOUT_ROWS = 1,
+    TIDES_READOUT_BOTTLENECK = 2,
+    TIDES_READOUT_REQUESTED = 3,
+    TIDES_READOUT_SCANNED = 4
+};
+enum { TIDES_STAMP_EVENT = 0, TIDES_STAMP_ROW = 1 };
 enum { TIDES_JITTER_GAUSSIAN = 0, TIDES_JITTER_DELAY = 1 };
 
-/* Fill with tides_readout_defaults (disabled; tiles of 16, 1 us, 32, 0.5, 0, 0.2, 0, 10 us, 65536, GAUSSIAN). */
+/* Fill with tides_readout_defaults (disabled; tiles of 16, 1 us, 32, 0.5, 0, 0.2, 0, 10 us, 65536, GAUSSIAN, EVENT, 0, 0,
+ * 0.2 ms). */
 typedef struct tides_readout {
     uint32_t size;
     int32_t enabled;                /* for runs; an arbiter itself doesn't ask */
@@ -47,7 +69,10 @@ typedef struct tides_readout {
     double p0, eta;                 /* in [0, 1] */
     double sigma0_s, gamma_sigma_s; /* [s] >= 0 */
     int32_t jitter_law;             /* TIDES_JITTER_* */
-    int32_t reserved;
+    int32_t stamp;                  /* TIDES_STAMP_*, of REQUESTED */
+    double row_s;                   /* [s] >= 0, whole nanoseconds */
+    double event_s;                 /* [s] 0 to 1e-3, whole picoseconds */
+    double frame_s;                 /* [s] whole nanoseconds, at least 1 */
 } tides_readout;
 TIDES_API void tides_readout_defaults(tides_readout *readout);
 
@@ -58,7 +83,7 @@ typedef struct tides_readout_stats {
     uint64_t overflowed;  /* their queue was full */
     uint64_t waiting;     /* in queues, or held until the order is certain */
     uint64_t delayed;     /* left later than they fired, jitter aside */
-    uint64_t ticks;       /* in which something was served; idle ones are skipped */
+    uint64_t ticks;       /* in which something was served, rows read, or frames; idle ones are skipped */
     double worst_delay_s; /* from firing to leaving, jitter aside [s] */
 } tides_readout_stats;
 

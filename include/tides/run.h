@@ -5,6 +5,7 @@
 #include "tides/baselines.h"
 #include "tides/exposure.h"
 #include "tides/imu.h"
+#include "tides/filters.h"
 #include "tides/readout.h"
 
 #ifdef __cplusplus
@@ -78,6 +79,7 @@ typedef struct tides_run_values {
     tides_sensor sensor;         /* sensor.* */
     tides_stepping stepping;     /* stepping.* */
     tides_readout readout;       /* readout.* */
+    tides_filters filters;       /* filters.* */
     double start, stop;          /* time.* [s] */
     const char *scene_file, *camera_file, *device, *seed, *method; /* as in the file; "" or NULL where it has none */
     tides_baseline_params baseline;                                /* its method is `method` */

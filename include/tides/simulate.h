@@ -4,6 +4,7 @@
 
 #include "tides/events.h"
 #include "tides/readout.h"
+#include "tides/filters.h"
 #include "tides/render.h"
 #include "tides/sensor.h"
 
@@ -135,6 +136,7 @@ typedef struct tides_stats {
     uint64_t unsolved;         /* TIDES_UNSOLVED_*: why it is OFF */
     uint64_t unit;             /* TIDES_UNIT_* that the run has: TILE or BLOCK */
     double tolerance;          /* that the run has [thresholds] */
+    uint64_t events_filtered[TIDES_STAGES]; /* dropped behind the readout, by TIDES_STAGE_* */
 } tides_stats;
 
 enum { TIDES_STAT_COUNT = 0 /* uint64_t */, TIDES_STAT_REAL = 1 /* double */, TIDES_STAT_WHOLE = 2 /* int32_t */ };
@@ -179,6 +181,11 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_create(
  * Jitter and drops draw from the sensor's seed. How active a tile is comes from the scene: lib/solver/run/readout.c. The
  * sink then receives what has left so far; the rest comes with the last packet. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_readout(tides_simulator *simulator, const tides_readout *readout,
+                                                                tides_error *error);
+
+/* Puts filters behind the readout, or behind the pixels where there is none, before the run begins and before a restore; where
+ * none of them is on this does nothing. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_filters(tides_simulator *simulator, const tides_filters *filters,
                                                                 tides_error *error);
 
 /* For a sink while it is called: when its events fired [ns], in their order. NULL without a readout: when they say. */

@@ -209,7 +209,7 @@ static tides_status build(td_pickle *p) {
 static tides_status persistent(td_pickle *p) {
     td_value *id = NULL, *made = NULL;
     tides_status status = pop(p, &id);
-    if (!status) status = td_pickle_persistent(p, id, &made);
+    if (!status) status = p->persistent(p, id, &made);
     return status ? status : push(p, made);
 }
 

@@ -15,21 +15,25 @@ typedef struct td_storage {
     const unsigned char *data;
 } td_storage;
 
-/* Where storages come from (torch.c); NULL for a bare pickle. */
 typedef struct td_torch td_torch;
+typedef struct td_pickle td_pickle;
 
-typedef struct td_pickle {
+/* Makes the value that a persistent id names: of torch.save's, ('storage', type, key, location, elements). */
+typedef tides_status (*td_persistent)(td_pickle *pickle, const td_value *id, td_value **made);
+
+struct td_pickle {
     const char *path;
     const unsigned char *bytes;
     size_t size, at;
     td_tree *tree;
-    td_torch *torch;
+    td_torch *torch; /* where storages come from, and what gets them */
+    td_persistent persistent;
     td_value **stack; /* NULL: a mark */
     size_t depth, stack_capacity;
     td_value **memo;
     size_t memo_count;
     tides_error *error;
-} td_pickle;
+};
 
 /* Runs the instructions; `*root` is what is left (pickle.c). The caller checks the tree. */
 tides_status td_pickle_run(td_pickle *pickle, td_value **root);
@@ -42,8 +46,5 @@ tides_status td_pickle_build(td_pickle *pickle, const td_value *object, const td
 
 /* The dtype of a storage's global, -1 where the value is none. */
 int td_pickle_storage_dtype(const td_value *value);
-
-/* The storage that a persistent id names: ('storage', type, key, location, elements) (torch.c). */
-tides_status td_pickle_persistent(td_pickle *pickle, const td_value *id, td_value **made);
 
 #endif

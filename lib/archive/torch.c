@@ -44,12 +44,12 @@ static tides_status find_member(const td_torch *torch, const char *folder, const
     return TIDES_OK;
 }
 
-tides_status td_pickle_persistent(td_pickle *pickle, const td_value *id, td_value **made) {
+static tides_status find_storage(td_pickle *pickle, const td_value *id, td_value **made) {
     const char *word = td_value_text(td_value_item(id, 0)), *key = td_value_text(td_value_item(id, 2));
     int dtype = td_pickle_storage_dtype(td_value_item(id, 1));
     int64_t count = 0;
-    if (!pickle->torch || !word || strcmp(word, "storage") != 0 || dtype < 0 || !key ||
-        !td_value_integer(td_value_item(id, 4), &count) || count < 0)
+    if (!word || strcmp(word, "storage") != 0 || dtype < 0 || !key || !td_value_integer(td_value_item(id, 4), &count) ||
+        count < 0)
         return td_fail(pickle->error, TIDES_BAD_FILE,
                        "%s: the pickle is damaged before byte %zu: it refers to something that "
                        "isn't a storage",
@@ -101,7 +101,12 @@ static tides_status find_pickle(td_torch *torch, tides_error *error) {
 }
 
 static tides_status run(td_torch *torch, td_tree *tree, tides_error *error) {
-    td_pickle pickle = {.path = torch->zip.path, .size = torch->pickle->size, .tree = tree, .torch = torch, .error = error};
+    td_pickle pickle = {.path = torch->zip.path,
+                        .size = torch->pickle->size,
+                        .tree = tree,
+                        .torch = torch,
+                        .persistent = find_storage,
+                        .error = error};
     td_value *root = NULL;
     tides_status status = check_order(torch, tree, error);
     if (!status) status = read_member(torch, tree, torch->pickle, &pickle.bytes, error);

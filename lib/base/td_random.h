@@ -25,6 +25,7 @@ enum {
     TD_RANDOM_IMU_WALK = 14,
     TD_RANDOM_TRACKS = 15,
     TD_RANDOM_SAMPLE = 16,
+    TD_RANDOM_ERC = 20,
     /* the baselines, from 64 on */
     TD_RANDOM_ESIM_THRESHOLD = 64,
     TD_RANDOM_V2E_THRESHOLD = 65,

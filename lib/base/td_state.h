@@ -7,9 +7,13 @@
 #define TD_STATE_H
 
 #include <stddef.h>
+#include <stdint.h>
 
-/* What an array holds: double, or uint32_t. */
-typedef enum td_state_type { TD_STATE_REAL, TD_STATE_COUNT } td_state_type;
+/* What an array holds: double, uint32_t, or int64_t. */
+typedef enum td_state_type { TD_STATE_REAL, TD_STATE_COUNT, TD_STATE_WHOLE } td_state_type;
+static inline size_t td_state_size(td_state_type type) {
+    return type == TD_STATE_COUNT ? sizeof(uint32_t) : type == TD_STATE_WHOLE ? sizeof(int64_t) : sizeof(double);
+}
 
 /* One value per pixel in the simulator's order (tile by tile, each tile's pixels row by row), which the file has in the image's
  * order, so that other tiles can take it up; or as it stands. */

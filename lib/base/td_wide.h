@@ -17,6 +17,13 @@
 #define TD_WIDE
 #endif
 
+/* A function that such a loop calls must be in the loop, however long it is: a call is never on whole vectors. */
+#if defined(__GNUC__)
+#define TD_WITHIN static inline __attribute__((__always_inline__))
+#else
+#define TD_WITHIN static inline
+#endif
+
 /* floor, in additions that vectorise with any vectors; of numbers in [0, 2^51). */
 static inline double td_whole(double x) {
     const double nearest = (x + 0x1p52) - 0x1p52;

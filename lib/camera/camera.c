@@ -18,52 +18,10 @@ void tides_path_options_defaults(tides_path_options *options) {
     options->duration = 1.0;
 }
 
-td_path_sample *td_path_append(td_path_reader *reader, size_t place) {
-    void *samples = reader->samples;
-    size_t needed = reader->count < 64 ? 64 : reader->count + 1;
-    if (td_reserve(&samples, &reader->capacity, needed, sizeof *reader->samples, reader->error) != TIDES_OK) return NULL;
-    reader->samples = samples;
-    td_path_sample *sample = reader->samples + reader->count++;
-    memset(sample, 0, sizeof *sample);
-    sample->place = place;
-    return sample;
-}
-
-double td_path_since(const td_path_sample *sample, const td_path_sample *origin) {
-    return (sample->time - origin->time) + (sample->low - origin->low);
-}
-
-td_path_sample td_path_origin(const td_path_reader *reader, const td_path_sample *first) {
-    td_path_sample given = {.time = reader->options->start};
-    return reader->options->rebase ? *first : given;
-}
-
-void td_path_spread(td_path_reader *reader) { reader->spread = 1; }
-
 static void spread(td_path_reader *reader) {
     reader->path.untimed = reader->count > 1;
     double steps = reader->count > 1 ? (double)(reader->count - 1) : 1.0;
     for (size_t i = 0; i < reader->count; i++) reader->samples[i].time = reader->options->duration * ((double)i / steps);
-}
-
-static int by_time(const void *left, const void *right) {
-    const td_path_sample *a = left, *b = right;
-    if (a->time != b->time) return a->time < b->time ? -1 : 1;
-    return a->place < b->place ? -1 : a->place > b->place;
-}
-
-void td_path_sort(td_path_reader *reader) {
-    if (reader->count > 0) qsort(reader->samples, reader->count, sizeof *reader->samples, by_time);
-}
-
-const char *td_path_quote(const char *word, size_t bytes, char out[TD_QUOTE]) {
-    size_t length = bytes < TD_QUOTE ? bytes : TD_QUOTE - 1;
-    for (size_t i = 0; i < length; i++) {
-        unsigned char c = (unsigned char)word[i];
-        out[i] = c < ' ' || c == 127 ? '?' : word[i];
-    }
-    out[length] = '\0';
-    return out;
 }
 
 /* Beyond this no clock counts in seconds: 5138 AD. */

@@ -78,3 +78,13 @@ tides_status td_path_check_quaternion(const td_path_reader *reader, const char *
                    reader->file, *where == ':' ? "" : ": ", where, length, *where == ':' ? "columns 5 to 8" : "the numbers",
                    columns);
 }
+
+const char *td_path_quote(const char *word, size_t bytes, char out[TD_QUOTE]) {
+    size_t length = bytes < TD_QUOTE ? bytes : TD_QUOTE - 1;
+    for (size_t i = 0; i < length; i++) {
+        unsigned char c = (unsigned char)word[i];
+        out[i] = c < ' ' || c == 127 ? '?' : word[i];
+    }
+    out[length] = '\0';
+    return out;
+}

@@ -46,6 +46,8 @@ typedef struct td_path_reader {
 tides_status td_path_parse(const char *file, const char *text, size_t bytes, const tides_path_options *options,
                            tides_path *path, tides_error *error);
 
+/* -- samples (path_samples.c) -- */
+
 /* A new sample at the end, zeroed; NULL: out of memory. */
 td_path_sample *td_path_append(td_path_reader *reader, size_t place);
 

@@ -168,27 +168,6 @@ tides_status tides_trajectory_create_static(const double position[3], const doub
     return tides_trajectory_create(&sample, 1, trajectory, error);
 }
 
-tides_status tides_trajectory_create_mounted(const tides_trajectory *body, const double position[3], const double quaternion[4],
-                                             tides_trajectory **trajectory, tides_error *error) {
-    if (!body || !position || !quaternion || !trajectory)
-        return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "a mounted path needs a body's, a position, a quaternion and a place for the result");
-    double q[4];
-    memcpy(q, quaternion, sizeof q);
-    if (!td_all_finite(position, 3) || !td_all_finite(quaternion, 4) || !td_normalise_quaternion(q))
-        return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "a mount needs finite numbers, and a quaternion that isn't zero (1 0 0 0 is no turn)");
-    tides_trajectory *made = NULL;
-    tides_status status = td_trajectory_copy(body, &made, error);
-    if (status != TIDES_OK) return status;
-    td_mount none;
-    td_mount_none(&none);
-    td_mount_add(body->mounted ? &body->mount : &none, position, q, &made->mount);
-    made->mounted = 1;
-    *trajectory = made;
-    return TIDES_OK;
-}
-
 void tides_trajectory_destroy(tides_trajectory *trajectory) {
     if (!trajectory) return;
     td_curve_destroy(trajectory->curve);

@@ -1,4 +1,5 @@
 /* Paths that are told as they go: samples appended to a curve that is local (open.c), and copies of paths of either kind. */
+#include "camera/td_rotation.h"
 #include "camera/td_trajectory.h"
 #include "camera/td_trajectory_parts.h"
 #include "td_base.h"
@@ -169,5 +170,26 @@ tides_status td_trajectory_copy(const tides_trajectory *trajectory, tides_trajec
     if (status != TIDES_OK) return status;
     (*copy)->mounted = trajectory->mounted;
     (*copy)->mount = trajectory->mount;
+    return TIDES_OK;
+}
+
+tides_status tides_trajectory_create_mounted(const tides_trajectory *body, const double position[3], const double quaternion[4],
+                                             tides_trajectory **trajectory, tides_error *error) {
+    if (!body || !position || !quaternion || !trajectory)
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "a mounted path needs a body's, a position, a quaternion and a place for the result");
+    double q[4];
+    memcpy(q, quaternion, sizeof q);
+    if (!td_all_finite(position, 3) || !td_all_finite(quaternion, 4) || !td_normalise_quaternion(q))
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "a mount needs finite numbers, and a quaternion that isn't zero (1 0 0 0 is no turn)");
+    tides_trajectory *made = NULL;
+    tides_status status = td_trajectory_copy(body, &made, error);
+    if (status != TIDES_OK) return status;
+    td_mount none;
+    td_mount_none(&none);
+    td_mount_add(body->mounted ? &body->mount : &none, position, q, &made->mount);
+    made->mounted = 1;
+    *trajectory = made;
     return TIDES_OK;
 }

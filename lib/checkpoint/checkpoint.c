@@ -21,6 +21,7 @@
  *     /tile_risk           double (tiles)           risk of each 16x16 tile, in reading order
  *     /held_until ...      double, u4 (height x width)  state of the sensor's blocks that are on (td_sensor_state)
  *     /readout             i8                       the arbiter's, where the run has one (readout.c)
+ *     /filters             i8                       what the filters remember (lib/filters), where the run has some
  *     /timing_errors       double (512)             weights of td_timing, not of a pixel
  *     /timing_squares      double (1)               its squares, likewise
  *

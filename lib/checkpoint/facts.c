@@ -129,6 +129,7 @@ tides_status td_facts_gather(const tides_simulator *s, td_facts *facts, tides_er
     ADD_KEYS(facts, &s->sensor.sensor, sensor);
     add_checksum(facts, "sensor's seed or labels", td_hash_words(0, &s->sensor.sensor, sizeof s->sensor.sensor));
     ADD_KEYS(facts, &s->readout.params, readout);
+    ADD_KEYS(facts, &s->filters.params, filters);
     add_checksum(facts, "scene", scene);
     add_checksum(facts, "camera path", path);
     add_checksum(facts, "image parameters or intrinsics", image_checksum(s->renderer));

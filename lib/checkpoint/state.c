@@ -7,8 +7,6 @@
 
 /* -- copies ---------------------------------------------------------------------------------------------------------------- */
 
-static size_t size_of(const td_state_row *row) { return row->type == TD_STATE_COUNT ? sizeof(uint32_t) : sizeof(double); }
-
 void td_saved_free(td_saved *saved) {
     for (int i = 0; i < saved->state.rows; i++) free(saved->copy[i]);
 }
@@ -23,7 +21,7 @@ tides_status td_saved_create(td_saved *saved, const tides_simulator *simulator, 
                        saved->state.lost);
     for (int i = 0; i < saved->state.rows; i++) {
         const td_state_row *row = &saved->state.row[i];
-        if ((saved->copy[i] = td_alloc(row->count, size_of(row), error))) continue;
+        if ((saved->copy[i] = td_alloc(row->count, td_state_size(row->type), error))) continue;
         td_saved_free(saved);
         return TIDES_NO_MEMORY;
     }
@@ -32,7 +30,7 @@ tides_status td_saved_create(td_saved *saved, const tides_simulator *simulator, 
 
 /* Copies a row between the simulator, in the tiles' order, and its copy, in the image's. */
 static void copy_pixels(const tides_simulator *s, const td_state_row *row, void *copy, int into_simulator) {
-    const size_t size = size_of(row);
+    const size_t size = td_state_size(row->type);
     for (int t = 0; t < s->layout.tiles; t++) {
         const td_tile *tile = &s->layout.tile[t];
         for (int i = 0; i < tile->count; i += tile->width) { /* a row of the tile is one of the image */
@@ -50,7 +48,7 @@ static void exchange(const tides_simulator *s, const td_saved *saved, int into_s
             copy_pixels(s, row, saved->copy[i], into_simulator);
         else
             memcpy(into_simulator ? row->values : saved->copy[i], into_simulator ? saved->copy[i] : row->values,
-                   row->count * size_of(row));
+                   row->count * td_state_size(row->type));
     }
 }
 
@@ -63,14 +61,14 @@ void td_saved_give(const td_saved *saved, tides_simulator *s) { exchange(s, save
 /* A dataset of the layout; its memory is of the same type. */
 typedef struct dataset {
     const char *name;
-    int is_count;      /* u4, else double */
+    td_state_type type;
     hsize_t extent[2]; /* the second 0: one dimension */
     void *values;
 } dataset;
 
 static dataset dataset_of(const tides_simulator *s, const td_saved *saved, int i) {
     const td_state_row *row = &saved->state.row[i];
-    dataset d = {row->name, row->type == TD_STATE_COUNT, {row->count, 0}, saved->copy[i]};
+    dataset d = {row->name, row->type, {row->count, 0}, saved->copy[i]};
     if (row->order == TD_STATE_PIXELS) d.extent[0] = (hsize_t)s->layout.height, d.extent[1] = (hsize_t)s->layout.width;
     return d;
 }
@@ -94,10 +92,11 @@ static tides_status write_dataset(const td_place *root, const dataset *d) {
     hid_t space = H5Screate_simple(rank_of(d), d->extent, NULL), creation = H5Pcreate(H5P_DATASET_CREATE);
     int ready = space >= 0 && creation >= 0 && H5Pset_chunk(creation, rank_of(d), chunk) >= 0 &&
                 H5Pset_shuffle(creation) >= 0 && H5Pset_deflate(creation, 1) >= 0 && H5Pset_obj_track_times(creation, 0) >= 0;
-    hid_t set = ready ? H5Dcreate2(root->id, d->name, d->is_count ? H5T_STD_U32LE : H5T_IEEE_F64LE, space, H5P_DEFAULT,
-                                   creation, H5P_DEFAULT)
-                      : H5I_INVALID_HID;
-    const size_t size = d->is_count ? sizeof(uint32_t) : sizeof(double);
+    const hid_t types[] =
+        {[TD_STATE_REAL] = H5T_IEEE_F64LE, [TD_STATE_COUNT] = H5T_STD_U32LE, [TD_STATE_WHOLE] = H5T_STD_I64LE};
+    hid_t set =
+        ready ? H5Dcreate2(root->id, d->name, types[d->type], space, H5P_DEFAULT, creation, H5P_DEFAULT) : H5I_INVALID_HID;
+    const size_t size = td_state_size(d->type);
     int done = set >= 0 && td_h5_write_chunks(set, d->extent, chunk[0], size, d->values) >= 0;
     if (set >= 0 && H5Dclose(set) < 0) done = 0;
     if (creation >= 0) H5Pclose(creation);
@@ -118,8 +117,9 @@ static int has_shape(hid_t set, const dataset *d) {
 
 static tides_status read_dataset(const td_place *root, const dataset *d) {
     hid_t set = td_place_has(root, d->name) ? H5Dopen2(root->id, d->name, H5P_DEFAULT) : H5I_INVALID_HID;
-    hid_t memory = d->is_count ? H5T_NATIVE_UINT32 : H5T_NATIVE_DOUBLE;
-    int done = set >= 0 && has_shape(set, d) && H5Dread(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, d->values) >= 0;
+    const hid_t types[] =
+        {[TD_STATE_REAL] = H5T_NATIVE_DOUBLE, [TD_STATE_COUNT] = H5T_NATIVE_UINT32, [TD_STATE_WHOLE] = H5T_NATIVE_INT64};
+    int done = set >= 0 && has_shape(set, d) && H5Dread(set, types[d->type], H5S_ALL, H5S_ALL, H5P_DEFAULT, d->values) >= 0;
     if (set >= 0) H5Dclose(set);
     if (done) return TIDES_OK;
     return td_fail(root->error, TIDES_BAD_FILE, "%s: dataset %s is missing, damaged or of another size", root->file, d->name);

@@ -17,6 +17,7 @@ struct tides_device {
     int has_double;        /* OpenCL only: it has cl_khr_fp64 */
     int double_lanes;      /* OpenCL only: at most so many lanes in double precision */
     int near;              /* OpenCL only: the host shares its buffers (td_near.h) */
+    int32_t threads;       /* of the host, for simulators; 0: as many as there are processors */
     int own_builtins;      /* programs declare what they call of OpenCL C themselves (kernels/builtins.h) */
     cl_platform_id platform;
     cl_device_id id;
@@ -31,7 +32,9 @@ int td_device_is_double(const tides_device *device);
 
 /* 1 where kernels can be built in double precision. Elsewhere (the references, OpenCL without cl_khr_fp64) what is wanted in
  * double is worked out in C, to the same bits. */
-int td_device_has_double(const tides_device *device);
+static inline int td_device_has_double(const tides_device *device) {
+    return device->info.kind != TIDES_DEVICE_REFERENCE && device->has_double;
+}
 
 /* "CL_OUT_OF_RESOURCES"; "CL error -9999" style numbers come out as "unknown OpenCL error". */
 const char *td_cl_name(cl_int code);

@@ -3,6 +3,7 @@
 #include "td_base.h"
 #include "td_event_order.h"
 #include "td_event_format.h"
+#include "tides/convert.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -19,8 +20,11 @@ typedef struct converter {
     tides_event_conversion what;
     tides_event_reader *reader;
     tides_event_writer *writer;
-    tides_event *events; /* 2 WINDOW of them; the first half is written when they are full and sorted */
+    tides_filter *filter; /* NULL: none */
+    tides_event *events;  /* 2 WINDOW of them; the first half is written when they are full and sorted */
     size_t count;
+    uint64_t sorted;             /* events that are in order, and gone through the filter; */
+    int64_t sorted_ns;           /* when the last of them was */
     int32_t width, height;       /* of the sensor that is read [px] */
     int64_t before, first, last; /* [ns]: of the last event that was read; the earliest and the latest of all */
     int32_t started;             /* an event was read */
@@ -46,13 +50,20 @@ static void sort_events(tides_event *events, size_t count) {
 static tides_status write_first(converter *c, size_t count, tides_error *error) {
     sort_events(c->events, c->count);
     if (count == 0) return TIDES_OK;
-    if (c->report.written == 0) c->report.first_ns = c->events[0].t;
-    if (c->report.written > 0 && c->events[0].t < c->report.last_ns)
+    if (c->sorted > 0 && c->events[0].t < c->sorted_ns)
         return td_fail(error, TIDES_BAD_FILE, "%s: an event at %" PRId64 " ns is more than %d places late: sort the file first",
                        c->in, c->events[0].t, WINDOW);
-    tides_status status = tides_event_writer_append(c->writer, c->events, NULL, count, error);
-    c->report.last_ns = c->events[count - 1].t;
-    c->report.written += count;
+    c->sorted += count;
+    c->sorted_ns = c->events[count - 1].t;
+    size_t kept = count;
+    tides_status status = TIDES_OK;
+    if (c->filter) status = tides_filter_apply(c->filter, c->events, NULL, count, &kept, error);
+    if (status == TIDES_OK) status = tides_event_writer_append(c->writer, c->events, NULL, kept, error);
+    if (kept > 0) {
+        if (c->report.written == 0) c->report.first_ns = c->events[0].t;
+        c->report.last_ns = c->events[kept - 1].t;
+    }
+    c->report.written += kept;
     c->count -= count;
     memmove(c->events, c->events + count, c->count * sizeof *c->events);
     return status;
@@ -160,7 +171,8 @@ static tides_status open_writer(converter *c, tides_error *error) {
     c->height = height;
     c->report.width = facts.width;
     c->report.height = facts.height;
-    return tides_event_writer_open(c->out, w->to, &facts, &c->writer, error);
+    if (w->filters) status = tides_filter_create(w->filters, facts.width, facts.height, 0, &c->filter, error);
+    return status == TIDES_OK ? tides_event_writer_open(c->out, w->to, &facts, &c->writer, error) : status;
 }
 
 /* ---- the whole ---- */
@@ -209,6 +221,9 @@ static void report_formats(converter *c) {
     memcpy(c->report.from, facts.format, sizeof c->report.from);
     memcpy(c->report.read_as, facts.read_as, sizeof c->report.read_as);
     c->report.labels = facts.labels;
+    tides_filter_stats filters = {.in = 0};
+    if (c->filter) tides_filter_stats_get(c->filter, &filters);
+    memcpy(c->report.filtered, filters.dropped, sizeof c->report.filtered);
     c->report.read += facts.dropped;
     c->report.dropped += facts.dropped;
     c->report.zero = c->what.rebase ? facts.zero : 0;
@@ -243,6 +258,7 @@ tides_status tides_events_convert(const char *in, const char *out, const tides_e
         remove_output(out);
     }
     tides_event_reader_close(c.reader);
+    tides_filter_destroy(c.filter);
     free(c.events);
     if (status == TIDES_OK && report) *report = c.report;
     return status;

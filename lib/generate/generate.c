@@ -74,10 +74,6 @@ void tides_generate_options_defaults(tides_generate_options *options) {
     *options = (tides_generate_options){.size = sizeof *options, .speed = 1, .seed = 1, .width = 346, .height = 260};
 }
 
-double td_generate_detail(const tides_generate_options *options, int64_t made) {
-    return sqrt((double)options->gaussians / (double)made);
-}
-
 static tides_status find(const char *name, const kind **found, tides_error *error) {
     const char *names[KINDS + 1] = {NULL};
     char list[256] = "";

@@ -168,3 +168,7 @@ tides_status td_part_add(tides_scene *scene, const td_part *part, const tides_tr
     td_splats_free(&splats);
     return status;
 }
+
+double td_generate_detail(const tides_generate_options *options, int64_t made) {
+    return sqrt((double)options->gaussians / (double)made);
+}

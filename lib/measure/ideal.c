@@ -83,10 +83,10 @@ static void ideal_iebcs(settings *s, const pixel *p) {
 static const struct method {
     const char *name;
     void (*threshold)(settings *s, const pixel *p), (*ideal)(settings *s, const pixel *p); /* ideal: NULL where none */
-    const char *groups[3];                                                                 /* of its keys in the table */
+    const char *groups[4];                                                                 /* of its keys in the table */
     const char *own[2]; /* the run has thresholds for it where it gives one of these keys; none: they are the run's */
 } methods[] = {
-    {"tides", threshold_tides, NULL, {"sensor.", "frontend.", "readout."}, {NULL, NULL}},
+    {"tides", threshold_tides, NULL, {"sensor.", "frontend.", "readout.", "filters."}, {NULL, NULL}},
     {"esim", threshold_esim, ideal_esim, {"esim."}, {"esim.contrast_threshold_pos", "esim.contrast_threshold_neg"}},
     {"v2e", threshold_v2e, NULL, {"v2e."}, {"v2e.pos_thres", "v2e.neg_thres"}},
     {"dvs-voltmeter", threshold_voltmeter, ideal_voltmeter, {"voltmeter."}, {"voltmeter.k1", NULL}},
@@ -97,7 +97,7 @@ enum { METHODS = sizeof methods / sizeof methods[0] };
 /* The keys that the table knows an ideal value of. */
 static void put_ideal_rows(settings *s, const struct method *m) {
     for (size_t i = 0; i < td_params_count; i++)
-        for (int g = 0; g < 3 && m->groups[g]; g++)
+        for (int g = 0; g < 4 && m->groups[g]; g++)
             if (td_params[i].ideal && strncmp(td_params[i].key, m->groups[g], strlen(m->groups[g])) == 0)
                 put(s, td_params[i].key, td_params[i].ideal);
 }

@@ -8,11 +8,6 @@
 
 #define PIXELS_MAX ((size_t)1 << 26) /* eight times the largest event sensor: a bound on memory, whatever a file claims */
 
-tides_status td_compare_report(const td_compare *c, double fraction, const char *stage) {
-    if (!c->progress || c->progress(c->user, fraction, stage) == 0) return TIDES_OK;
-    return td_fail(c->error, TIDES_CANCELLED, "stopped on request");
-}
-
 /* -- what is compared ----------------------------------------------------------------------------------------------- */
 
 static tides_status set_region(td_compare *c, const td_extent *a, const td_extent *b) {

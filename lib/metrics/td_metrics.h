@@ -35,7 +35,10 @@ static inline size_t td_compare_pixels(const td_compare *c) { return (size_t)c->
 static inline size_t td_tiles(int32_t size, int32_t edge) { return size > 0 ? ((size_t)size - 1) / (size_t)edge + 1 : 1; }
 
 /* TIDES_CANCELLED where the caller wants to stop. */
-tides_status td_compare_report(const td_compare *c, double fraction, const char *stage);
+static inline tides_status td_compare_report(const td_compare *c, double fraction, const char *stage) {
+    if (!c->progress || c->progress(c->user, fraction, stage) == 0) return TIDES_OK;
+    return td_fail(c->error, TIDES_CANCELLED, "stopped on request");
+}
 
 /* stream.c: what one stream must be, and how far both reach. */
 typedef struct td_extent {

@@ -24,6 +24,9 @@ typedef struct td_hexplane {
 /* TIDES_BAD_FILE naming the array that is missing or doesn't fit, or what is larger than kernels take. */
 tides_status td_hexplane_measure(const tides_motion *motion, td_hexplane *hexplane, tides_error *error);
 
+/* 1 where its settings leave a head on. */
+int td_hexplane_has_heads(const tides_motion *motion);
+
 /* The array of a plane, 0 .. 5; there once measured. */
 const td_field *td_hexplane_plane(const tides_motion *motion, int level, int plane);
 

@@ -32,6 +32,9 @@ typedef struct td_key_range {
 } td_key_range;
 static inline td_key_range td_keyframes_all(const td_keyframes *keys) { return (td_key_range){0, keys->frames}; }
 
+/* Of a mean at a frame, relative to the Gaussians' origin. */
+double td_keyframes_mean(const td_keyframes *keys, int64_t frame, int64_t gaussian, int axis);
+
 /* One Gaussian's channels over some frames, (count x channels), quaternions normalised and of one sign. */
 void td_keyframes_gather(const td_keyframes *keys, td_key_range range, int64_t gaussian, double *out);
 

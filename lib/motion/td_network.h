@@ -12,6 +12,9 @@
 
 #include "kernels/motion_network.h"
 
+/* Trainers have 6 octaves for Blender scenes and 10 for others; from 40 on rounding eats the time. */
+enum { TD_OCTAVES_MAX = 30, TD_TIME_WIDTH_MAX = 1024, TD_POSITION_OCTAVES = 10 };
+
 typedef struct td_network {
     int width, layers;
     int skip;                 /* the layer that gets the inputs once more; 0: none */

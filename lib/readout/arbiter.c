@@ -21,6 +21,7 @@ void tides_readout_defaults(tides_readout *readout) {
     readout->beta_k = 0.5;
     readout->eta = 0.2;
     readout->gamma_sigma_s = 1e-5;
+    readout->frame_s = 2e-4; /* DVXplorer's shortest */
 }
 
 /* -- creation ------------------------------------------------------------------------------------------------------------ */
@@ -37,11 +38,13 @@ static tides_status check_count(const char *name, int32_t value, tides_error *er
 
 static tides_status check(const tides_readout *r, int32_t width, int32_t height, tides_error *error) {
     tides_status status = TIDES_OK;
-    if (r->kind < TIDES_READOUT_TILES || r->kind > TIDES_READOUT_BOTTLENECK)
+    if (r->kind < TIDES_READOUT_TILES || r->kind > TIDES_READOUT_SCANNED)
         return td_fail(error, TIDES_BAD_ARGUMENT, "readout: kind is %d; it must be one of TIDES_READOUT_*", (int)r->kind);
     if (r->jitter_law < TIDES_JITTER_GAUSSIAN || r->jitter_law > TIDES_JITTER_DELAY)
         return td_fail(error, TIDES_BAD_ARGUMENT, "readout: jitter_law is %d; it must be one of TIDES_JITTER_*",
                        (int)r->jitter_law);
+    if (r->stamp < TIDES_STAMP_EVENT || r->stamp > TIDES_STAMP_ROW)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "readout: stamp is %d; it must be one of TIDES_STAMP_*", (int)r->stamp);
     if (width < 1 || height < 1 || width > SIDE_MAX || height > SIDE_MAX)
         return td_fail(error, TIDES_BAD_ARGUMENT, "readout: %d x %d pixels; sides must lie in [1, %d]", (int)width, (int)height,
                        (int)SIDE_MAX);
@@ -54,18 +57,21 @@ static tides_status check(const tides_readout *r, int32_t width, int32_t height,
     const struct {
         const char *name;
         double value, most;
-    } numbers[] = {{"tick_s", r->tick_s, 1}, {"beta_k", r->beta_k, 1},     {"p0", r->p0, 1},
-                   {"eta", r->eta, 1},       {"sigma0_s", r->sigma0_s, 1}, {"gamma_sigma_s", r->gamma_sigma_s, 1}};
+    } numbers[] = {{"tick_s", r->tick_s, 1}, {"beta_k", r->beta_k, 1},      {"p0", r->p0, 1},
+                   {"eta", r->eta, 1},       {"sigma0_s", r->sigma0_s, 1},  {"gamma_sigma_s", r->gamma_sigma_s, 1},
+                   {"row_s", r->row_s, 1},   {"event_s", r->event_s, 1e-3}, {"frame_s", r->frame_s, 1}};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers && status == TIDES_OK; i++)
         status = check_number(numbers[i].name, numbers[i].value, numbers[i].most, error);
     if (status == TIDES_OK && r->tick_s > 0 && r->tick_s < 1e-9)
         status = td_fail(error, TIDES_BAD_ARGUMENT, "readout: tick_s is %g; it must be 0 or at least 1e-9", r->tick_s);
+    if (status == TIDES_OK && r->frame_s < 1e-9)
+        status = td_fail(error, TIDES_BAD_ARGUMENT, "readout: frame_s is %g; it must be at least 1e-9", r->frame_s);
     return status;
 }
 
 static int32_t queue_count(const tides_arbiter *a) {
-    if (a->readout.kind == TIDES_READOUT_ROWS) return a->height;
-    return a->readout.kind == TIDES_READOUT_BOTTLENECK ? 1 : a->across * a->down;
+    if (a->readout.kind == TIDES_READOUT_ROWS || a->readout.kind == TIDES_READOUT_REQUESTED) return a->height;
+    return a->readout.kind == TIDES_READOUT_TILES ? a->across * a->down : 1;
 }
 
 static void set_release(tides_arbiter *a, int32_t tile) {
@@ -84,7 +90,12 @@ static tides_status allocate(tides_arbiter *a, tides_error *error) {
     for (int32_t i = 0; i < tiles; i++) set_release(a, i);
     for (int32_t y = 0; y < a->height; y++) a->tile_row[y] = y / a->readout.tile_px * a->across;
     for (int32_t x = 0; x < a->width; x++) a->tile_column[x] = x / a->readout.tile_px;
-    return td_queues_create(&a->queues, queue_count(a), a->readout.queue_capacity, error);
+    if (a->readout.kind != TIDES_READOUT_SCANNED)
+        return td_queues_create(&a->queues, queue_count(a), a->readout.queue_capacity, error);
+    const size_t pixels = (size_t)a->width * (size_t)a->height;
+    a->held = td_alloc((pixels + 63) / 64, sizeof *a->held, error);
+    if (!a->held) return TIDES_NO_MEMORY;
+    return td_queues_create(&a->queues, 1, pixels < INT32_MAX ? (int32_t)pixels : INT32_MAX, error);
 }
 
 tides_status tides_arbiter_create(const tides_readout *given, int32_t width, int32_t height, uint64_t seed,
@@ -106,6 +117,11 @@ tides_status tides_arbiter_create(const tides_readout *given, int32_t width, int
     a->down = (height + readout->tile_px - 1) / readout->tile_px;
     a->seed = seed;
     a->tick_ns = (int64_t)llround(readout->tick_s * 1e9);
+    a->row_ns = (int64_t)llround(readout->row_s * 1e9);
+    a->event_ps = (int64_t)llround(readout->event_s * 1e12);
+    a->frame_ns = (int64_t)llround(readout->frame_s * 1e9);
+    if (!td_arbiter_has_ticks(a)) a->readout.eta = a->readout.gamma_sigma_s = 0; /* they know nothing of activity */
+    readout = &a->readout;
     a->start_ns = a->last_t = INT64_MIN;
     a->tick = a->tick_end = INT64_MIN;
     a->drops = readout->p0 + readout->eta > 0;
@@ -124,6 +140,7 @@ void tides_arbiter_destroy(tides_arbiter *arbiter) {
     if (!arbiter) return;
     td_queues_release(&arbiter->queues);
     td_release_free(&arbiter->out);
+    free(arbiter->held);
     free(arbiter->psi);
     free(arbiter->release);
     free(arbiter->tile_row);
@@ -176,8 +193,7 @@ static int32_t queue_of(const tides_arbiter *a, const tides_event *event, int32_
     return a->readout.kind == TIDES_READOUT_BOTTLENECK ? 0 : tile;
 }
 
-/* The time at which the event leaves, with its jitter. */
-static void jitter(const tides_arbiter *a, tides_event *event, int64_t fired) {
+void td_arbiter_jitter(const tides_arbiter *a, tides_event *event, int64_t fired) {
     const tides_event before = {.t = fired, .x = event->x, .y = event->y, .polarity = event->polarity};
     double sigma = a->readout.sigma0_s + a->readout.gamma_sigma_s * a->psi[td_arbiter_tile(a, event)], normal[2];
     td_random_bits bits = draw(a, &before, TD_RANDOM_JITTER);
@@ -190,7 +206,7 @@ static void jitter(const tides_arbiter *a, tides_event *event, int64_t fired) {
 /* Leaves as soon as it comes: an infinite rate. */
 static tides_status pass(tides_arbiter *a, const tides_event *event, tides_error *error) {
     tides_event left = *event;
-    if (a->jitters) jitter(a, &left, event->t);
+    if (a->jitters) td_arbiter_jitter(a, &left, event->t);
     a->stats.out++;
     return td_release_add(&a->out, &left, event->t, error);
 }
@@ -203,8 +219,9 @@ static tides_status arrive(tides_arbiter *a, const tides_event *event, tides_err
         a->stats.dropped++;
         return TIDES_OK;
     }
-    if (a->tick_ns == 0) return pass(a, event, error);
-    tides_status status = td_queues_append(&a->queues, queue_of(a, event, tile), event, &full, error);
+    if (td_arbiter_has_ticks(a) && a->tick_ns == 0) return pass(a, event, error);
+    tides_status status = td_arbiter_has_ticks(a) ? td_queues_append(&a->queues, queue_of(a, event, tile), event, &full, error)
+                                                  : td_asked_append(a, event, &full, error);
     a->stats.overflowed += (uint64_t)full;
     return status;
 }
@@ -231,7 +248,7 @@ static void leave(tides_arbiter *a, int32_t count, int64_t start) {
         if (delay > a->stats.worst_delay_s) a->stats.worst_delay_s = delay;
     }
     if (a->jitters)
-        for (int32_t k = 0; k < count; k++) jitter(a, &events[k], fired[k]);
+        for (int32_t k = 0; k < count; k++) td_arbiter_jitter(a, &events[k], fired[k]);
     else
         td_release_order(events, fired, together);
     a->stats.delayed += (uint64_t)late;
@@ -279,6 +296,7 @@ static tides_status serve_until(tides_arbiter *a, int64_t t, tides_error *error)
 static int64_t certain_until(const tides_arbiter *a) {
     double sigma = a->readout.sigma0_s + a->readout.gamma_sigma_s;
     int64_t start = a->tick_ns ? a->tick * a->tick_ns : a->last_t;
+    if (!td_arbiter_has_ticks(a)) start = td_asked_certain(a);
     return a->jitters && a->readout.jitter_law == TIDES_JITTER_GAUSSIAN ? start - (int64_t)ceil(TD_NORMAL_MAX * sigma * 1e9)
                                                                         : start;
 }
@@ -329,7 +347,9 @@ tides_status tides_arbiter_push(tides_arbiter *arbiter, const tides_event *event
     tides_status status = check_order(arbiter, events, count, error);
     for (size_t i = 0, prompt; i < count && status == TIDES_OK; i += prompt ? prompt : 1) {
         prompt = 0;
-        if (arbiter->tick_ns) {
+        if (!td_arbiter_has_ticks(arbiter)) {
+            status = td_asked_until(arbiter, events[i].t, error);
+        } else if (arbiter->tick_ns) {
             status = serve_until(arbiter, events[i].t, error);
             prompt = find_prompt(arbiter, events + i, count - i);
         }
@@ -343,6 +363,7 @@ tides_status tides_arbiter_push(tides_arbiter *arbiter, const tides_event *event
 
 tides_status tides_arbiter_finish(tides_arbiter *arbiter, tides_readout_sink sink, void *user, tides_error *error) {
     tides_status status = TIDES_OK;
+    if (!td_arbiter_has_ticks(arbiter)) status = td_asked_until(arbiter, INT64_MAX, error);
     while (arbiter->queues.waiting > 0 && status == TIDES_OK) status = serve(arbiter, error);
     return status == TIDES_OK ? td_release_emit(&arbiter->out, INT64_MAX, sink, user, error) : status;
 }

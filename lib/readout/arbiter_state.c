@@ -84,6 +84,7 @@ static tides_status unpack_row(tides_arbiter *a, const int64_t *row, int waits, 
     if (!unpack_event(a, row, &event)) return bad(error);
     if (!waits) return td_release_add(&a->out, &event, row[QUEUE_OR_FIRED], error);
     int64_t queue = row[QUEUE_OR_FIRED];
+    if (a->held && td_arbiter_hold(a, &event)) return bad(error);
     if (queue < 0 || queue >= a->queues.count || row[TILE] != td_arbiter_tile(a, &event)) return bad(error);
     tides_status status = td_queues_append(&a->queues, (int32_t)queue, &event, &full, error);
     return status == TIDES_OK && full ? bad(error) : status;
@@ -95,6 +96,7 @@ tides_status td_arbiter_unpack(tides_arbiter *a, const int64_t *n, size_t count,
     if (n[WAITING] < 0 || n[HELD] < 0 || (uint64_t)n[WAITING] > rows || (uint64_t)n[HELD] != rows - (uint64_t)n[WAITING] ||
         n[NEXT_QUEUE] < 0 || n[NEXT_QUEUE] > a->queues.count)
         return bad(error);
+    if (a->readout.kind == TIDES_READOUT_REQUESTED && n[TICK_END] != TD_NO_LATCH && n[NEXT_QUEUE] < 1) return bad(error);
     a->next_queue = (int32_t)n[NEXT_QUEUE];
     a->tick = n[TICK];
     a->tick_end = n[TICK_END];

@@ -130,7 +130,8 @@ static tides_status make_simulator(tides_live *live, tides_progress progress, vo
     tides_status status =
         tides_simulator_create(f->device, live->scene, camera, &f->intrinsics, &v->image, &v->sensor, &v->stepping, live->start,
                                live->stop, progress, user, &live->simulator, error);
-    return status == TIDES_OK ? tides_simulator_readout(live->simulator, &v->readout, error) : status;
+    if (status == TIDES_OK) status = tides_simulator_readout(live->simulator, &v->readout, error);
+    return status == TIDES_OK ? tides_simulator_filters(live->simulator, &v->filters, error) : status;
 }
 
 tides_status tides_live_open(tides_session *session, const tides_live_options *options, tides_progress progress, void *user,

@@ -2,9 +2,9 @@
  * the preset.
  *
  * A preset is a JSON object { "about": text, group: { name: value, ... } } with the names of the run file's groups sensor,
- * frontend and readout, and image's log_eps, the sensor's black level; a value may be { "value": value, "source": text } to say
- * where it comes from. Those of share/presets are in the library, by the names of their files; one's own are found by name in
- * ~/.config/tides/presets. */
+ * frontend, readout and filters, and image's log_eps, the sensor's black level; a value may be { "value": value,
+ * "source": text } to say where it comes from. Those of share/presets are in the library, by the names of their files; one's
+ * own are found by name in ~/.config/tides/presets. */
 #include "device/td_kernel_source.h"
 #include "td_folder.h"
 #include "td_kinds.h"
@@ -121,7 +121,7 @@ static tides_status load(const tides_run *run, const char *name, char **text, ti
 
 static int may_hold(const char *group) {
     return strcmp(group, "sensor") == 0 || strcmp(group, "frontend") == 0 || strcmp(group, "readout") == 0 ||
-           strcmp(group, "image") == 0;
+           strcmp(group, "filters") == 0 || strcmp(group, "image") == 0;
 }
 
 /* The keys that a preset would have set otherwise. */
@@ -186,8 +186,8 @@ static tides_status apply_all(tides_run *run, const char *where, const cJSON *ro
             snprintf(shown, sizeof shown, "%.40s", group->string);
             td_one_line(shown);
             return td_fail(error, TIDES_BAD_CONFIG,
-                           "%s: \"%s\": a preset holds \"about\" and the objects sensor, frontend, readout, image", where,
-                           shown);
+                           "%s: \"%s\": a preset holds \"about\" and the objects sensor, frontend, readout, filters, image",
+                           where, shown);
         }
         cJSON_ArrayForEach(item, group) {
             if (status == TIDES_OK) status = apply(run, where, group->string, item, kept, error);

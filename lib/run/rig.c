@@ -97,7 +97,7 @@ static tides_status check_keys(const cJSON *object, const char *group, const cha
 }
 
 static tides_status check_item(const cJSON *item, const char *name, const char *where, tides_error *error) {
-    static const char *const groups[] = {"camera", "sensor", "frontend", "readout", NULL};
+    static const char *const groups[] = {"camera", "sensor", "frontend", "readout", "filters", NULL};
     double transform[16];
     if (strcmp(item->string, "name") == 0)
         return is_name(item)
@@ -121,8 +121,9 @@ static tides_status check_item(const cJSON *item, const char *name, const char *
     char shown[64];
     snprintf(shown, sizeof shown, ".%.40s", item->string);
     td_one_line(shown);
-    return td_fail(error, TIDES_BAD_CONFIG, "%s: %s%s is unknown: name, T_B_C, kind; objects camera, sensor, frontend, readout",
-                   where, name, shown);
+    return td_fail(error, TIDES_BAD_CONFIG,
+                   "%s: %s%s is unknown: name, T_B_C, kind; objects camera, sensor, frontend, readout, filters", where, name,
+                   shown);
 }
 
 /* -- all of them ---------------------------------------------------------------------------------------------------------- */
@@ -195,13 +196,13 @@ static tides_status apply(tides_run *run, const cJSON *object, const char *group
 }
 
 tides_status td_rig_apply(tides_run *run, tides_error *error) {
-    static const char *const groups[] = {"camera", "sensor", "frontend", "readout"};
+    static const char *const groups[] = {"camera", "sensor", "frontend", "readout", "filters"};
     const cJSON *name = td_run_value(run, "rig.camera"), *camera = chosen(run);
     if (!camera && cJSON_IsString(name))
         return td_fail(error, TIDES_BAD_CONFIG, "%s: rig.camera = \"%.40s\" is no name of rig.cameras", run->origin,
                        name->valuestring);
     tides_status status = TIDES_OK;
-    for (int i = 0; camera && i < 4 && status == TIDES_OK; i++) status = apply(run, of(camera, groups[i]), groups[i], error);
+    for (int i = 0; camera && i < 5 && status == TIDES_OK; i++) status = apply(run, of(camera, groups[i]), groups[i], error);
     return status;
 }
 

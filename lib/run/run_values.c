@@ -11,6 +11,7 @@ void td_run_values_defaults(tides_run_values *values) {
     tides_sensor_defaults(&values->sensor);
     tides_stepping_defaults(&values->stepping);
     tides_readout_defaults(&values->readout);
+    tides_filters_defaults(&values->filters);
     tides_baseline_params_defaults(&values->baseline);
     tides_frames_options_defaults(&values->frames);
     tides_path_options_defaults(&values->path);

@@ -211,6 +211,7 @@ tides_status tides_session_simulator(tides_session *session, tides_progress prog
     tides_status status = tides_simulator_create(f->device, f->scene, f->camera, &f->intrinsics, &v->image, &v->sensor,
                                                  &v->stepping, v->start, v->stop, progress, user, &made, error);
     if (status == TIDES_OK) status = tides_simulator_readout(made, &v->readout, error);
+    if (status == TIDES_OK) status = tides_simulator_filters(made, &v->filters, error);
     if (status == TIDES_OK)
         *simulator = made;
     else

@@ -16,6 +16,10 @@ static tides_status check_frames(const tides_session_facts *f, tides_error *erro
     if (f->values.readout.enabled)
         return td_fail(error, TIDES_UNSUPPORTED,
                        "readout.enabled is true: the arbiter needs a scene and method \"tides\"; set it to false");
+    if (tides_filters_any(&f->values.filters))
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "filters.* in a run need a scene and method \"tides\"; tides convert --filter has them for any "
+                       "recording");
     if (f->values.sensor.labels)
         return td_fail(error, TIDES_UNSUPPORTED,
                        "sensor.labels is true: labels need a scene and method \"tides\"; set it to false");

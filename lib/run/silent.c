@@ -128,7 +128,8 @@ tides_status tides_session_silence(tides_session *session, const tides_stats *st
         return TIDES_OK;
     }
     if (stats->events > 0 && stats->events_written == 0)
-        snprintf(text, TIDES_SILENCE, "no events: the readout dropped all %llu that pixels fired: look at readout.*",
+        snprintf(text, TIDES_SILENCE,
+                 "no events: readout and filters dropped all %llu that pixels fired: look at readout.*, filters.*",
                  (unsigned long long)stats->events);
     if (stats->events > 0 || (f->values.frames_file && strcmp(f->values.frames_file, "-") == 0)) return TIDES_OK;
     const tides_status status = look(session, &seen, error);

@@ -276,3 +276,13 @@ tides_status td_ply_header_parse(const td_ply_file *file, td_ply_header *header,
     if (status) td_ply_header_free(header);
     return status;
 }
+
+/* Longer than any number that a program prints: not a number. */
+int td_ply_number(td_ply_word word, double *value) {
+    char text[128], *end;
+    if (word.length == 0 || word.length >= sizeof text) return 0;
+    memcpy(text, word.text, word.length);
+    text[word.length] = '\0';
+    *value = strtod(text, &end);
+    return end == text + word.length;
+}

@@ -136,16 +136,6 @@ static td_ply_word next_word(const char **at, const char *end) {
     return word;
 }
 
-/* Longer than any number that a program prints: not a number. */
-int td_ply_number(td_ply_word word, double *value) {
-    char text[128], *end;
-    if (word.length == 0 || word.length >= sizeof text) return 0;
-    memcpy(text, word.text, word.length);
-    text[word.length] = '\0';
-    *value = strtod(text, &end);
-    return end == text + word.length;
-}
-
 /* One number of property `i`, or a message: the line ends early, or holds something else. */
 static tides_status ascii_number(const reader *r, size_t i, const char **at, const char *end, double *value) {
     td_ply_word word = next_word(at, end);

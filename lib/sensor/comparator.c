@@ -1,8 +1,8 @@
 /* The comparator over the pixels of a tile (paper, "Comparator and sensor model"; DESIGN 3.2 to 3.4).
  *
  * Most pixels do nothing in most steps. Blocks of them are passed over by comparing control values with levels, in loops that
- * compilers turn into vector code, behind the constant low-pass too; only what is left goes to td_ideal.h or pixel.c, one pixel
- * after the other. Filters whose rates go with the light take each pixel by itself. */
+ * compilers turn into vector code, behind low-passes too; only what is left goes to td_ideal.h or pixel.c, one pixel after the
+ * other. The circuit takes each pixel by itself. */
 #include "td_ideal.h"
 #include "td_ideal_block.h"
 #include "td_pixel.h"
@@ -120,7 +120,7 @@ TD_WIDE static void gather_block(const tile_job *job, size_t first, size_t count
     }
 }
 
-/* `reject` behind the constant low-pass. The pixels that need nothing are at the step's end then; the others are as they were.
+/* `reject` behind a low-pass. The pixels that need nothing are at the step's end then; the others are as they were.
  * `slack` is for rounding here, so that none is passed over that its response would take to a level. */
 static void reject_filtered(const tile_job *job, size_t first, size_t count, double *restrict outside) {
     const td_sensor *sensor = job->pixel.sensor;
@@ -131,7 +131,11 @@ static void reject_filtered(const tile_job *job, size_t first, size_t count, dou
     double b[4][BLOCK], after[BLOCK], low[BLOCK], high[BLOCK], *S = sensor->filter[0] + at;
     const double *const control[4] = {b[0], b[1], b[2], b[3]};
     gather_block(job, first, count, b);
-    td_frontend_step_many(&sensor->frontend, job->pixel.step->length_s, count, control, S, after, low, high);
+    const double h = job->pixel.step->length_s;
+    if (sensor->frontend.kind == TD_FRONTEND_INTENSITY)
+        td_frontend_step_light(&sensor->frontend, h, sensor->log_eps, count, control, S, after, low, high);
+    else
+        td_frontend_step_many(&sensor->frontend, h, count, control, S, after, low, high);
     for (size_t k = 0; k < count; k++) {
         double ramp = leak[k] * start, rise = leak[k] * length, slack = 16 * DBL_EPSILON * (ramp + rise + fabs(reference[k]));
         double flag = high[k] + (ramp - reference[k]) + rise + slack < on[k] ? 0.0 : 1.0;
@@ -186,9 +190,9 @@ static void reject_block(const tile_job *job, size_t first, size_t count, double
         reject_filtered(job, first, count, outside);
 }
 
-/* Filters whose rates go with the light take each pixel by itself. */
+/* The circuit takes each pixel by itself. */
 static int can_reject(const td_sensor *sensor) {
-    return !sensor->exhaustive && (!sensor->frontend.on || sensor->frontend.kind == TD_FRONTEND_CONSTANT);
+    return !sensor->exhaustive && (!sensor->frontend.on || sensor->frontend.kind != TD_FRONTEND_CIRCUIT);
 }
 
 /* -- blocks ---------------------------------------------------------------------------------------------------------------- */

@@ -11,6 +11,7 @@
 #define TD_MODEL_H
 
 #include "td_extremes.h"
+#include "td_wide.h"
 #include "tides/simulate.h"
 
 #include <math.h>
@@ -70,7 +71,17 @@ static inline int td_model_is_finite(const td_model *model) {
     return isfinite(b[0]) && isfinite(b[1]) && isfinite(b[2]) && isfinite(b[3]);
 }
 
+/* The polar form of the cubic: its value where all three places are one. */
+TD_WITHIN double td_model_blossom(const double b[4], double x, double y, double z) {
+    const double u = 1 - x, v = 1 - y, b0 = u * b[0] + x * b[1], b1 = u * b[1] + x * b[2], b2 = u * b[2] + x * b[3];
+    return (1 - z) * (v * b0 + y * b1) + z * (v * b1 + y * b2);
+}
+
 /* The model between two places, as a model over [0, 1]; places that two parts share have the same value to the bit. */
-td_model td_model_part(const td_model *model, double from, double to);
+static inline td_model td_model_part(const td_model *model, double from, double to) {
+    const double *b = model->control;
+    return (td_model){{td_model_blossom(b, from, from, from), td_model_blossom(b, from, from, to),
+                       td_model_blossom(b, from, to, to), td_model_blossom(b, to, to, to)}};
+}
 
 #endif

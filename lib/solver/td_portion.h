@@ -43,8 +43,8 @@ typedef tides_status (*td_portion_worker)(tides_simulator *s, td_portion *portio
 /* Tiles to be compared that are worth a thread's while. */
 enum { TD_FEWEST_TILES = 4 };
 
-/* Shares out `count` units, `fewest` at a time at least, and joins what came of them to the run's. Where some fail, the first in
- * order of units says why, and what came before it is joined. */
+/* Shares out `count` units, `fewest` at a time at least, and joins what came of them to the run's. Where some fail, the first
+ * in order of units says why, and what came before it is joined. */
 TIDES_MUST_CHECK tides_status td_share_out(tides_simulator *s, int count, int fewest, td_portion_worker worker,
                                            const void *user, tides_error *error);
 

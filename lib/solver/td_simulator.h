@@ -89,7 +89,8 @@ struct tides_simulator {
     td_grid grid;  /* where steps begin and end */
     td_sensor sensor;
     td_surround_steps surround; /* between the pixels and the comparator, where the sensor has one */
-    td_run_readout readout;     /* where one is attached */
+    td_run_readout readout;     /* where one is attached, */
+    td_run_filters filters;     /* and what stands behind it */
 
     int broken;          /* a step failed half way: the pixels no longer agree on the time */
     int started;         /* the first sample is there */

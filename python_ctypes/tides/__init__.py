@@ -45,6 +45,7 @@ from .events import (
     write_events,
 )
 from .exposure import Exposure
+from .filters import Filter, Filters, filter
 from .generate import GenerateOptions, World, generate, generators
 from .live import Live, LiveOptions
 from .measure import ExactOptions, exact_stream, ideal_settings, image_is_continuous
@@ -97,6 +98,9 @@ __all__ = [
     "ExactOptions",
     "Exposure",
     "files",
+    "Filter",
+    "filter",
+    "Filters",
     "fingerprint_text",
     "Fingerprints",
     "Frames",

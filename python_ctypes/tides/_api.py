@@ -45,8 +45,27 @@ TIDES_ZERO_FRAME = 2
 TIDES_READOUT_TILES = 0
 TIDES_READOUT_ROWS = 1
 TIDES_READOUT_BOTTLENECK = 2
+TIDES_READOUT_REQUESTED = 3
+TIDES_READOUT_SCANNED = 4
+TIDES_STAMP_EVENT = 0
+TIDES_STAMP_ROW = 1
 TIDES_JITTER_GAUSSIAN = 0
 TIDES_JITTER_DELAY = 1
+TIDES_AFK_OFF = 0
+TIDES_AFK_BAND_STOP = 1
+TIDES_AFK_BAND_PASS = 2
+TIDES_TRAIL_OFF = 0
+TIDES_TRAIL_TRAIL = 1
+TIDES_TRAIL_STC_CUT = 2
+TIDES_TRAIL_STC_KEEP = 3
+TIDES_ERC_CHANCE = 0
+TIDES_ERC_FIRST = 1
+TIDES_STAGE_BACKGROUND = 0
+TIDES_STAGE_ACTIVITY = 1
+TIDES_STAGE_AFK = 2
+TIDES_STAGE_TRAIL = 3
+TIDES_STAGE_ERC = 4
+TIDES_STAGES = 5
 TIDES_LENS_NONE = 0
 TIDES_LENS_RADTAN = 1
 TIDES_LENS_EQUIDISTANT = 2
@@ -244,6 +263,10 @@ class tides_event_reader(Structure):
 
 
 class tides_arbiter(Structure):
+    pass
+
+
+class tides_filter(Structure):
     pass
 
 
@@ -561,101 +584,6 @@ class tides_event_summary(Structure):
     ]
 
 
-class tides_event_conversion(Structure):
-    """const char *from, *to; /* names of formats; NULL: by content, by ending */
-    int32_t width, height; /* of the sensor [px]; 0: what the file says, else what its events reach */
-    int64_t start_ns, stop_ns; /* events with start <= t < stop are kept */
-    int32_t x, y, cut_width, cut_height; /* and those in this window, which becomes the sensor; cut_width 0: all */
-    int32_t rebase; /* as tides_event_reading; start_ns and stop_ns are times after it */
-    int32_t drop_invalid; /* as tides_event_reading; `width` and `height` bound the sensor too */
-    const char *columns, *unit, *stream; /* as tides_event_reading */
-    int64_t offset_ns; /* as tides_event_reading; start_ns and stop_ns are times after it */
-    """
-
-    to: bytes | None
-    width: int
-    height: int
-    start_ns: int
-    stop_ns: int
-    x: int
-    y: int
-    cut_width: int
-    cut_height: int
-    rebase: int
-    drop_invalid: int
-    columns: bytes | None
-    unit: bytes | None
-    stream: bytes | None
-    offset_ns: int
-
-    _fields_ = [
-        ("from", c_char_p),
-        ("to", c_char_p),
-        ("width", c_int32),
-        ("height", c_int32),
-        ("start_ns", c_int64),
-        ("stop_ns", c_int64),
-        ("x", c_int32),
-        ("y", c_int32),
-        ("cut_width", c_int32),
-        ("cut_height", c_int32),
-        ("rebase", c_int32),
-        ("drop_invalid", c_int32),
-        ("columns", c_char_p),
-        ("unit", c_char_p),
-        ("stream", c_char_p),
-        ("offset_ns", c_int64),
-    ]
-
-
-class tides_event_conversion_report(Structure):
-    """uint64_t read, written; /* events */
-    uint64_t disorder; /* events earlier than the one before them in the file: they were put in order */
-    uint64_t collapsed; /* as tides_event_writer_collapsed */
-    int64_t first_ns, last_ns; /* as written; 0 where nothing was */
-    int32_t width, height; /* [px] of the sensor as written */
-    char from[32], to[32]; /* names of formats */
-    int32_t labels; /* TIDES_LABEL_* of the file, which aren't kept */
-    int32_t zero; /* with `rebase`: TIDES_ZERO_* */
-    int64_t zero_ns; /* with `rebase`: what became time 0, on the file's clock */
-    uint64_t dropped; /* invalid events that were left out */
-    char read_as[160]; /* as tides_event_facts */
-    """
-
-    read: int
-    written: int
-    disorder: int
-    collapsed: int
-    first_ns: int
-    last_ns: int
-    width: int
-    height: int
-    to: Any
-    labels: int
-    zero: int
-    zero_ns: int
-    dropped: int
-    read_as: Any
-
-    _fields_ = [
-        ("read", c_uint64),
-        ("written", c_uint64),
-        ("disorder", c_uint64),
-        ("collapsed", c_uint64),
-        ("first_ns", c_int64),
-        ("last_ns", c_int64),
-        ("width", c_int32),
-        ("height", c_int32),
-        ("from", c_char * 32),
-        ("to", c_char * 32),
-        ("labels", c_int32),
-        ("zero", c_int32),
-        ("zero_ns", c_int64),
-        ("dropped", c_uint64),
-        ("read_as", c_char * 160),
-    ]
-
-
 class tides_readout(Structure):
     """uint32_t size;
     int32_t enabled; /* for runs; an arbiter itself doesn't ask */
@@ -668,7 +596,10 @@ class tides_readout(Structure):
     double p0, eta; /* in [0, 1] */
     double sigma0_s, gamma_sigma_s; /* [s] >= 0 */
     int32_t jitter_law; /* TIDES_JITTER_* */
-    int32_t reserved;
+    int32_t stamp; /* TIDES_STAMP_*, of REQUESTED */
+    double row_s; /* [s] >= 0, whole nanoseconds */
+    double event_s; /* [s] 0 to 1e-3, whole picoseconds */
+    double frame_s; /* [s] whole nanoseconds, at least 1 */
     """
 
     size: int
@@ -684,7 +615,10 @@ class tides_readout(Structure):
     sigma0_s: float
     gamma_sigma_s: float
     jitter_law: int
-    reserved: int
+    stamp: int
+    row_s: float
+    event_s: float
+    frame_s: float
 
     _fields_ = [
         ("size", c_uint32),
@@ -700,7 +634,10 @@ class tides_readout(Structure):
         ("sigma0_s", c_double),
         ("gamma_sigma_s", c_double),
         ("jitter_law", c_int32),
-        ("reserved", c_int32),
+        ("stamp", c_int32),
+        ("row_s", c_double),
+        ("event_s", c_double),
+        ("frame_s", c_double),
     ]
 
 
@@ -710,7 +647,7 @@ class tides_readout_stats(Structure):
     uint64_t overflowed; /* their queue was full */
     uint64_t waiting; /* in queues, or held until the order is certain */
     uint64_t delayed; /* left later than they fired, jitter aside */
-    uint64_t ticks; /* in which something was served; idle ones are skipped */
+    uint64_t ticks; /* in which something was served, rows read, or frames; idle ones are skipped */
     double worst_delay_s; /* from firing to leaving, jitter aside [s] */
     """
 
@@ -735,6 +672,85 @@ class tides_readout_stats(Structure):
 
 
 tides_readout_sink = CFUNCTYPE(c_int, c_void_p, P(tides_event), P(c_int64), c_size_t)
+
+
+class tides_filters(Structure):
+    """uint32_t size;
+    int32_t background_support; /* 1 to 8 */
+    double background_s; /* [s] >= 0; 0: off */
+    double activity_low_start, activity_low_stop; /* [events/s]; start 0: no such bound; stop 0: as start, */
+    double activity_high_start, activity_high_stop; /* else low_stop >= low_start and high_stop <= high_start */
+    double activity_period_s; /* [s] whole nanoseconds, at least 1 */
+    double afk_low_hz, afk_high_hz; /* [Hz] 0 < low <= high */
+    int32_t afk; /* TIDES_AFK_* */
+    int32_t afk_cell_px; /* side of a cell [px] >= 1 */
+    int32_t afk_start, afk_stop; /* 0 <= stop < start <= 7 */
+    double trail_s; /* [s] >= 0 */
+    int32_t trail; /* TIDES_TRAIL_* */
+    int32_t erc_events; /* >= 0; 0: off */
+    double erc_period_s; /* [s] as activity_period_s */
+    int32_t erc_law; /* TIDES_ERC_* */
+    int32_t reserved;
+    """
+
+    size: int
+    background_support: int
+    background_s: float
+    activity_low_start: float
+    activity_low_stop: float
+    activity_high_start: float
+    activity_high_stop: float
+    activity_period_s: float
+    afk_low_hz: float
+    afk_high_hz: float
+    afk: int
+    afk_cell_px: int
+    afk_start: int
+    afk_stop: int
+    trail_s: float
+    trail: int
+    erc_events: int
+    erc_period_s: float
+    erc_law: int
+    reserved: int
+
+    _fields_ = [
+        ("size", c_uint32),
+        ("background_support", c_int32),
+        ("background_s", c_double),
+        ("activity_low_start", c_double),
+        ("activity_low_stop", c_double),
+        ("activity_high_start", c_double),
+        ("activity_high_stop", c_double),
+        ("activity_period_s", c_double),
+        ("afk_low_hz", c_double),
+        ("afk_high_hz", c_double),
+        ("afk", c_int32),
+        ("afk_cell_px", c_int32),
+        ("afk_start", c_int32),
+        ("afk_stop", c_int32),
+        ("trail_s", c_double),
+        ("trail", c_int32),
+        ("erc_events", c_int32),
+        ("erc_period_s", c_double),
+        ("erc_law", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class tides_filter_stats(Structure):
+    """uint64_t in, out;
+    uint64_t dropped[TIDES_STAGES]; /* by TIDES_STAGE_* */
+    """
+
+    out: int
+    dropped: Any
+
+    _fields_ = [
+        ("in", c_uint64),
+        ("out", c_uint64),
+        ("dropped", c_uint64 * 5),
+    ]
 
 
 class tides_pose_sample(Structure):
@@ -1780,6 +1796,7 @@ class tides_stats(Structure):
     uint64_t unsolved; /* TIDES_UNSOLVED_*: why it is OFF */
     uint64_t unit; /* TIDES_UNIT_* that the run has: TILE or BLOCK */
     double tolerance; /* that the run has [thresholds] */
+    uint64_t events_filtered[TIDES_STAGES]; /* dropped behind the readout, by TIDES_STAGE_* */
     """
 
     render: tides_render_stats
@@ -1824,6 +1841,7 @@ class tides_stats(Structure):
     unsolved: int
     unit: int
     tolerance: float
+    events_filtered: Any
 
     _fields_ = [
         ("render", tides_render_stats),
@@ -1868,6 +1886,7 @@ class tides_stats(Structure):
         ("unsolved", c_uint64),
         ("unit", c_uint64),
         ("tolerance", c_double),
+        ("events_filtered", c_uint64 * 5),
     ]
 
 
@@ -2302,6 +2321,7 @@ class tides_run_values(Structure):
     tides_sensor sensor; /* sensor.* */
     tides_stepping stepping; /* stepping.* */
     tides_readout readout; /* readout.* */
+    tides_filters filters; /* filters.* */
     double start, stop; /* time.* [s] */
     const char *scene_file, *camera_file, *device, *seed, *method; /* as in the file; "" or NULL where it has none */
     tides_baseline_params baseline; /* its method is `method` */
@@ -2330,6 +2350,7 @@ class tides_run_values(Structure):
     sensor: tides_sensor
     stepping: tides_stepping
     readout: tides_readout
+    filters: tides_filters
     start: float
     stop: float
     scene_file: bytes | None
@@ -2365,6 +2386,7 @@ class tides_run_values(Structure):
         ("sensor", tides_sensor),
         ("stepping", tides_stepping),
         ("readout", tides_readout),
+        ("filters", tides_filters),
         ("start", c_double),
         ("stop", c_double),
         ("scene_file", c_char_p),
@@ -2757,6 +2779,107 @@ class tides_event_truth(Structure):
         ("alpha", c_double),
         ("instance", c_int32),
         ("reserved", c_int32),
+    ]
+
+
+class tides_event_conversion(Structure):
+    """const char *from, *to; /* names of formats; NULL: by content, by ending */
+    int32_t width, height; /* of the sensor [px]; 0: what the file says, else what its events reach */
+    int64_t start_ns, stop_ns; /* events with start <= t < stop are kept */
+    int32_t x, y, cut_width, cut_height; /* and those in this window, which becomes the sensor; cut_width 0: all */
+    int32_t rebase; /* as tides_event_reading; start_ns and stop_ns are times after it */
+    int32_t drop_invalid; /* as tides_event_reading; `width` and `height` bound the sensor too */
+    const char *columns, *unit, *stream; /* as tides_event_reading */
+    int64_t offset_ns; /* as tides_event_reading; start_ns and stop_ns are times after it */
+    const tides_filters *filters; /* of a camera, which what is kept goes through; NULL: none */
+    """
+
+    to: bytes | None
+    width: int
+    height: int
+    start_ns: int
+    stop_ns: int
+    x: int
+    y: int
+    cut_width: int
+    cut_height: int
+    rebase: int
+    drop_invalid: int
+    columns: bytes | None
+    unit: bytes | None
+    stream: bytes | None
+    offset_ns: int
+    filters: Any
+
+    _fields_ = [
+        ("from", c_char_p),
+        ("to", c_char_p),
+        ("width", c_int32),
+        ("height", c_int32),
+        ("start_ns", c_int64),
+        ("stop_ns", c_int64),
+        ("x", c_int32),
+        ("y", c_int32),
+        ("cut_width", c_int32),
+        ("cut_height", c_int32),
+        ("rebase", c_int32),
+        ("drop_invalid", c_int32),
+        ("columns", c_char_p),
+        ("unit", c_char_p),
+        ("stream", c_char_p),
+        ("offset_ns", c_int64),
+        ("filters", P(tides_filters)),
+    ]
+
+
+class tides_event_conversion_report(Structure):
+    """uint64_t read, written; /* events */
+    uint64_t disorder; /* events earlier than the one before them in the file: they were put in order */
+    uint64_t collapsed; /* as tides_event_writer_collapsed */
+    int64_t first_ns, last_ns; /* as written; 0 where nothing was */
+    int32_t width, height; /* [px] of the sensor as written */
+    char from[32], to[32]; /* names of formats */
+    int32_t labels; /* TIDES_LABEL_* of the file, which aren't kept */
+    int32_t zero; /* with `rebase`: TIDES_ZERO_* */
+    int64_t zero_ns; /* with `rebase`: what became time 0, on the file's clock */
+    uint64_t dropped; /* invalid events that were left out */
+    char read_as[160]; /* as tides_event_facts */
+    uint64_t filtered[TIDES_STAGES]; /* dropped by `filters`, by TIDES_STAGE_* */
+    """
+
+    read: int
+    written: int
+    disorder: int
+    collapsed: int
+    first_ns: int
+    last_ns: int
+    width: int
+    height: int
+    to: Any
+    labels: int
+    zero: int
+    zero_ns: int
+    dropped: int
+    read_as: Any
+    filtered: Any
+
+    _fields_ = [
+        ("read", c_uint64),
+        ("written", c_uint64),
+        ("disorder", c_uint64),
+        ("collapsed", c_uint64),
+        ("first_ns", c_int64),
+        ("last_ns", c_int64),
+        ("width", c_int32),
+        ("height", c_int32),
+        ("from", c_char * 32),
+        ("to", c_char * 32),
+        ("labels", c_int32),
+        ("zero", c_int32),
+        ("zero_ns", c_int64),
+        ("dropped", c_uint64),
+        ("read_as", c_char * 160),
+        ("filtered", c_uint64 * 5),
     ]
 
 
@@ -3566,6 +3689,24 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_files_apart": (c_int32, [
         P(c_char_p), c_size_t, P(c_char_p), c_size_t, P(tides_error)
     ], "inputs input_count outputs output_count error"),
+    # tides_status tides_filter_apply(tides_filter *filter, tides_event *events, int64_t *fired, size_t count, size_t
+    # *kept, tides_error *error)
+    "tides_filter_apply": (c_int32, [
+        P(tides_filter), P(tides_event), P(c_int64), c_size_t, P(c_size_t), P(tides_error)
+    ], "filter events fired count kept error"),
+    # tides_status tides_filter_create(const tides_filters *filters, int32_t width, int32_t height, uint64_t seed,
+    # tides_filter **filter, tides_error *error)
+    "tides_filter_create": (c_int32, [
+        P(tides_filters), c_int32, c_int32, c_uint64, P(P(tides_filter)), P(tides_error)
+    ], "filters width height seed filter error"),
+    # void tides_filter_destroy(tides_filter *filter)
+    "tides_filter_destroy": (None, [P(tides_filter)], "filter"),
+    # void tides_filter_stats_get(const tides_filter *filter, tides_filter_stats *stats)
+    "tides_filter_stats_get": (None, [P(tides_filter), P(tides_filter_stats)], "filter stats"),
+    # int32_t tides_filters_any(const tides_filters *filters)
+    "tides_filters_any": (c_int32, [P(tides_filters)], "filters"),
+    # void tides_filters_defaults(tides_filters *filters)
+    "tides_filters_defaults": (None, [P(tides_filters)], "filters"),
     # uint64_t tides_fingerprint_text(const char *const *texts, size_t count)
     "tides_fingerprint_text": (c_uint64, [P(c_char_p), c_size_t], "texts count"),
     # tides_status tides_fingerprints_create(const char *except, tides_fingerprints **fingerprints, tides_error *error)
@@ -4087,6 +4228,10 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     ], "device scene camera intrinsics image sensor stepping start stop progress user simulator error"),
     # void tides_simulator_destroy(tides_simulator *simulator)
     "tides_simulator_destroy": (None, [P(tides_simulator)], "simulator"),
+    # tides_status tides_simulator_filters(tides_simulator *simulator, const tides_filters *filters, tides_error *error)
+    "tides_simulator_filters": (c_int32, [
+        P(tides_simulator), P(tides_filters), P(tides_error)
+    ], "simulator filters error"),
     # const int64_t *tides_simulator_fired(const tides_simulator *simulator)
     "tides_simulator_fired": (P(c_int64), [P(tides_simulator)], "simulator"),
     # tides_status tides_simulator_readout(tides_simulator *simulator, const tides_readout *readout, tides_error *error)
@@ -4230,9 +4375,9 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
 
 STRUCTS = (
     tides_error, tides_frames_options, tides_event, tides_event_file, tides_event_format, tides_event_facts,
-    tides_event_reading, tides_event_summary, tides_event_conversion, tides_event_conversion_report, tides_readout,
-    tides_readout_stats, tides_pose_sample, tides_pose, tides_orbit, tides_dolly, tides_handheld, tides_lens,
-    tides_intrinsics, tides_path_options, tides_path, tides_device_info, tides_polynomial_motion, tides_rotor_motion,
+    tides_event_reading, tides_event_summary, tides_readout, tides_readout_stats, tides_filters, tides_filter_stats,
+    tides_pose_sample, tides_pose, tides_orbit, tides_dolly, tides_handheld, tides_lens, tides_intrinsics,
+    tides_path_options, tides_path, tides_device_info, tides_polynomial_motion, tides_rotor_motion,
     tides_keyframes_motion, tides_theta, tides_callback_motion, tides_gaussians, tides_scene_options,
     tides_scene_format, tides_object, tides_circuit, tides_sensor, tides_smoothing, tides_image_params, tides_frame,
     tides_render_stats, tides_risk, tides_stepping, tides_stats, tides_stat, tides_esim, tides_v2e, tides_voltmeter,
@@ -4240,7 +4385,8 @@ STRUCTS = (
     tides_imu, tides_imu_sample, tides_param, tides_run_values, tides_rig_camera, tides_session_facts,
     tides_session_taken, tides_recording, tides_recorded, tides_dataset_layout, tides_dataset_report, tides_generator,
     tides_generate_options, tides_world, tides_channel, tides_truth, tides_material_point, tides_track,
-    tides_event_truth, tides_match, tides_metrics_options, tides_interval_fit, tides_stream_metrics, tides_metrics,
-    tides_metric, tides_voxel_options, tides_array_shape, tides_page_options, tides_page_report, tides_run_input,
-    tides_fingerprint, tides_live_options, tides_exact_options, tides_exact,
+    tides_event_truth, tides_event_conversion, tides_event_conversion_report, tides_match, tides_metrics_options,
+    tides_interval_fit, tides_stream_metrics, tides_metrics, tides_metric, tides_voxel_options, tides_array_shape,
+    tides_page_options, tides_page_report, tides_run_input, tides_fingerprint, tides_live_options, tides_exact_options,
+    tides_exact,
 )

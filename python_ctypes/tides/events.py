@@ -6,6 +6,7 @@ library's own records: 16 bytes, given to C and received without copies.
 
 from __future__ import annotations
 
+import ctypes
 import os
 from ctypes import POINTER, byref, c_int64, c_size_t, cast, sizeof
 from typing import Any, Iterator
@@ -332,11 +333,14 @@ def convert_events(
     source_format: str | None = None,
     format: str | None = None,
     progress: Progress = None,
+    filters: Any = None,
     **kept: Any,
 ) -> Facts:
-    """Converts and cuts an event file, streamed. `kept` are the fields of Conversion. Returns read, written, disorder,
+    """Converts and cuts an event file, streamed, through `filters` (Filters) where given. `kept` are Conversion's other fields. Returns read, written, disorder,
     collapsed, first_ns, last_ns, width, height, from, to."""
     conversion = Conversion(**{"from": encoded(source_format), "to": encoded(format), **_texts(kept)})
+    if filters is not None:
+        conversion.filters = ctypes.cast(ctypes.pointer(filters), POINTER(_api.tides_filters))
     report = _api.tides_event_conversion_report()
     with Reporter(progress) as step:
         call("tides_events_convert", path(file), path(out), conversion, step, None, report)

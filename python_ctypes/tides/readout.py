@@ -17,11 +17,11 @@ from .events import EVENT, _records, as_events
 
 class Readout(Value, _api.tides_readout):
     """The readout. `preset` ("gen4", or a .json file like share/presets') gives the fields that aren't given.
-    kind ("tiles", "rows", "bottleneck"), tile_px, k0 [events per tick], tick_s, beta_k, p0, eta, sigma0_s, gamma_sigma_s,
-    queue_capacity, jitter_law ("gaussian", "delay")."""
+    kind ("tiles", "rows", "bottleneck", "requested", "scanned"), tile_px, k0 [events per tick], tick_s, beta_k, p0, eta, sigma0_s, gamma_sigma_s,
+    queue_capacity, jitter_law ("gaussian", "delay"); row_s, event_s, stamp ("event", "row"), frame_s."""
 
     _defaults = "tides_readout_defaults"
-    _words = {"kind": "TIDES_READOUT_", "jitter_law": "TIDES_JITTER_"}
+    _words = {"kind": "TIDES_READOUT_", "jitter_law": "TIDES_JITTER_", "stamp": "TIDES_STAMP_"}
     _groups, _preset = ("readout.",), "readout"
 
 

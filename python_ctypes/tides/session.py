@@ -19,6 +19,7 @@ from ._warn import warn
 from .baselines import BaselineParams, Frames, FramesOptions
 from .device import Device, opened
 from .exposure import Exposure
+from .filters import Filters
 from .measure import session_exact
 from .readout import Readout
 from .render import ImageParams, Renderer
@@ -33,6 +34,7 @@ _VALUES: dict[Any, Any] = {
     _api.tides_sensor: Sensor,
     _api.tides_stepping: Stepping,
     _api.tides_readout: Readout,
+    _api.tides_filters: Filters,
     _api.tides_baseline_params: BaselineParams,
     _api.tides_frames_options: FramesOptions,
     _api.tides_path_options: PathOptions,

@@ -19,6 +19,7 @@ from ._values import Facts, Value, plain
 from ._warn import warn
 from .device import Device, opened
 from .events import EVENT
+from .filters import Filters
 from .readout import Readout
 from .render import ImageParams
 from .scene import Scene
@@ -117,18 +118,21 @@ class Simulation(Handle):
         stepping: Stepping | None = None,
         image: ImageParams | None = None,
         readout: Readout | None = None,
+        filters: Filters | None = None,
         device: Device | str | int | None = None,
         run: str | None = None,
         seed: str | None = None,
         progress: Progress = None,
     ):
-        """A `readout` that is enabled stands between pixels and events. `run` (a run file's JSON) and `seed` (None: the
+        """A `readout` that is enabled stands between pixels and events, and `filters` behind it. `run` (a run file's JSON) and `seed` (None: the
         sensor's) are facts that are written into files; `run` is compared when a run goes on."""
         self.scene, self.camera = instance(scene, Scene, "Simulation: scene"), instance(camera, Camera, "Simulation: camera")
         self.sensor, self.stepping = given(sensor, Sensor, "Simulation: sensor"), given(stepping, Stepping, "Simulation: stepping")
         self.image = given(image, ImageParams, "Simulation: image")
         if readout is not None:
             instance(readout, Readout, "Simulation: readout")
+        if filters is not None:
+            instance(filters, Filters, "Simulation: filters")
         first, last = camera.trajectory.range
         self.start, self.stop = first if start is None else float(start), last if stop is None else float(stop)
         if not (math.isfinite(self.start) and math.isfinite(self.stop)):
@@ -143,6 +147,8 @@ class Simulation(Handle):
         super().__init__(made, self.device, scene, camera.trajectory, lock=self.device._lock)
         if readout is not None:
             call("tides_simulator_readout", self._pointer, readout)
+        if filters is not None:
+            call("tides_simulator_filters", self._pointer, filters)
 
     @classmethod
     def _of(cls, made: Any, session: Any) -> "Simulation":

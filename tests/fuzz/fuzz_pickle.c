@@ -32,9 +32,15 @@ static void check(tides_status status, const tides_error *error, td_tree *tree) 
     if (tree) abort();
 }
 
+static tides_status no_storage(td_pickle *pickle, const td_value *id, td_value **made) {
+    (void)id, (void)made;
+    return td_fail(pickle->error, TIDES_BAD_FILE, "a bare pickle has no storages");
+}
+
 /* As a torch file's pickle is run, without the archive around it. */
 static tides_status run_bare(const uint8_t *data, size_t size, td_tree **tree, tides_error *error) {
     td_pickle pickle = {.path = "fuzz", .bytes = data, .size = size, .tree = td_tree_create(error), .error = error};
+    pickle.persistent = no_storage;
     td_value *root = NULL;
     if (!pickle.tree) return TIDES_NO_MEMORY;
     tides_status status = td_pickle_run(&pickle, &root);

@@ -37,6 +37,10 @@ static const char common[] = "time.start=0.42 time.stop=0.455 scene.background=[
     "frontend.center_surround=[2,0.004] frontend.shot_noise_hz=20 frontend.noise_rms=0.02 frontend.noise_cutoff_hz=300 "  \
     "frontend.hot_pixel_fraction=0.01 sensor.labels=true "
 
+#define FILTERS                                                     \
+    "filters.background_s=0.002 filters.activity_high_start=60000 " \
+    "filters.afk=band_stop filters.afk_start=2 filters.afk_stop=1 filters.trail=trail filters.erc_events=3 "
+
 #define READOUT                                                                                                             \
     "readout.enabled=true readout.tile_px=8 readout.tick_s=0.00005 readout.k0=2 readout.queue_capacity=64 readout.p0=0.01 " \
     "readout.sigma0_s=0.000002 "
@@ -165,8 +169,14 @@ static const run_entry runs[] = {
     {"readout/model tiles", "rigid", F32, ERROR READOUT, 0},
     {"readout/rows", "rigid", F32, READOUT "readout.kind=rows", RUN_RESUME},
     {"readout/bottleneck", "rigid", F32, READOUT "readout.kind=bottleneck", RUN_RESUME},
+    {"readout/requested", "rigid", F32, READOUT "readout.kind=requested readout.row_s=2e-6 readout.event_s=5e-7", RUN_RESUME},
+    {"readout/requested fixed", "rigid", F32, FIXED READOUT "readout.kind=requested readout.row_s=2e-5 readout.stamp=row",
+     RUN_CPU | RUN_RESUME},
+    {"readout/scanned", "rigid", F32, READOUT "readout.kind=scanned readout.event_s=1e-5", RUN_RESUME},
     {"readout/delay", "rigid", F32, READOUT "readout.jitter_law=delay", 0},
     {"readout/all", "moving", F32, READOUT ALL, RUN_RESUME},
+    {"readout/filters", "rigid", F32, FILTERS, RUN_RESUME},
+    {"readout/filters fixed", "rigid", F32, FIXED FILTERS READOUT, RUN_RESUME},
 
     {"method/esim", "rigid", F32, "method=esim esim.contrast_threshold_pos=0.1 esim.contrast_threshold_neg=0.1", RUN_CPU},
     {"method/esim motion", "moving", F32,

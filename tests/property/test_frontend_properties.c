@@ -372,6 +372,62 @@ static void many_pixels_are_like_one(void **state) {
     }
 }
 
+/* Inputs of the kinds that images make, and of those that they don't: still, jumping, in the dark, beyond all numbers. */
+static td_model odd_input(int trial, int i) {
+    td_model input = random_input(uniform(-6, 0));
+    if (i % 7 == 0) input = (td_model){{input.control[0], input.control[0], input.control[0], input.control[0]}};
+    if (i % 11 == 0) input.control[3] = input.control[2] = uniform(-7, 3); /* below log_eps, too */
+    if (i % 13 == 0)
+        for (int k = 0; k < 4; k++) input.control[k] = uniform(-6.9, 9);
+    if (i % 50 == 7) input.control[trial % 4] = trial % 3 ? NAN : INFINITY;
+    if (i % 50 == 19) input.control[trial % 4] = 80;
+    return input;
+}
+
+/* The low-pass whose rate goes with the light: to the bit where it says so, and of what an image makes it hardly leaves any. */
+static void many_pixels_in_the_light_are_like_one(void **state) {
+    (void)state;
+    seed(9);
+    enum { PIXELS = 300 };
+    static double control[4][PIXELS], S[PIXELS], after[PIXELS], low[PIXELS], high[PIXELS];
+    const double *const columns[4] = {control[0], control[1], control[2], control[3]};
+    int done = 0, left = 0, left_in_the_light = 0;
+    for (int trial = 0; trial < 150; trial++) {
+        tides_sensor sensor = random_sensor(TD_FRONTEND_INTENSITY);
+        const double h = any_power(1e-9, trial % 8 ? 10 : 1e6) / sensor.photoreceptor_cutoff_hz;
+        td_frontend frontend = make(&sensor);
+        for (int i = 0; i < PIXELS; i++) {
+            const td_model input = odd_input(trial, i);
+            for (int k = 0; k < 4; k++) control[k][i] = input.control[k];
+            S[i] = i % 50 == 9 ? NAN : i % 3 ? input.control[0] + uniform(-0.1, 0.1) : uniform(-6, 0);
+        }
+        td_frontend_step_light(&frontend, h, LOG_EPS, PIXELS, columns, S, after, low, high);
+        for (int i = 0; i < PIXELS; i++) {
+            const td_model input = {{control[0][i], control[1][i], control[2][i], control[3][i]}};
+            double memory[TD_FRONTEND_STATE] = {S[i], S[i], 0, S[i]};
+            td_response response;
+            if (!(low[i] <= high[i])) {
+                int lit = isfinite(S[i]);
+                for (int k = 0; k < 4; k++) lit = lit && input.control[k] > -6.9 && input.control[k] < 1;
+                left_in_the_light += lit;
+                left++;
+                continue;
+            }
+            done++;
+            td_frontend_step(&frontend, h, &input, LOG_EPS, memory, &response);
+            assert_memory_equal(&memory[0], &after[i], sizeof after[i]);
+            assert_true(fabs(td_response_value(&response, 1) - after[i]) <= 1e-12 * (1 + fabs(after[i])));
+            for (int k = 0; k <= 32; k++) {
+                const double value = td_response_value(&response, k / 32.0);
+                assert_true(value >= low[i] && value <= high[i]);
+            }
+        }
+    }
+    print_message("%d pixels, %d left to one by one, %d of them in the light\n", done, left, left_in_the_light);
+    assert_true(done > 30000);
+    assert_true(left_in_the_light < done / 500); /* swings that take hundreds of substeps */
+}
+
 /* td_pole_respond is td_poles_respond of one real pole, and a mode that doesn't swing is like one that hardly does. */
 static void one_real_pole_is_like_many(void **state) {
     (void)state;
@@ -406,6 +462,7 @@ int main(void) {
         cmocka_unit_test(touching_counts),
         cmocka_unit_test(values_that_are_no_numbers_do_no_harm),
         cmocka_unit_test(many_pixels_are_like_one),
+        cmocka_unit_test(many_pixels_in_the_light_are_like_one),
         cmocka_unit_test(one_real_pole_is_like_many),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

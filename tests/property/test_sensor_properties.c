@@ -38,9 +38,27 @@ static void filter_by(job *j, int which) {
     j->sensor.bandwidth = which == 2 ? TIDES_BANDWIDTH_CIRCUIT : TIDES_BANDWIDTH_FIRST_ORDER;
 }
 
+/* All filters, each of which drops some of the run's events. */
+static tides_filters all_filters(void) {
+    tides_filters filters;
+    tides_filters_defaults(&filters);
+    filters.background_s = 2e-3;
+    filters.activity_high_start = 35e3;
+    filters.activity_high_stop = 30e3;
+    filters.afk = TIDES_AFK_BAND_STOP;
+    filters.afk_start = 2;
+    filters.afk_stop = 1;
+    filters.trail = TIDES_TRAIL_TRAIL;
+    filters.erc_events = 2;
+    return filters;
+}
+
+static const tides_filters *behind; /* every run has these filters; NULL: none */
+
 static tides_simulator *simulator_of(const job *j, tides_device *device, const tides_readout *readout) {
     tides_simulator *s = make_simulator(j, device);
     tides_error error;
+    if (behind) scene_expect_ok(tides_simulator_filters(s, behind, &error), &error);
     if (readout) scene_expect_ok(tides_simulator_readout(s, readout, &error), &error);
     return s;
 }
@@ -118,6 +136,76 @@ static void test_cuts(void **state) {
                 free_outcome(&whole);
                 free_outcome(&pieces);
             }
+    tides_device_close(device);
+    random_scene_free(&scene);
+}
+
+/* Rows that ask, and frames: cuts, batches and a checkpoint don't show. */
+static void test_asked(void **state) {
+    random_scene scene = make_scene(SEED);
+    tides_device *device = open_device("reference-f32");
+    for (int kind = TIDES_READOUT_REQUESTED; kind <= TIDES_READOUT_SCANNED; kind++)
+        for (int adaptive = 0; adaptive < 2; adaptive++) {
+            tides_readout readout = busy_readout();
+            readout.kind = kind;
+            readout.row_s = 20e-6;
+            readout.event_s = 2e-6;
+            readout.frame_s = 3e-3;
+            job j = noisy_job(&scene, adaptive);
+            j.batch = 1;
+            outcome whole = whole_run(&j, device, &readout);
+            outcome pieces = cut_run(&j, device, &readout, scene_in_folder(*state, "asked.checkpoint"));
+            j.batch = 7;
+            outcome other = whole_run(&j, device, &readout);
+            expect_same(&whole, &pieces, "cut");
+            expect_same(&whole, &other, "batches");
+            expect_same_stats(&whole.stats, &pieces.stats);
+            assert_true(whole.stats.events_delayed > whole.count / 2);
+            assert_int_equal(whole.stats.events, whole.count + whole.stats.events_dropped);
+            free_outcome(&whole);
+            free_outcome(&pieces);
+            free_outcome(&other);
+        }
+    tides_device_close(device);
+    random_scene_free(&scene);
+}
+
+/* Filters, behind the pixels or behind a readout, over cuts and through a checkpoint; what they drop is all that is missing. */
+static void test_filters(void **state) {
+    random_scene scene = make_scene(SEED);
+    tides_device *device = open_device("reference-f32");
+    tides_readout readout = busy_readout();
+    const tides_filters filters = all_filters();
+    for (int adaptive = 0; adaptive < 2; adaptive++)
+        for (int reads = 0; reads < 2; reads++) {
+            job j = noisy_job(&scene, adaptive);
+            j.batch = 1;
+            behind = NULL;
+            outcome all = whole_run(&j, device, reads ? &readout : NULL);
+            behind = &filters;
+            outcome whole = whole_run(&j, device, reads ? &readout : NULL);
+            outcome pieces = cut_run(&j, device, reads ? &readout : NULL, scene_in_folder(*state, "filters.checkpoint"));
+            j.batch = 7;
+            outcome other = whole_run(&j, device, reads ? &readout : NULL);
+            expect_same(&whole, &pieces, "cut");
+            expect_same(&whole, &other, "batches");
+            expect_same_stats(&whole.stats, &pieces.stats);
+            assert_memory_equal(whole.stats.events_filtered, pieces.stats.events_filtered, sizeof whole.stats.events_filtered);
+            size_t left = whole.count;
+            for (int f = 0; f < TIDES_STAGES; f++) {
+                printf("%llu ", (unsigned long long)whole.stats.events_filtered[f]);
+                assert_true(whole.stats.events_filtered[f] > 0);
+                left += (size_t)whole.stats.events_filtered[f];
+            }
+            printf("filtered, %zu of %zu events left\n", whole.count, all.count);
+            assert_int_equal(left, all.count);
+            assert_true(whole.count > 0 && whole.stats.events_written == whole.count);
+            free_outcome(&all);
+            free_outcome(&whole);
+            free_outcome(&pieces);
+            free_outcome(&other);
+        }
+    behind = NULL;
     tides_device_close(device);
     random_scene_free(&scene);
 }
@@ -239,6 +327,8 @@ static void test_halved_steps(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_cuts, scene_folder_setup, scene_folder_teardown),
+        cmocka_unit_test_setup_teardown(test_asked, scene_folder_setup, scene_folder_teardown),
+        cmocka_unit_test_setup_teardown(test_filters, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test(test_batches),
         cmocka_unit_test(test_nothing_on),
         cmocka_unit_test(test_halved_steps),

@@ -114,6 +114,9 @@ static tides_readout slow(int32_t kind) {
     readout.tile_px = 8;
     readout.k0 = 2;
     readout.eta = readout.gamma_sigma_s = 0;
+    readout.row_s = 0.2e-6;
+    readout.event_s = 0.5e-6;
+    readout.frame_s = 5e-6;
     return readout;
 }
 
@@ -139,7 +142,7 @@ static void test_identity(void **state) {
 static void test_cuts(void **state) {
     (void)state;
     tides_event *events = make_events(EVENTS, 3);
-    for (int32_t kind = TIDES_READOUT_TILES; kind <= TIDES_READOUT_BOTTLENECK; kind++) {
+    for (int32_t kind = TIDES_READOUT_TILES; kind <= TIDES_READOUT_SCANNED; kind++) {
         tides_readout readout = slow(kind);
         tides_readout_stats stats;
         readout.p0 = 0.1;

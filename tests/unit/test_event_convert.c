@@ -2,6 +2,7 @@
 #include "test_events_common.h"
 
 #include "events/td_event_format.h"
+#include "tides/convert.h"
 
 static void path_of(char path[700], void **state, const char *name) { snprintf(path, 700, "%s", in_folder(*state, name)); }
 

@@ -82,6 +82,13 @@ static tides_status take_readout(const fixture *f, const void *options, tides_er
     tides_arbiter_destroy(made);
     return status;
 }
+static tides_status take_filters(const fixture *f, const void *options, tides_error *error) {
+    (void)f;
+    tides_filter *made = NULL;
+    tides_status status = tides_filter_create(options, 16, 16, 1, &made, error);
+    tides_filter_destroy(made);
+    return status;
+}
 static tides_status take_baseline(const fixture *f, const void *options, tides_error *error) {
     (void)f;
     tides_baseline *made = NULL;
@@ -221,6 +228,7 @@ typedef union given {
     tides_stepping stepping;
     tides_image_params image;
     tides_readout readout;
+    tides_filters filters;
     tides_baseline_params baseline;
     tides_metrics_options metrics;
     tides_voxel_options voxel;
@@ -243,6 +251,7 @@ FILL(sensor, tides_sensor_defaults)
 FILL(stepping, tides_stepping_defaults)
 FILL(image, tides_image_params_defaults)
 FILL(readout, tides_readout_defaults)
+FILL(filters, tides_filters_defaults)
 FILL(baseline, tides_baseline_params_defaults)
 FILL(metrics, tides_metrics_options_defaults)
 FILL(voxel, voxel_defaults)
@@ -271,6 +280,7 @@ static const struct row {
     {"tides_image_params", sizeof(tides_image_params), fill_image, take_image_alone, TIDES_OK},
     {"tides_readout", sizeof(tides_readout), fill_readout, take_readout, TIDES_OK},
     {"tides_readout", sizeof(tides_readout), fill_readout, take_readout_of_run, TIDES_OK},
+    {"tides_filters", sizeof(tides_filters), fill_filters, take_filters, TIDES_OK},
     {"tides_baseline_params", sizeof(tides_baseline_params), fill_baseline, take_baseline, TIDES_OK},
     {"tides_metrics_options", sizeof(tides_metrics_options), fill_metrics, take_metrics, TIDES_OK},
     {"tides_voxel_options", sizeof(tides_voxel_options), fill_voxel, take_voxel, TIDES_OK},

@@ -17,6 +17,7 @@
  * substep instead, and measured against integration S stays within half of TD_FRONTEND_TOLERANCE (property tests). */
 #include "td_substeps.h"
 #include "td_extremes.h"
+#include "td_light_step.h"
 #include "td_lowpass.h"
 #include "td_modes.h"
 
@@ -28,9 +29,6 @@ enum { SWEEPS = 8, TRIED_MAX = 1 << 14, NODES = 4, BETWEEN = 3 };
 
 /* Of the tolerance: what a sweep may still change when it is the last. The rest is for what the cubic misses. */
 static const double settled = 0.25;
-
-/* Of a substep: where so little no longer moves the time, one cut shorter would end where it begins. */
-static const double least_told = 0.1;
 
 static const double node[NODES + BETWEEN] = {0, 1.0 / 3, 2.0 / 3, 1, 1.0 / 6, 1.0 / 2, 5.0 / 6};
 
@@ -49,7 +47,7 @@ typedef struct attempt {
 } attempt;
 
 static double light_at(const attempt *at, double u) {
-    double Y = exp(fmin(td_model_value(&at->input, u), 60)) - at->log_eps; /* an HDR image ends far below e^60 */
+    double Y = exp(fmin(td_model_value(&at->input, u), TD_LIGHT_MOST)) - at->log_eps;
     return at->frontend->light * fmax(Y, 0) + at->frontend->dark;
 }
 
@@ -188,35 +186,30 @@ static double solve_frozen(const td_substeps *substeps, const td_model *substep,
     return error;
 }
 
-/* Where the light changes and Y isn't cut off at 0. */
+/* Where Y isn't cut off at 0. */
 static int can_map(const td_filter_input *source, const td_model *input) {
     double least = INFINITY, most = -INFINITY;
     for (int i = 0; i < 4; i++) {
         least = td_lesser(input->control[i], least);
         most = td_greater(input->control[i], most);
     }
-    return source->frontend->kind == TD_FRONTEND_INTENSITY && least >= source->dark_L && least < most && most < 60;
+    return source->frontend->kind == TD_FRONTEND_INTENSITY && least >= source->dark_L && most < TD_LIGHT_MOST;
 }
 
-/* The same substep in its own time: S within the error returned. */
+/* The same substep in its own time: S within the error returned. Where the light rests, that is the substep's. */
 static double solve_mapped(const td_substeps *substeps, const td_model *input, double to, td_time_map *map,
                            double state[TD_FRONTEND_STATE], td_response *response) {
     const td_filter_input *source = substeps->source;
     const td_frontend *f = source->frontend;
-    double rate_error, error = 0, lag = 0, S = substeps->state[0], place[3];
-    double rate = f->rate * source->h * (to - substeps->from);
-    rate *= td_time_map_make(map, input, source->log_eps, f->light, f->dark, &rate_error);
-    td_model mapped = td_time_map_model(map, input);
-    td_pole_respond(rate, S, &mapped, response);
-    state[0] = state[1] = state[3] = td_response_value(response, 1);
+    const td_light_law law = {source->log_eps, f->light, f->dark};
+    const double S = substeps->state[0], seconds = f->rate * source->h * (to - substeps->from);
+    const td_light_answer answer = td_light_step(input->control, S, seconds, law, map->term);
+    const td_model mapped = {{answer.mapped[0], answer.mapped[1], answer.mapped[2], answer.mapped[3]}};
+    td_pole_respond(answer.rate, S, &mapped, response);
+    map->on = !is_flat(input);
+    state[0] = state[1] = state[3] = answer.end;
     state[2] = 0;
-    td_time_map_quarters(map, place);
-    for (int i = 1; i < 4; i++) {
-        double L = td_model_value(input, 0.25 * i);
-        error = worse(error, fabs(td_model_value(&mapped, place[i - 1]) - L));
-        lag = worse(lag, fabs(L - S) + fabs(input->control[i] - input->control[0]));
-    }
-    return error + rate_error * lag;
+    return answer.error;
 }
 
 static double solve(const td_substeps *substeps, double to, td_time_map *map, double state[TD_FRONTEND_STATE],
@@ -243,19 +236,6 @@ void td_substeps_mark(const td_substeps *substeps, td_segment *segment) {
     for (int i = 0; i < TD_FRONTEND_STATE; i++) segment->state[i] = substeps->state[i];
 }
 
-/* Lengths of substeps, as step controllers of differential equations choose theirs (Hairer, Norsett, Wanner, Solving Ordinary
- * Differential Equations I, II.4): the length that the error's order gives, less a margin, so that the next try rarely fails;
- * and within limits of the one before, because an error that is far from the tolerance says little of its order. One that
- * failed becomes clearly shorter; one that was taken may grow soon where the light comes to rest. They decide how many substeps
- * are tried: up to TRIED_MAX, the one taken is within the tolerance whatever they are. */
-static const double margin = 0.8, failed_least = 0.05, failed_most = 0.6, taken_least = 0.5, taken_most = 4;
-
-/* The error of the cubic goes with the fourth power of the length. */
-static double better_length(double length, double tolerance, double error, double least, double most) {
-    double factor = margin * sqrt(sqrt(tolerance / error));
-    return length * (factor < most ? td_greater(factor, least) : most); /* NaN: most */
-}
-
 int td_substeps_next(td_substeps *substeps) {
     double tolerance = substeps->source->frontend->tolerance, state[TD_FRONTEND_STATE], error;
     if (!(substeps->to < 1)) return 0;
@@ -265,11 +245,11 @@ int td_substeps_next(td_substeps *substeps) {
         substeps->to = substeps->length < left ? substeps->from + substeps->length : 1;
         error = solve(substeps, substeps->to, &substeps->map, state, &substeps->response);
         if (++substeps->tried > TRIED_MAX || error <= tolerance) break;
-        if (!(substeps->from + least_told * substeps->length > substeps->from)) break;
-        substeps->length = better_length(substeps->to - substeps->from, tolerance, error, failed_least, failed_most);
+        if (!td_substep_is_told(substeps->from, substeps->length)) break;
+        substeps->length = td_substep_again(substeps->to - substeps->from, tolerance, error);
     }
     for (int i = 0; i < TD_FRONTEND_STATE; i++) substeps->state[i] = state[i];
-    substeps->length = better_length(substeps->to - substeps->from, tolerance, error, taken_least, taken_most);
+    substeps->length = td_substep_after(substeps->to - substeps->from, tolerance, error);
     if (substeps->tried > TRIED_MAX) substeps->length = 1;
     return 1;
 }

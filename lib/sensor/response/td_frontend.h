@@ -9,10 +9,10 @@
  *                             a1 = (tau_in + output_s + (gain + 1) tau_mil) / (A_loop + 1)
  *                           then the low-passes of source_follower_hz and difference_hz: the chain of wengflow's simulator
  *
- * What rounding leaves. The constant law: S to about 1e-15. Rates that go with the light: S within TD_FRONTEND_TOLERANCE of the
- * solution, whatever the steps (substeps.c). Where L comes from a float render it is wrong by about 1e-6, and so is S, for a
- * low-pass enlarges nothing (the circuit by its overshoot at most): a crossing is off by 1e-6 / |S_dot|, which is 100 ns at 10
- * / s. Errors of L that differ from step to step are averaged over a time constant. */
+ * What rounding leaves. The constant law: S to about 1e-15. Rates that go with the light: S within TD_FRONTEND_TOLERANCE of
+ * the solution, whatever the steps, and measured within a tenth of that (substeps.c). Where L comes from a float render it is
+ * wrong by about 1e-6, and so is S, for a low-pass enlarges nothing (the circuit by its overshoot at most): a crossing is off
+ * by 1e-6 / |S_dot|, which is 100 ns at 10 / s. Errors of L that differ from step to step are averaged over a time constant. */
 #ifndef TD_FRONTEND_H
 #define TD_FRONTEND_H
 
@@ -22,7 +22,7 @@
 #include <stddef.h>
 
 /* [log units] */
-#define TD_FRONTEND_TOLERANCE 1e-9
+#define TD_FRONTEND_TOLERANCE 1e-8
 
 enum { TD_FRONTEND_OFF = 0, TD_FRONTEND_CONSTANT = 1, TD_FRONTEND_INTENSITY = 2, TD_FRONTEND_CIRCUIT = 3 };
 
@@ -44,11 +44,11 @@ TIDES_MUST_CHECK tides_status td_frontend_make(const tides_sensor *sensor, td_fr
 /* A pixel that has rested at log-luminance L for ever: its state, and the signal S. */
 double td_frontend_rest(const td_frontend *frontend, double L, double log_eps, double state[TD_FRONTEND_STATE]);
 
-/* One step of h > 0 seconds with input `input` (log-luminance): `response` is the output S, `state` goes to the step's end, and
- * state[0] is td_response_value(response, 1). Cutting a step in two changes the output by rounding only where rates stand
- * still, and by TD_FRONTEND_TOLERANCE where they go with the light. An input that isn't finite leaves the state as it was and
- * makes the response NaN; a state that isn't finite starts afresh at rest at the input's begin. The response may refer to
- * `frontend`. */
+/* One step of h > 0 seconds with input `input` (log-luminance): `response` is the output S, `state` goes to the step's end,
+ * and state[0] is td_response_value(response, 1), where rates go with the light to 1e-13. Cutting a step in two changes the
+ * output by rounding only where rates stand still, and by TD_FRONTEND_TOLERANCE where they go with the light. An input that
+ * isn't finite leaves the state as it was and makes the response NaN; a state that isn't finite starts afresh at rest at the
+ * input's begin. The response may refer to `frontend`. */
 void td_frontend_step(const td_frontend *frontend, double h, const td_model *input, double log_eps,
                       double state[TD_FRONTEND_STATE], td_response *response);
 
@@ -58,5 +58,10 @@ void td_frontend_step(const td_frontend *frontend, double h, const td_model *inp
  * their response, from S[i]. Those of an input that isn't finite are NaN. */
 void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, const double *const control[4], const double *S,
                            double *after, double *low, double *high);
+
+/* The same of TD_FRONTEND_INTENSITY alone. Pixels whose step isn't solved in one piece have NaN as bounds, and nothing in
+ * `after` that is of use: they need td_frontend_step, too. */
+void td_frontend_step_light(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
+                            const double *S, double *after, double *low, double *high);
 
 #endif

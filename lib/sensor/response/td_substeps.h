@@ -4,7 +4,37 @@
 #define TD_SUBSTEPS_H
 
 #include "td_frontend.h"
+#include "td_extremes.h"
 #include "td_time_map.h"
+#include "td_wide.h"
+
+#include <math.h>
+
+/* -- lengths --------------------------------------------------------------------------------------------------------------- */
+
+/* As step controllers of differential equations choose theirs (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations
+ * I, II.4): the length that the error's order gives, less a margin, so that the next try rarely fails; and within limits of the
+ * one before, because an error that is far from the tolerance says little of its order. They decide how many substeps are
+ * tried: the one taken is within the tolerance whatever they are. The error of the cubic goes with the fourth power of the
+ * length. */
+TD_WITHIN double td_substep_length(double length, double tolerance, double error, double least, double most) {
+    const double factor = 0.8 * sqrt(sqrt(tolerance / error));
+    return length * (factor < most ? td_greater(factor, least) : most); /* NaN: most */
+}
+
+/* The next try after one that failed becomes clearly shorter; after one that was taken it may grow soon where the light comes
+ * to rest. */
+TD_WITHIN double td_substep_again(double length, double tolerance, double error) {
+    return td_substep_length(length, tolerance, error, 0.05, 0.6);
+}
+TD_WITHIN double td_substep_after(double length, double tolerance, double error) {
+    return td_substep_length(length, tolerance, error, 0.5, 4);
+}
+
+/* 0 where a tenth of the length no longer moves the time: one cut shorter would end where it begins. */
+TD_WITHIN int td_substep_is_told(double from, double length) { return from + 0.1 * length > from; }
+
+/* -- substeps -------------------------------------------------------------------------------------------------------------- */
 
 /* A walk along the substeps of one step. The same step always has the same substeps. */
 typedef struct td_substeps {

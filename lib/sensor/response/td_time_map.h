@@ -6,7 +6,7 @@
 
 #include "td_response.h"
 
-enum { TD_TIME_MAP_TERMS = 11 };
+enum { TD_TIME_MAP_TERMS = 8 };
 
 /* v = sum of term[k] x^k from 0 to 1, rising, where x = 2 u - 1 and u in [0, 1] is the substep's time. */
 typedef struct td_time_map {
@@ -14,14 +14,9 @@ typedef struct td_time_map {
     double term[TD_TIME_MAP_TERMS];
 } td_time_map;
 
-/* v for the rate light (e^L - log_eps) + dark, which mustn't be negative on the substep. Returns the rate's mean; `*error` gets
- * the largest relative error of the rate that v stands for. */
-double td_time_map_make(td_time_map *map, const td_model *L, double log_eps, double light, double dark, double *error);
-
-double td_time_map_place(const td_time_map *map, double u);     /* v at u */
-void td_time_map_quarters(const td_time_map *map, double v[3]); /* v at 1/4, 1/2 and 3/4 */
-double td_time_map_time(const td_time_map *map, double v);      /* u at v */
-double td_time_map_speed(const td_time_map *map, double u);     /* dv/du */
+double td_time_map_place(const td_time_map *map, double u); /* v at u */
+double td_time_map_time(const td_time_map *map, double v);  /* u at v */
+double td_time_map_speed(const td_time_map *map, double u); /* dv/du */
 
 /* A cubic of u as one of v: with the values and the slopes of both ends. */
 td_model td_time_map_model(const td_time_map *map, const td_model *model);

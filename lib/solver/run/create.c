@@ -236,6 +236,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
     s->sensor.start_ns += s->grid.epoch_ns;
     if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, intrinsics->height, error);
     if (status == TIDES_OK) status = td_solve_create(s, error);
+    if (status == TIDES_OK) status = td_sharing_create(&s->sharing, tides_device_threads(device), error);
     if (status != TIDES_OK) {
         tides_simulator_destroy(s);
         return status;
@@ -253,6 +254,7 @@ void tides_simulator_destroy(tides_simulator *simulator) {
     td_launch_release(&simulator->launch);
     td_grid_release(&simulator->grid);
     td_readout_release(&simulator->readout);
+    tides_filter_destroy(simulator->filters.filter);
     td_sensor_release(&simulator->sensor);
     td_surround_steps_release(&simulator->surround);
     for (int p = 0; p < TD_PLANES_ALL; p++) {

@@ -37,6 +37,7 @@ static tides_status attach(tides_simulator *s, const tides_readout *params, tide
     if (status != TIDES_OK) return status;
     tides_arbiter_start(readout->arbiter, s->grid.epoch_ns);
     readout->params = *params;
+    if (!td_arbiter_has_ticks(readout->arbiter)) return TIDES_OK; /* and it asks for no activity */
     tides_arbiter_tiles(readout->arbiter, &readout->across, &down);
     readout->psi = td_alloc((size_t)readout->across * (size_t)down, sizeof *readout->psi, error);
     readout->pixels = td_alloc((size_t)readout->across * (size_t)down, sizeof *readout->pixels, error);
@@ -59,6 +60,20 @@ tides_status tides_simulator_readout(tides_simulator *simulator, const tides_rea
     status = attach(simulator, &params, error);
     if (status != TIDES_OK) td_readout_release(&simulator->readout);
     return status;
+}
+
+tides_status tides_simulator_filters(tides_simulator *simulator, const tides_filters *given, tides_error *error) {
+    if (!simulator || !given)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_filters: simulator and filters must be given");
+    if (simulator->started || simulator->filters.filter)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_filters: the run has begun, or has filters already");
+    tides_filters params;
+    tides_filters_defaults(&params);
+    tides_status status = TD_TAKE_STRUCT(tides_filters, &params, given, error);
+    if (status != TIDES_OK || !tides_filters_any(&params)) return status;
+    simulator->filters.params = params;
+    return tides_filter_create(&params, simulator->layout.width, simulator->layout.height, simulator->sensor.sensor.seed,
+                               &simulator->filters.filter, error);
 }
 
 const int64_t *tides_simulator_fired(const tides_simulator *simulator) {
@@ -134,9 +149,11 @@ tides_status td_readout_step(tides_simulator *s, tides_error *error) {
     tides_status status = td_renew((void **)&s->packet.scratch, &s->packet.scratch_capacity, s->done.work.events.count,
                                    sizeof *s->packet.scratch, reason);
     if (status != TIDES_OK) return status;
-    measure_activity(s);
-    status = tides_arbiter_activity(readout->arbiter, readout->psi, reason);
-    if (status != TIDES_OK) return status;
+    if (readout->psi) {
+        measure_activity(s);
+        status = tides_arbiter_activity(readout->arbiter, readout->psi, reason);
+        if (status != TIDES_OK) return status;
+    }
     td_event_sort(s->done.work.events.events, s->packet.scratch, s->done.work.events.count);
     status = tides_arbiter_push(readout->arbiter, s->done.work.events.events, s->done.work.events.count, take, readout, reason);
     s->done.work.events.count = 0;

@@ -8,7 +8,7 @@
  *   compare    else each tile over each step: events of the model             td_settle -> td_compare_tile (tile_step.c)
  *   at rest    tiles in which nothing moves, where they may fire              td_solve_still, td_compare_still
  *   read out   the step's events through the arbiter, where there is one      td_readout_step (readout.c)
- *   emit       the events, sorted, to the sink as one packet                 emit
+ *   emit       the events, sorted, through filters to the sink as a packet   emit
  *
  * A default run's event so gets its time in three jumps from here: td_settle (settle.c) has the accepted steps solved by
  * td_solve_steps (solve.c, in lookup), which runs each pixel that may do something through td_solve_run (solve_run.c): its
@@ -73,8 +73,13 @@ static tides_status sort_from(tides_simulator *s, size_t first, tides_error *err
 static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
     const double begun = td_now();
     const int left = s->readout.arbiter != NULL; /* or from the pixels */
-    const tides_event *events = left ? s->readout.events : s->done.work.events.events;
-    const size_t count = left ? s->readout.count : s->done.work.events.count;
+    tides_event *events = left ? s->readout.events : s->done.work.events.events;
+    size_t count = left ? s->readout.count : s->done.work.events.count;
+    if (s->filters.filter) {
+        tides_status status =
+            tides_filter_apply(s->filters.filter, events, left ? s->readout.fired : NULL, count, &count, error);
+        if (status != TIDES_OK) return status;
+    }
     if (count > 0) s->packet.last = events[count - 1];
     const int stopped = sink && sink(user, events, count);
     s->stats.time_sink_s += td_now() - begun;

@@ -46,6 +46,11 @@ static const counted table[] = {
     COUNT("events_dropped", DERIVED, events_dropped),
     COUNT("events_overflowed", DERIVED, events_overflowed),
     COUNT("events_delayed", DERIVED, events_delayed),
+    COUNT("filtered.background", DERIVED, events_filtered[TIDES_STAGE_BACKGROUND]),
+    COUNT("filtered.activity", DERIVED, events_filtered[TIDES_STAGE_ACTIVITY]),
+    COUNT("filtered.afk", DERIVED, events_filtered[TIDES_STAGE_AFK]),
+    COUNT("filtered.trail", DERIVED, events_filtered[TIDES_STAGE_TRAIL]),
+    COUNT("filtered.erc", DERIVED, events_filtered[TIDES_STAGE_ERC]),
     REAL("worst_delay_s", "s", DERIVED, worst_delay_s),
     REAL("renders_full_frame_equivalent", "full frames", DERIVED, renders_full_frame_equivalent),
     ROW("tiles", "", WHOLE, DERIVED, render.tiles, IN_STATS),
@@ -197,6 +202,15 @@ static void derive_readout(const tides_simulator *s, tides_stats *stats) {
     stats->worst_delay_s = readout.worst_delay_s;
 }
 
+/* They count in what a checkpoint holds of them. */
+static void derive_filters(const tides_simulator *s, tides_stats *stats) {
+    tides_filter_stats filters;
+    if (!s->filters.filter) return;
+    tides_filter_stats_get(s->filters.filter, &filters);
+    memcpy(stats->events_filtered, filters.dropped, sizeof stats->events_filtered);
+    stats->events_written = filters.out;
+}
+
 void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats) {
     collect(simulator, stats);
     join(stats, &simulator->before);
@@ -204,6 +218,7 @@ void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats)
     stats->renders_full_frame_equivalent = (double)stats->render.blocks / TD_TILE_BLOCKS / stats->render.tiles;
     derive_times(simulator, stats);
     derive_readout(simulator, stats);
+    derive_filters(simulator, stats);
     stats->error_p50_s = td_timing_percentile(&simulator->done.timing, 0.50);
     stats->error_p95_s = td_timing_percentile(&simulator->done.timing, 0.95);
     stats->error_p99_s = td_timing_percentile(&simulator->done.timing, 0.99);

@@ -38,9 +38,7 @@ void td_ask_end(tides_simulator *s) {
 
 /* -- undoing --------------------------------------------------------------------------------------------------------------- */
 
-static size_t bytes_of(const td_state_row *row) {
-    return row->count * (row->type == TD_STATE_REAL ? sizeof(double) : sizeof(uint32_t));
-}
+static size_t bytes_of(const td_state_row *row) { return row->count * td_state_size(row->type); }
 
 /* The arrays as they stand: some take turns. */
 static td_state table_of(tides_simulator *s) {

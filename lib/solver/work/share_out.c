@@ -25,7 +25,7 @@ void td_sharing_release(td_sharing *sharing) {
     *sharing = (td_sharing){.pool = NULL};
 }
 
-/* -- what came of a portion -------------------------------------------------------------------------------------------------- */
+/* -- what came of a portion ------------------------------------------------------------------------------------------------ */
 
 /* Weights are 64ths of events, or stand for measured ones, which are added where nothing is shared out: their sums are exact,
  * in any order. */

@@ -301,3 +301,23 @@ def test_the_table_of_metrics():
     rows = {row.name: row for row in tides.metrics.table()}
     assert rows["chamfer_px"].family == "chamfer" and rows["chamfer_px"].unit == "px" and rows["chamfer_px"].better == "lower"
     assert rows["count_ratio"].better == "one" and rows["same_ts"].of_stream and not rows["matched"].of_stream
+
+
+def test_filters(tmp_path):
+    """Arrays and files go through the same filters; what a camera drops is told by filter."""
+    events = some_events(4000)
+    assert np.array_equal(tides.filter(events), events)
+    one = tides.Filter(tides.Filters(trail="trail", trail_s=0.001), *SIZE)
+    parts = np.concatenate([one(events[:1500]), one(events[1500:])])
+    passed = tides.filter(events, trail="trail", trail_s=0.001, size=SIZE)
+    assert 0 < len(passed) < len(events) and np.array_equal(parts, passed)
+    assert one.stats["in"] == len(events) and one.stats.dropped.trail == len(events) - len(passed)
+    tides.write_events(tmp_path / "all.h5", events, *SIZE)
+    filters = tides.Filters(trail="trail", trail_s=0.001)
+    report = tides.convert_events(tmp_path / "all.h5", tmp_path / "passed.h5", filters=filters)
+    assert report.written == len(passed) and report.filtered[3] == len(events) - len(passed)
+    assert np.array_equal(tides.read_events(tmp_path / "passed.h5"), passed)
+    with pytest.raises(ValueError, match="trail"):
+        tides.filter(events, trail="stc")
+    with pytest.raises(tides.TidesError, match="afk_start"):
+        tides.filter(events, afk="band_stop", afk_start=3)

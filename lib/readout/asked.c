@@ -1,0 +1,94 @@
+/* Readouts without ticks: rows that ask for the bus, and a sensor that is read as frames. Time is that of events alone: what is
+ * over before an event arrives is read then, so it doesn't matter how a stream is pushed. */
+#include "td_arbiter.h"
+#include "td_base.h"
+
+#include <string.h>
+
+/* What `count` events take on the bus [ns], rounded up. */
+static int64_t bus_time(const tides_arbiter *a, int64_t count) { return (count * a->event_ps + 999) / 1000; }
+
+/* Reads the first `count` events of a queue, the first of them at `first`, each `apart` [ps] after the one before. */
+static tides_status leave(tides_arbiter *a, int32_t queue, int32_t count, int64_t first, int64_t apart, tides_error *error) {
+    tides_status status = td_release_reserve(&a->out, (size_t)count, error);
+    if (status != TIDES_OK) return status;
+    tides_event *events = a->out.events + a->out.count;
+    int64_t *fired = a->out.fired + a->out.count;
+    td_queues_take(&a->queues, queue, count, events);
+    for (int32_t k = 0; k < count; k++) {
+        const int64_t t = apart ? first + (k + 1) * apart / 1000 : first;
+        const double delay = (double)(t - events[k].t) * 1e-9;
+        a->stats.delayed += t > events[k].t;
+        if (delay > a->stats.worst_delay_s) a->stats.worst_delay_s = delay;
+        fired[k] = events[k].t;
+        events[k].t = t;
+        if (a->jitters) td_arbiter_jitter(a, &events[k], fired[k]);
+    }
+    if (apart == 0 && !a->jitters) td_release_order(events, fired, count);
+    a->stats.ticks++;
+    a->stats.out += (uint64_t)count;
+    a->out.count += (size_t)count;
+    return TIDES_OK;
+}
+
+/* -- rows that ask ------------------------------------------------------------------------------------------------------- */
+
+/* All that waits has fired by the time at which the bus is given: what fires later arrives later. */
+static void grant(tides_arbiter *a) {
+    a->next_queue = td_queues_next(&a->queues, a->next_queue) + 1;
+    a->tick_end = a->tick + a->row_ns;
+}
+
+static tides_status read_row(tides_arbiter *a, tides_error *error) {
+    const int32_t row = a->next_queue - 1, count = a->queues.queues[row].length;
+    const int64_t latch = a->tick_end, apart = a->readout.stamp == TIDES_STAMP_ROW ? 0 : a->event_ps;
+    a->tick = latch + bus_time(a, count);
+    a->tick_end = TD_NO_LATCH;
+    return leave(a, row, count, latch, apart, error);
+}
+
+/* -- frames -------------------------------------------------------------------------------------------------------------- */
+
+static tides_status read_frame(tides_arbiter *a, tides_error *error) {
+    const int32_t count = a->queues.queues[0].length;
+    const int64_t begins = a->tick, lasts = bus_time(a, count);
+    a->tick += lasts > a->frame_ns ? lasts : a->frame_ns;
+    memset(a->held, 0, ((size_t)a->width * (size_t)a->height + 63) / 64 * sizeof *a->held);
+    return leave(a, 0, count, begins, 0, error);
+}
+
+/* The first frame that isn't before `t`. */
+static void skip_frames(tides_arbiter *a, int64_t t) {
+    if (a->tick == INT64_MIN) a->tick = t / a->frame_ns * a->frame_ns - (t < 0 ? a->frame_ns : 0);
+    if (a->tick < t) a->tick += (t - a->tick + a->frame_ns - 1) / a->frame_ns * a->frame_ns;
+}
+
+/* -- both ---------------------------------------------------------------------------------------------------------------- */
+
+tides_status td_asked_until(tides_arbiter *a, int64_t t, tides_error *error) {
+    tides_status status = TIDES_OK;
+    while (a->queues.waiting > 0 && status == TIDES_OK) {
+        const int latched = a->tick_end != TD_NO_LATCH;
+        if (t <= (latched ? a->tick_end : a->tick)) break;
+        if (a->readout.kind == TIDES_READOUT_SCANNED)
+            status = read_frame(a, error);
+        else if (latched)
+            status = read_row(a, error);
+        else
+            grant(a);
+    }
+    return status;
+}
+
+tides_status td_asked_append(tides_arbiter *a, const tides_event *event, int *full, tides_error *error) {
+    const int scanned = a->readout.kind == TIDES_READOUT_SCANNED;
+    if (a->queues.waiting == 0 && scanned) skip_frames(a, event->t);
+    if (a->queues.waiting == 0 && !scanned && a->tick < event->t) a->tick = event->t;
+    *full = scanned && td_arbiter_hold(a, event);
+    return *full ? TIDES_OK : td_queues_append(&a->queues, scanned ? 0 : event->y, event, full, error);
+}
+
+int64_t td_asked_certain(const tides_arbiter *a) {
+    if (a->queues.waiting == 0) return a->tick > a->last_t ? a->tick : a->last_t;
+    return a->tick_end != TD_NO_LATCH ? a->tick_end : a->tick;
+}

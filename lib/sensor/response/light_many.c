@@ -1,0 +1,145 @@
+/* The low-pass whose rate goes with the light over the pixels of a tile, in loops that compilers vectorise.
+ *
+ * Each pixel walks along its own substeps, by the same operations and the same lengths as in substeps.c, so that it ends the
+ * step where td_frontend_step has it end, to the bit. All that are still on their way go one substep further at a time; those
+ * that have arrived make room. A pixel whose light is cut off at 0, or which would take very many substeps, is left to
+ * td_frontend_step. */
+#include "td_frontend.h"
+#include "td_light_step.h"
+#include "td_substeps.h"
+#include "td_wide.h"
+
+#include <float.h>
+#include <math.h>
+
+enum { TOGETHER = 64, ROUNDS = 256 }; /* pixels; substeps tried of each */
+
+/* What rounding makes of S, which is an average of what it was and what comes in. */
+static const double rounding = 64 * DBL_EPSILON;
+
+/* Pixels under way: the first so many of the arrays. */
+typedef struct walk {
+    double b[4][TOGETHER]; /* the step's input */
+    double S[TOGETHER], from[TOGETHER], length[TOGETHER];
+    double low[TOGETHER], high[TOGETHER];   /* of S in the substeps that are behind */
+    double going[TOGETHER], lost[TOGETHER]; /* 1 or 0 */
+    int pixel[TOGETHER];
+    int count;
+} walk;
+
+/* What the pixels share. */
+typedef struct shared {
+    td_light_law law;
+    double dark_L, seconds, tolerance;
+} shared;
+
+TD_WITHIN double choose(double yes, double a, double b) { return yes > 0 ? a : b; }
+
+/* One substep of each tried. A pixel that is lost stays where it was. Bounds: S(s) - S(0) is 1 - e^(-rate s) times an
+ * average of L less S(0), and that factor is at most the rate. S below all of L rises, and where it ends below it, too, it
+ * has never met it. */
+TD_WIDE static void go_on(const shared *by, walk *at) {
+    const td_light_law law = by->law;
+    const double dark_L = by->dark_L, seconds = by->seconds, tolerance = by->tolerance;
+    for (int i = 0; i < at->count; i++) {
+        const double whole[4] = {at->b[0][i], at->b[1][i], at->b[2][i], at->b[3][i]};
+        const double from = at->from[i], length = at->length[i], S = at->S[i], left = 1 - from;
+        const double to = length < left ? from + length : 1;
+        const double b[4] = {td_model_blossom(whole, from, from, from), td_model_blossom(whole, from, from, to),
+                             td_model_blossom(whole, from, to, to), td_model_blossom(whole, to, to, to)};
+        double term[TD_TIME_MAP_TERMS];
+        const td_light_answer answer = td_light_step(b, S, seconds * (to - from), law, term);
+        const double least = td_lesser(td_lesser(b[0], b[1]), td_lesser(b[2], b[3]));
+        const double most = td_greater(td_greater(b[0], b[1]), td_greater(b[2], b[3]));
+        const double taken = answer.error <= tolerance ? 1.0 : 0.0;
+        const double next = choose(taken, td_substep_after(to - from, tolerance, answer.error),
+                                   td_substep_again(to - from, tolerance, answer.error));
+        double fine = least >= dark_L ? 1.0 : 0.0;
+        fine = most < TD_LIGHT_MOST ? fine : 0.0;
+        fine = td_substep_is_told(from, length) ? fine : taken * fine;
+        at->lost[i] = 1.0 - fine;
+        at->S[i] = choose(taken, answer.end, S);
+        at->from[i] = choose(taken, to, from);
+        const double share = td_lesser(answer.rate, 1), end = answer.end;
+        double low = S + share * td_lesser(least - S, 0), high = S + share * td_greater(most - S, 0);
+        const double top = end < least ? end : high, bottom = end > most ? end : low;
+        high = S < least ? td_greater(top, S) : high;
+        low = S > most ? td_lesser(bottom, S) : low;
+        at->low[i] = choose(taken, td_lesser(low, at->low[i]), at->low[i]);
+        at->high[i] = choose(taken, td_greater(high, at->high[i]), at->high[i]);
+        at->length[i] = next;
+        at->going[i] = at->from[i] < 1 ? fine : 0.0;
+    }
+}
+
+static void move(walk *at, int from, int to) {
+    for (int k = 0; k < 4; k++) at->b[k][to] = at->b[k][from];
+    at->S[to] = at->S[from];
+    at->from[to] = at->from[from];
+    at->length[to] = at->length[from];
+    at->low[to] = at->low[from];
+    at->high[to] = at->high[from];
+    at->pixel[to] = at->pixel[from];
+}
+
+/* What the pixels of the step end in. */
+typedef struct ends {
+    double *after, *low, *high;
+} ends;
+
+static void arrive(const shared *by, const walk *at, int i, const double *S, const ends *to) {
+    const int pixel = at->pixel[i];
+    const double size = fabs(at->low[i]) + fabs(at->high[i]) + fabs(S[pixel]), margin = by->tolerance + rounding * size;
+    const double solved = at->lost[i] > 0 || at->going[i] > 0 ? NAN : 0;
+    to->after[pixel] = at->S[i];
+    to->low[pixel] = at->low[i] - margin + solved;
+    to->high[pixel] = at->high[i] + margin + solved;
+}
+
+/* Those that aren't under way any more give their places to the others. */
+static void take_out(const shared *by, walk *at, const double *S, int all, const ends *to) {
+    int kept = 0;
+    for (int i = 0; i < at->count; i++) {
+        if (at->going[i] > 0 && !all)
+            move(at, i, kept++);
+        else
+            arrive(by, at, i, S, to);
+    }
+    at->count = kept;
+}
+
+static int is_finite(const double b[4], double S) {
+    return (b[0] - b[0]) + (b[1] - b[1]) + (b[2] - b[2]) + (b[3] - b[3]) + (S - S) == 0;
+}
+
+static void set_out(walk *at, size_t count, const double *const control[4], const double *S, const ends *to) {
+    at->count = 0;
+    for (size_t i = 0; i < count; i++) {
+        const double b[4] = {control[0][i], control[1][i], control[2][i], control[3][i]};
+        to->after[i] = S[i];
+        to->low[i] = to->high[i] = NAN;
+        if (!is_finite(b, S[i])) continue;
+        const int k = at->count++;
+        for (int c = 0; c < 4; c++) at->b[c][k] = b[c];
+        at->S[k] = S[i];
+        at->low[k] = at->high[k] = S[i];
+        at->from[k] = 0;
+        at->length[k] = 1;
+        at->pixel[k] = (int)i;
+    }
+}
+
+void td_frontend_step_light(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
+                            const double *S, double *after, double *low, double *high) {
+    const shared by = {{log_eps, frontend->light, frontend->dark}, log(log_eps), frontend->rate * h, frontend->tolerance};
+    for (size_t done = 0; done < count; done += TOGETHER) {
+        const double *const part[4] = {control[0] + done, control[1] + done, control[2] + done, control[3] + done};
+        const ends to = {after + done, low + done, high + done};
+        walk at;
+        set_out(&at, count - done < TOGETHER ? count - done : TOGETHER, part, S + done, &to);
+        for (int round = 1; at.count > 0; round++) {
+            go_on(&by, &at);
+            take_out(&by, &at, S + done, round == ROUNDS, &to);
+        }
+    }
+}
