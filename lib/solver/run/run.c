@@ -268,7 +268,7 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
     if (!td_grid_reaches(&simulator->grid, 0, simulator->epoch, until))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: until %s s is before the start, %s s", TD_SHORT(until),
                        TD_SHORT(simulator->epoch));
-    double begun = td_now();
+    const double begun = td_now(), own = td_own_time();
     tides_status status = TIDES_OK;
     const int64_t last = last_point(simulator, until);
     if (last > simulator->step) status = check_told(simulator, last, error);
@@ -279,5 +279,6 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
     if (status == TIDES_OK) status = advance_to(simulator, last, sink, sink_user, error);
     td_ask_end(simulator);
     simulator->stats.run_time_s += td_now() - begun;
+    simulator->stats.time_alone_s += td_own_time() - own;
     return status;
 }

@@ -96,6 +96,7 @@ static const counted table[] = {
     REAL("time_s.look_up", "s", SUM, time_look_up_s),
     REAL("time_s.sink", "s", SUM, time_sink_s),
     REAL("time_s.other", "s", DERIVED, time_other_s),
+    REAL("time_alone_s", "s", SUM, time_alone_s),
 };
 
 enum { ROWS = sizeof table / sizeof table[0] };
