@@ -25,7 +25,7 @@ enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_GO = -1, CLI_DESCRIBED = -
 /* What every command takes. */
 typedef struct cli_common {
     int32_t quiet, verbose, json, help;
-    const char *device; /* NULL: not given */
+    const char *device;  /* NULL: not given */
     const char *threads; /* likewise; cli_parse has put it into the environment */
 } cli_common;
 

@@ -139,7 +139,7 @@ void td_fixed_adapt(tides_simulator *simulator, const tides_render_stats *before
 /* Renders the ends of the next `count` steps, which are swept; then takes step `k` of them into a sample, tiles at rest staying
  * as they are now. */
 tides_status td_fixed_render(tides_simulator *simulator, int count, tides_error *error);
-void td_fixed_take(tides_simulator *simulator, int k, td_sample *sample);
+tides_status td_fixed_take(tides_simulator *simulator, int k, const td_sample *sample, tides_error *error);
 
 /* TIDES_SLOPE_DIFFERENCE: replaces the slopes at the end of the step of h seconds that is about to be compared, and at the
  * run's start. */

@@ -94,8 +94,8 @@ static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, 
 static tides_status compare_fixed(tides_simulator *s, int k, tides_error *error) {
     const double begun = td_now();
     const size_t first = s->done.work.events.count;
-    td_fixed_take(s, k, &s->next);
-    tides_status status = compare_tiles(s, error);
+    tides_status status = td_fixed_take(s, k, &s->next, error);
+    if (status == TIDES_OK) status = compare_tiles(s, error);
     if (status == TIDES_OK) status = sort_from(s, first, error);
     if (status == TIDES_OK) {
         td_turn_samples(s);

@@ -29,9 +29,9 @@ void td_sharing_release(td_sharing *sharing) {
 
 /* Weights are 64ths of events, or stand for measured ones, which are added where nothing is shared out: their sums are exact,
  * in any order. */
-static void join_timing(td_timing *to, const td_timing *timing) {
+static void join_timing(td_timing *to, td_timing *timing) {
     for (int k = 0; k < TD_TIMING_BINS; k++) to->weight[k] += timing->weight[k];
-    to->uncertain += timing->uncertain;
+    memset(timing->weight, 0, sizeof timing->weight);
 }
 
 static void join_steps(td_step_counts *to, const td_step_counts *steps) {
@@ -43,10 +43,11 @@ static void join_steps(td_step_counts *to, const td_step_counts *steps) {
     to->worst_deviation = td_greater(to->worst_deviation, steps->worst_deviation);
 }
 
-static tides_status join(tides_simulator *s, const td_portion *portion, tides_error *error) {
+static tides_status join(tides_simulator *s, td_portion *portion, tides_error *error) {
     td_portion *done = &s->done;
     tides_status status = td_work_join(&done->work, &portion->work, error);
-    join_timing(&done->timing, &portion->timing);
+    if (portion->work.events.count > 0) join_timing(&done->timing, &portion->timing); /* else nothing was added */
+    done->timing.uncertain += portion->timing.uncertain;
     join_steps(&done->steps, &portion->steps);
     return status == TIDES_OK ? td_solve_join(s, &portion->solve, error) : status;
 }
@@ -66,7 +67,10 @@ static int begin_of(const shared *all, int portion) { return (int)((int64_t)all-
 static void clear(const tides_simulator *s, td_portion *portion) {
     const td_timing *known = &s->done.timing;
     td_work_clear(&portion->work);
-    portion->timing = (td_timing){.rounding = known->rounding, .epsilon = known->epsilon, .size = known->size};
+    portion->timing.rounding = known->rounding;
+    portion->timing.epsilon = known->epsilon;
+    portion->timing.size = known->size;
+    portion->timing.uncertain = 0;
     portion->steps = (td_step_counts){.steps = 0};
     td_solve_portion_clear(&portion->solve);
 }
@@ -94,7 +98,7 @@ tides_status td_share_out(tides_simulator *s, int count, int fewest, td_portion_
     td_pool_run(sharing->pool, all.portions, work_on, &all);
     s->stats.time_alone_s -= td_own_time() - own;
     for (int k = 0; k < all.portions && status == TIDES_OK; k++) {
-        const td_portion *portion = &sharing->portion[k];
+        td_portion *portion = &sharing->portion[k];
         status = join(s, portion, error);
         if (status != TIDES_OK || portion->status == TIDES_OK) continue;
         if (error) *error = portion->error;
