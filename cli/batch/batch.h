@@ -32,6 +32,7 @@ typedef struct batch_run {
     int32_t state;   /* BATCH_* */
     int32_t earlier; /* finished before this batch began */
     pid_t child;     /* while running */
+    int words;       /* and what it says before it has a log can be read from here */
     double began;    /* as cli_now */
     char *error;     /* one line, where it failed */
 } batch_run;

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* Commands that take a run file and make one thing of it, and what a run's folder calls that. */
 static const struct {
@@ -83,13 +84,23 @@ static tides_status clear(const batch_run *run, const char *name, const char *en
     return status;
 }
 
+/* 1: DIR/NAME/dataset.part has events of a dataset that was stopped, which goes on from those that are its own. */
+static int32_t keeps_events(const batch_run *run) {
+    char *path = batch_text("%s/%s.part/.events", run->directory, dataset);
+    const int32_t kept = run->layouts && path && access(path, R_OK) == 0;
+    free(path);
+    return kept;
+}
+
 /* The checkpoint goes before the events that it fits. */
 tides_status batch_clear(const batch_run *run, tides_error *error) {
     static const char *const endings[] = {".checkpoint", ".checkpoint.part", "", ".part", ".part.tail"};
+    const int32_t kept = keeps_events(run);
     tides_status status = clear(run, "stats.json", "", error);
     for (size_t k = 0; k < KINDS + 2; k++)
         for (size_t e = 0; e < sizeof endings / sizeof endings[0] && status == TIDES_OK; e++)
-            status = clear(run, k < KINDS ? kinds[k].output : k == KINDS ? dataset : events, endings[e], error);
+            if (!(kept && k == KINDS && strcmp(endings[e], ".part") == 0))
+                status = clear(run, k < KINDS ? kinds[k].output : k == KINDS ? dataset : events, endings[e], error);
     return status;
 }
 

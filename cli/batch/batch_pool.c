@@ -3,6 +3,7 @@
 #include "batch.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -83,11 +84,16 @@ static void share_processors(const pool *p) {
 
 static tides_status start(pool *p, batch_run *run, tides_error *error) {
     const pid_t parent = getpid();
+    int ends[2];
     fflush(NULL);
     run->began = cli_now();
-    run->child = fork();
+    run->child = pipe(ends) == 0 ? fork() : -1;
     if (run->child < 0)
         return cli_error(error, TIDES_NO_MEMORY, "no process can be started: %s; try fewer --jobs", strerror(errno));
+    run->words = ends[0];
+    fcntl(ends[0], F_SETFL, O_NONBLOCK);
+    if (run->child == 0) dup2(ends[1], STDERR_FILENO);
+    close(ends[1]);
     if (run->child > 0) {
         run->state = BATCH_RUNNING;
         p->running++;
@@ -110,6 +116,16 @@ static int32_t has_no_room(const batch *b) {
     return statvfs(b->directory, &disk) == 0 && (double)disk.f_bavail * (double)disk.f_frsize < LEAST;
 }
 
+/* What a child that ended had said before it had a log, or in it last. */
+static char *words_of(const batch_run *run) {
+    char words[1024];
+    const ssize_t length = read(run->words, words, sizeof words - 1);
+    if (length <= 0) return batch_last_words(run);
+    words[length] = '\0';
+    words[strcspn(words, "\n")] = '\0';
+    return batch_text("%s", strncmp(words, "tides: ", 7) == 0 ? words + 7 : words);
+}
+
 /* A child that ended. */
 static tides_status reap(pool *p, batch_run *run, int how, tides_error *error) {
     p->running--;
@@ -124,7 +140,7 @@ static tides_status reap(pool *p, batch_run *run, int how, tides_error *error) {
         run->state = BATCH_FAILED;
         run->error = WIFSIGNALED(how) ? batch_text("killed by signal %d%s", WTERMSIG(how),
                                                    WTERMSIG(how) == SIGKILL ? ", as for too much memory; try fewer --jobs" : "")
-                                      : batch_last_words(run);
+                                      : words_of(run);
         if (!run->error) return batch_no_memory(error);
         p->full = p->full || strstr(run->error, strerror(ENOSPC)) != NULL || has_no_room(p->b);
         if (!WIFEXITED(how) || WEXITSTATUS(how) != BATCH_BUSY) batch_leave_failure(run);
@@ -139,7 +155,9 @@ static tides_status reap_ended(pool *p, tides_error *error) {
     for (size_t i = 0; status == TIDES_OK && i < p->b->count; i++) {
         batch_run *run = &p->b->runs[i];
         int how = 0;
-        if (run->state == BATCH_RUNNING && waitpid(run->child, &how, WNOHANG) == run->child) status = reap(p, run, how, error);
+        if (run->state != BATCH_RUNNING || waitpid(run->child, &how, WNOHANG) != run->child) continue;
+        status = reap(p, run, how, error);
+        close(run->words);
     }
     return status;
 }

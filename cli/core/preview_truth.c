@@ -13,8 +13,9 @@ static void flow_panel(const cli_frame *frame, uint8_t *rgb, char label[LABEL_SI
     const double *u = frame->truth[TIDES_TRUTH_FLOW_U], *v = frame->truth[TIDES_TRUTH_FLOW_V];
     double fastest = 0;
     for (size_t i = 0; i < pixels_of(frame); i++) fastest = fmax(fastest, hypot(u[i], v[i]));
-    snprintf(label, LABEL_SIZE, "flow, up to %.3g px/s", fastest);
+    snprintf(label, LABEL_SIZE, "flow, up to %.4g px/s", fastest);
     tides_picture_flow(u, v, frame->width, frame->height, fastest, rgb);
+    tides_picture_flow_key(rgb, frame->width, frame->height);
 }
 
 static void depth_panel(const cli_frame *frame, uint8_t *rgb, char label[LABEL_SIZE]) {
@@ -24,6 +25,7 @@ static void depth_panel(const cli_frame *frame, uint8_t *rgb, char label[LABEL_S
         if (depth[i] > 0) near = fmin(near, depth[i]), far = fmax(far, depth[i]);
     snprintf(label, LABEL_SIZE, "depth, %.3g to %.3g %s", fmin(near, far), far, frame->depth_unit);
     tides_picture_depth(depth, frame->width, frame->height, near, far, rgb);
+    tides_picture_depth_key(rgb, frame->width, frame->height);
 }
 
 static void instance_panel(const cli_frame *frame, uint8_t *rgb, char label[LABEL_SIZE]) {
@@ -48,10 +50,11 @@ static void displacement_panel(const cli_frame *frame, uint8_t *rgb, char label[
     for (size_t i = 0; i < pixels_of(frame); i++)
         if (isfinite(u[i]) && isfinite(v[i])) farthest = fmax(farthest, hypot(u[i], v[i]));
     if (isnan(frame->displacement_to)) /* a file says no more */
-        snprintf(label, LABEL_SIZE, "displacement, up to %.3g px", farthest);
+        snprintf(label, LABEL_SIZE, "displacement, up to %.4g px", farthest);
     else
-        snprintf(label, LABEL_SIZE, "to %.4g s: up to %.3g px", frame->displacement_to, farthest);
+        snprintf(label, LABEL_SIZE, "to %.4g s: up to %.4g px", frame->displacement_to, farthest);
     tides_picture_flow(u, v, frame->width, frame->height, farthest, rgb);
+    tides_picture_flow_key(rgb, frame->width, frame->height);
 }
 
 /* One for each of these planes that there is. */

@@ -81,6 +81,11 @@ TIDES_API void tides_picture_signed(const double *values, int32_t width, int32_t
 TIDES_API void tides_picture_flow(const double *u, const double *v, int32_t width, int32_t height, double limit, uint8_t *rgb);
 TIDES_API void tides_picture_depth(const double *depth, int32_t width, int32_t height, double near, double far, uint8_t *rgb);
 TIDES_API void tides_picture_labels(const double *labels, int32_t width, int32_t height, uint8_t *rgb);
+
+/* What colours mean, drawn into the lower right corner of a picture that is large enough (64 px both ways): flow's wheel,
+ * white at rest and full at the limit; depth's ramp, the nearest at its left end. */
+TIDES_API void tides_picture_flow_key(uint8_t *rgb, int32_t width, int32_t height);
+TIDES_API void tides_picture_depth_key(uint8_t *rgb, int32_t width, int32_t height);
 TIDES_API void tides_picture_events(const tides_event *events, size_t count, const double *base, int32_t width, int32_t height,
                                     uint8_t *rgb);
 

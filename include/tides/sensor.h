@@ -81,6 +81,16 @@ typedef struct tides_sensor {
     uint64_t seed;                  /* of all that is random here */
     int32_t labels;                 /* 1: events get tides_event_frontend */
     int32_t reserved;
+    /* The readout of frames on the same chip (DAVIS): each read of a row adds `kick` to the signal of its pixels, which decays.
+     * Frame k = 0, 1, ..., at kick_first_s + k / kick_rate_hz, reads row y kick_reads_s (of reset, of signal) + y kick_row_s
+     * later; reads before the run aren't. Behind all filters. Not with a pole that goes with the light, nor the circuit; a step
+     * is at most 16 recoveries long. */
+    double kick;            /* [log units], of either sign; 0: off */
+    double kick_recovery_s; /* its time constant [s] */
+    double kick_rate_hz;    /* frames per second [Hz] */
+    double kick_first_s;    /* the first frame [s], on the run's clock */
+    double kick_row_s;      /* from row to row [s] */
+    double kick_reads_s[2]; /* the same twice: one read [s] */
 } tides_sensor;
 TIDES_API void tides_sensor_defaults(tides_sensor *sensor);
 

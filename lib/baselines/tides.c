@@ -33,10 +33,12 @@ static tides_status check(const tides_baseline *b, tides_error *error) {
     /* What the sensor itself checks when it is made, at the first frame. */
     td_frontend frontend;
     td_additive_noise noise;
+    td_kick kick;
     tides_status status = td_sensor_check_levels(sensor, TIDES_MODEL_SECANT, error);
     if (status == TIDES_OK) status = td_sensor_check(sensor, error);
     if (status == TIDES_OK) status = td_frontend_make(sensor, &frontend, error);
-    return status == TIDES_OK ? td_additive_noise_make(sensor, &noise, error) : status;
+    if (status == TIDES_OK) status = td_additive_noise_make(sensor, &noise, error);
+    return status == TIDES_OK ? td_kick_make(sensor, 0, &kick, error) : status;
 }
 
 static tides_status create(tides_baseline *b, tides_error *error) {

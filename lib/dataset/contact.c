@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PICTURE, EVENTS, FLOW, DEPTH, INSTANCE, PANELS, GAP = 4, LABEL = 14 };
+enum { PICTURE, EVENTS, FLOW, DEPTH, INSTANCE, PANELS, GAP = 4, LABEL = 14, LETTER = 6 };
 static const char *const labels[PANELS] = {"picture", "events", "flow", "depth", "instance"};
 
 /* [us] before and after the middle, of the events that are drawn. */
@@ -52,13 +52,14 @@ static tides_status begin(td_writer *w, tides_error *error) {
 }
 
 /* A camera's panel in its place, with what it is above. */
-static void place(td_writer *w, int panel, const uint8_t *rgb) {
+static void place(td_writer *w, int panel, const uint8_t *rgb, const char *scale) {
     static const uint8_t light[3] = {230, 230, 230};
     contact *c = w->kept;
     const tides_intrinsics *k = &w->camera->facts.intrinsics;
     const int32_t left = GAP + panel * (c->cell_width + GAP), top = c->row * (c->cell_height + GAP + LABEL) + LABEL;
     char text[80];
-    snprintf(text, sizeof text, "%s %s", panel == 0 ? w->camera->name : "", labels[panel]);
+    snprintf(text, sizeof text, "%s %s%s", panel == 0 ? w->camera->name : "", labels[panel], scale);
+    if (c->cell_width / LETTER + 1 < (int32_t)sizeof text) text[c->cell_width / LETTER + 1] = '\0'; /* the next one's place */
     tides_picture_text(c->rgb, c->width, c->height, left, top - LABEL + 3, 1, light, text + (panel != 0));
     for (int32_t y = 0; y < k->height; y++)
         memcpy(c->rgb + 3 * ((size_t)(top + y) * (size_t)c->width + (size_t)left), rgb + 3 * (size_t)y * (size_t)k->width,
@@ -81,8 +82,25 @@ static tides_status events(td_writer *w, const tides_event *list, size_t count, 
 
 static tides_status picture(td_writer *w, const td_picture *p, tides_error *error) {
     (void)error;
-    if (p->index == middle(w->set->pictures)) place(w, PICTURE, p->rgb);
+    if (p->index == middle(w->set->pictures)) place(w, PICTURE, p->rgb, "");
     return TIDES_OK;
+}
+
+static double fastest(const td_truth *t, size_t pixels) {
+    double most = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        const double speed = hypot(t->flow_u[i], t->flow_v[i]);
+        if (isfinite(speed)) most = fmax(most, speed);
+    }
+    return most;
+}
+
+/* Of what is there. */
+static void find_depths(const td_truth *t, size_t pixels, double *near, double *far) {
+    *near = INFINITY;
+    *far = 0;
+    for (size_t i = 0; i < pixels; i++)
+        if (t->depth[i] > 0 && isfinite(t->depth[i])) *near = fmin(*near, t->depth[i]), *far = fmax(*far, t->depth[i]);
 }
 
 static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
@@ -90,12 +108,21 @@ static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
     contact *c = w->kept;
     if (t->index != middle(w->set->truths)) return TIDES_OK;
     const int32_t width = w->camera->facts.intrinsics.width, height = w->camera->facts.intrinsics.height;
-    tides_picture_flow(t->flow_u, t->flow_v, width, height, 0, c->panel);
-    place(w, FLOW, c->panel);
-    tides_picture_depth(t->depth, width, height, 0, 0, c->panel);
-    place(w, DEPTH, c->panel);
+    const double most = fastest(t, (size_t)width * (size_t)height);
+    char scale[48];
+    double near, far;
+    find_depths(t, (size_t)width * (size_t)height, &near, &far);
+    tides_picture_flow(t->flow_u, t->flow_v, width, height, most, c->panel);
+    tides_picture_flow_key(c->panel, width, height);
+    snprintf(scale, sizeof scale, ", up to %.4g px/s", most);
+    place(w, FLOW, c->panel, scale);
+    tides_picture_depth(t->depth, width, height, near, far, c->panel);
+    tides_picture_depth_key(c->panel, width, height);
+    const double unit = w->set->metres > 0 ? w->set->metres : 1;
+    snprintf(scale, sizeof scale, ", %.3g to %.3g %s", unit * fmin(near, far), unit * far, w->set->metres > 0 ? "m" : "units");
+    place(w, DEPTH, c->panel, scale);
     tides_picture_labels(t->instance, width, height, c->panel);
-    place(w, INSTANCE, c->panel);
+    place(w, INSTANCE, c->panel, "");
     return TIDES_OK;
 }
 
@@ -105,7 +132,7 @@ static tides_status end(td_writer *w, tides_error *error) {
     if (w->camera->event < 0) return TIDES_OK;
     tides_picture_events(c->events, c->count, NULL, w->camera->facts.intrinsics.width, w->camera->facts.intrinsics.height,
                          c->panel);
-    place(w, EVENTS, c->panel);
+    place(w, EVENTS, c->panel, ", 20 ms");
     return TIDES_OK;
 }
 

@@ -3,6 +3,7 @@
 #include "signal/td_step.h"
 #include "td_dataset.h"
 #include "td_folder.h"
+#include "td_kept.h"
 #include "tides/inputs.h"
 
 #include <errno.h>
@@ -29,6 +30,7 @@ typedef struct job {
     int32_t unseeing;    /* cameras that saw nothing */
     char *folder, *part; /* without a slash at their ends */
     int began;           /* `part` is there, and ours */
+    td_kept kept;        /* in it, as long as it isn't whole */
     tides_progress progress;
     void *user;
     double from, width; /* what of the whole the stage that reports is */
@@ -132,7 +134,7 @@ static tides_status add_writer(job *j, const td_layout *layout, char *root, tide
     tides_status status = layout->check ? layout->check(&j->set, error) : TIDES_OK;
     if (status == TIDES_OK && layout->rectified) status = td_rectify(&j->set, error);
     if (status == TIDES_OK && !j->began) {
-        status = td_make_new_folder(j->part, error);
+        status = td_kept_open(&j->kept, j->part, error);
         j->began = status == TIDES_OK;
     }
     return status == TIDES_OK ? td_make_folders(root, error) : status;
@@ -192,9 +194,9 @@ static int take_events(void *user, const tides_event *events, size_t count) {
 
 static void simulate(job *j, const td_member *camera) {
     tides_error own = {TIDES_OK, ""};
-    tides_stats stats;
-    const tides_status status = tides_session_run(camera->session, take_events, j, step, j, &stats, &own);
-    j->unseeing += status == TIDES_OK && stats.render.pairs_evaluated == 0;
+    int32_t unseeing = 0;
+    const tides_status status = td_kept_events(&j->kept, camera, step, j, take_events, j, &unseeing, &own);
+    j->unseeing += status == TIDES_OK && unseeing;
     if (status == TIDES_OK || j->status != TIDES_OK)
         return; /* a layout's own failure says more than that the run was stopped */
     j->status = status;
@@ -246,8 +248,19 @@ static void give_camera(job *j, const td_member *camera, size_t index) {
 static void make(job *j) {
     for (size_t i = 0; i < j->set.count && j->status == TIDES_OK; i++) give_camera(j, &j->set.cameras[i], i);
     EACH(j, w) if (w->layout->complete) j->status = w->layout->complete(w, j->error);
+    if (j->status == TIDES_OK) td_kept_close(&j->kept, 0);
     if (j->status == TIDES_OK && rename(j->part, j->folder) != 0)
         j->status = td_fail(j->error, TIDES_WRITE_FAILED, "%s: can't be put in place: %s", j->folder, strerror(errno));
+}
+
+/* A dataset that was stopped, or had no room, keeps its events for another try; any other failure would only come again. */
+static void leave(job *j) {
+    const int stays = (j->status == TIDES_CANCELLED || j->status == TIDES_WRITE_FAILED) && td_kept_any(&j->kept);
+    td_kept_close(&j->kept, stays);
+    if (!stays) td_remove_folder(j->part);
+    if (stays && j->status == TIDES_CANCELLED)
+        (void)td_fail(j->error, TIDES_CANCELLED, "stopped on request; %s keeps the events so far, and the same command goes on",
+                      j->part);
 }
 
 static void end(job *j) {
@@ -257,7 +270,7 @@ static void end(job *j) {
         free(w->folder);
         free(w->root);
     }
-    if (j->began && j->status != TIDES_OK) td_remove_folder(j->part);
+    if (j->began && j->status != TIDES_OK) leave(j);
     for (size_t i = 0; i < j->set.count; i++) td_rectify_release(&j->set.cameras[i]);
     for (size_t i = 0; i < j->set.count; i++)
         if (j->set.cameras[i].owned) tides_session_close(j->set.cameras[i].session);

@@ -62,3 +62,46 @@ void tides_picture_labels(const double *labels, int32_t width, int32_t height, u
             td_colour_wheel(0.6 + golden * floor(labels[i]), 0.7, 0.95, rgb + 3 * i);
     }
 }
+
+/* -- keys ------------------------------------------------------------------------------------------------------------------ */
+
+/* Of a picture's shorter side: how large a key is, and how far from the borders. */
+enum { KEY_LEAST = 64, KEY_SHARE = 6, KEY_MARGIN = 3 };
+
+static int32_t key_size(int32_t width, int32_t height) {
+    const int32_t side = width < height ? width : height;
+    return side < KEY_LEAST ? 0 : side / KEY_SHARE;
+}
+
+static uint8_t *pixel_at(uint8_t *rgb, int32_t width, int32_t x, int32_t y) {
+    return rgb + 3 * ((size_t)y * (size_t)width + (size_t)x);
+}
+
+void tides_picture_flow_key(uint8_t *rgb, int32_t width, int32_t height) {
+    static const double turn = 6.28318530717958647693;
+    const int32_t size = key_size(width, height), left = width - size - KEY_MARGIN, top = height - size - KEY_MARGIN;
+    const double radius = 0.5 * size;
+    for (int32_t y = 0; y < size; y++) {
+        for (int32_t x = 0; x < size; x++) {
+            const double u = x + 0.5 - radius, v = y + 0.5 - radius, far = hypot(u, v) / radius;
+            uint8_t *const to = pixel_at(rgb, width, left + x, top + y);
+            if (far < 1) td_colour_wheel(atan2(v, u) / turn, far, 1, to);
+            if (far < 1 && far > 1 - 1.5 / radius) memcpy(to, nothing, 3);
+        }
+    }
+}
+
+void tides_picture_depth_key(uint8_t *rgb, int32_t width, int32_t height) {
+    const int32_t size = key_size(width, height), across = 2 * size, down = size / 4;
+    const int32_t left = width - across - KEY_MARGIN, top = height - down - KEY_MARGIN;
+    for (int32_t y = 0; y < down; y++) {
+        for (int32_t x = 0; x < across; x++) {
+            uint8_t *const to = pixel_at(rgb, width, left + x, top + y);
+            const int edge = x == 0 || y == 0 || x == across - 1 || y == down - 1;
+            if (edge)
+                memset(to, 255, 3);
+            else
+                td_colour_ramp(1 - (double)x / (across - 1), to);
+        }
+    }
+}

@@ -15,7 +15,7 @@
 
 enum { BLOCK = TD_IDEAL_BLOCK };
 
-/* A block's additive noise in the step: where its segments end, and the levels less its bounds. */
+/* A block's additive noise and kicks in the step: where the noise's segments end, and the levels less the bounds of both. */
 typedef struct noise_block {
     double segment[BLOCK], value[BLOCK], on[BLOCK], off[BLOCK];
 } noise_block;
@@ -197,6 +197,31 @@ static int can_reject(const td_sensor *sensor) {
 
 /* -- blocks ---------------------------------------------------------------------------------------------------------------- */
 
+static void sweep_noise(const tile_job *job, size_t at, size_t count, double *low, double *high) {
+    const td_sensor *sensor = job->pixel.sensor;
+    noise_block *noise = job->noise;
+    memcpy(noise->segment, sensor->noise_segment + at, count * sizeof *noise->segment);
+    memcpy(noise->value, sensor->noise_value + at, count * sizeof *noise->value);
+    const td_noise_sweep sweep = {noise->segment, noise->value, low, high};
+    td_additive_noise_sweep(&sensor->additive, job->pixel.start, job->pixel.step->length_ns, sensor->number + at, count,
+                            &sweep);
+    for (size_t k = 0; k < count; k++) {
+        low[k] -= sensor->additive.reach;
+        high[k] += sensor->additive.reach;
+    }
+}
+
+static void add_kicks(const tile_job *job, size_t first, size_t count, double *low, double *high) {
+    const double start = job->pixel.start, stop = start + job->pixel.step->length_ns;
+    double least = 0, most = 0;
+    for (size_t k = 0; k < count; k++) {
+        const int32_t y = row(job, first + k);
+        if (k == 0 || y != row(job, first + k - 1)) td_kick_bounds(&job->pixel.sensor->kick, y, start, stop, &least, &most);
+        low[k] += least;
+        high[k] += most;
+    }
+}
+
 /* The block's levels. `slack` is for rounding, so that none is passed over that a segment would take to a level. */
 static void take_levels(tile_job *job, size_t first, size_t count) {
     const td_sensor *sensor = job->pixel.sensor;
@@ -208,15 +233,10 @@ static void take_levels(tile_job *job, size_t first, size_t count) {
     job->on = sensor->threshold_on + at;
     job->off = sensor->threshold_off + at;
     if (!noise) return;
-    double low[BLOCK], high[BLOCK];
-    memcpy(noise->segment, sensor->noise_segment + at, count * sizeof *noise->segment);
-    memcpy(noise->value, sensor->noise_value + at, count * sizeof *noise->value);
-    const td_noise_sweep sweep = {noise->segment, noise->value, low, high};
-    td_additive_noise_sweep(&sensor->additive, job->pixel.start, job->pixel.step->length_ns, sensor->number + at, count,
-                            &sweep);
+    double low[BLOCK] = {0}, high[BLOCK] = {0};
+    if (sensor->additive.on) sweep_noise(job, at, count, low, high);
+    if (sensor->kick.on) add_kicks(job, first, count, low, high);
     for (size_t k = 0; k < count; k++) {
-        low[k] -= sensor->additive.reach;
-        high[k] += sensor->additive.reach;
         double size = fabs(reference[k]) + leak[k] * stop + job->on[k] + job->off[k] + fabs(low[k]) + fabs(high[k]);
         double slack = 64 * DBL_EPSILON * size;
         noise->on[k] = job->on[k] - high[k] - slack;
@@ -229,7 +249,7 @@ static void take_levels(tile_job *job, size_t first, size_t count) {
 /* A pixel that needs nothing is at the step's end. */
 static void pass_over(const tile_job *job, size_t j) {
     td_sensor *sensor = job->pixel.sensor;
-    if (!job->noise) return;
+    if (!job->noise || !sensor->additive.on) return;
     sensor->noise_segment[job->first + j] = job->noise->segment[j - job->begun];
     sensor->noise_value[job->first + j] = job->noise->value[j - job->begun];
 }
@@ -345,9 +365,13 @@ tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_til
                     .first = first,
                     .signals = seen->signals,
                     .coverage = &seen->coverage};
+    if (sensor->kick.on && step->length_ns > TD_KICK_STEP_MAX * sensor->kick.recovery_ns)
+        return td_fail(error, TIDES_UNSUPPORTED,
+                       "sensor: kick_recovery_s is %g, too short for a step of %g s: at least a %gth of it",
+                       1e-9 * sensor->kick.recovery_ns, step->length_s, TD_KICK_STEP_MAX);
     job.pixel.start = td_sensor_time(sensor, step->start_ns, step->start_fraction);
     job.stop = (double)(step->stop_ns - sensor->start_ns) + 2; /* floored, and less one where another step follows */
-    job.noise = sensor->additive.on ? &noise : NULL;
+    job.noise = sensor->additive.on || sensor->kick.on ? &noise : NULL;
     for (size_t done = 0; done < pixels; done += BLOCK) {
         const size_t count = pixels - done < BLOCK ? pixels - done : BLOCK;
         tides_status status = sensor->on ? step_block(&job, done, count) : step_ideal_block(&job, done, count);

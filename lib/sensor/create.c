@@ -88,8 +88,8 @@ static void draw_pixel(td_sensor *sensor, size_t i, uint32_t pixel) {
     td_shot_noise_begin(&sensor->noise, s, i, pixel);
     for (int k = 0; k < TD_NOISES && dead; k++)
         if (sensor->noise.due[k]) sensor->noise.due[k][i] = INFINITY;
+    if (sensor->number) sensor->number[i] = pixel;
     if (sensor->additive.on) {
-        sensor->number[i] = pixel;
         sensor->noise_segment[i] = 0;
         sensor->noise_value[i] = td_additive_noise_first(&sensor->additive, pixel);
     }
@@ -131,8 +131,11 @@ static tides_status allocate_blocks(td_sensor *sensor, tides_error *error) {
     if (sensor->additive.on) {
         sensor->noise_segment = td_alloc(sensor->count, sizeof *sensor->noise_segment, error);
         sensor->noise_value = td_alloc(sensor->count, sizeof *sensor->noise_value, error);
+        if (!sensor->noise_segment || !sensor->noise_value) return TIDES_NO_MEMORY;
+    }
+    if (sensor->additive.on || sensor->kick.on) {
         sensor->number = td_alloc(sensor->count, sizeof *sensor->number, error);
-        if (!sensor->noise_segment || !sensor->noise_value || !sensor->number) return TIDES_NO_MEMORY;
+        if (!sensor->number) return TIDES_NO_MEMORY;
     }
     int states = !sensor->frontend.on ? 0 : sensor->frontend.kind == TD_FRONTEND_CONSTANT ? 1 : TD_FRONTEND_STATE;
     for (int k = 0; k < states; k++)
@@ -157,11 +160,16 @@ tides_status td_sensor_create(const tides_sensor *given, int32_t model, double l
     sensor->refractory_ns = 1e9 * params->refractory_s;
     status = td_frontend_make(params, &sensor->frontend, error);
     if (status == TIDES_OK) status = td_additive_noise_make(params, &sensor->additive, error);
+    if (status == TIDES_OK) status = td_kick_make(params, start, &sensor->kick, error);
+    if (status == TIDES_OK && sensor->kick.on && sensor->frontend.kind > TD_FRONTEND_CONSTANT)
+        status =
+            td_fail(error, TIDES_UNSUPPORTED,
+                    "sensor: kick isn't available with the circuit or a pole that goes with the light; leave one of them off");
     if (status != TIDES_OK) return status;
-    sensor->active_at_rest = sensor->frontend.on || sensor->additive.on || params->leak_rate_hz > 0 ||
+    sensor->active_at_rest = sensor->frontend.on || sensor->additive.on || sensor->kick.on || params->leak_rate_hz > 0 ||
                              params->refractory_s > 0 || makes_noise(params);
     int surround = params->surround_lambda_px > 0;
-    sensor->labels = params->labels && (sensor->frontend.on || sensor->additive.on || surround);
+    sensor->labels = params->labels && (sensor->frontend.on || sensor->additive.on || sensor->kick.on || surround);
     sensor->on =
         sensor->active_at_rest || sensor->masks || surround || params->threshold_sigma > 0 || params->dead_pixel_fraction > 0;
     td_step first; /* how the simulator's steps split that time */

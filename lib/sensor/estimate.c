@@ -200,7 +200,7 @@ static int may_fire(td_sensor *sensor, size_t i, int cuts, double low, double hi
 
 static td_estimate estimate_blocks(td_sensor *sensor, const td_estimated *step, size_t first, int cuts, double time) {
     td_estimate worst = {0, 0, 0, 0, 0};
-    double swing = sensor->additive.on ? noise_swing * sensor->additive.sigma : 0;
+    double swing = (sensor->additive.on ? noise_swing * sensor->additive.sigma : 0) + (sensor->kick.on ? sensor->kick.most : 0);
     double nominal = td_sensor_least_threshold(&sensor->sensor);
     for (int32_t k = 0; k < step->count; k++) {
         size_t i = first + (size_t)k;

@@ -20,9 +20,12 @@ typedef struct walk {
     int cut;         /* there were more */
     double s;
     td_noise_segment segment; /* of the additive noise, where there is one: it holds where the walk stands, */
-    double segment_until;     /* and ends here */
-    double low, high;         /* bounds of the pixel's response without noise */
-    td_response noisy;        /* room for the response with some of it */
+    double segment_until;     /* and ends here, or where the row is read next */
+    double noise_until, kick_until;
+    double kick, kick_rate, kick_ns; /* the row's kicks are kick e^(-kick_rate s) here; when the next read is */
+    double low, high;                /* bounds of the pixel's response without noise */
+    td_response noisy;               /* room for the response with some of it */
+    td_response kicked;              /* the response with the kicks, as they are here */
 } walk;
 
 static double time_at(const walk *w, double s) { return w->job->start + s * w->job->step->length_ns; }
@@ -33,42 +36,87 @@ static double *held_until(const walk *w) { return &w->job->sensor->held_until[w-
 
 static double *since(const walk *w) { return &w->job->sensor->since[w->pixel->i]; }
 
+/* -- kicks ----------------------------------------------------------------------------------------------------------------- */
+
+/* The decaying part is a mode of the response behind its own. */
+static void put_kick(walk *w) {
+    w->kicked.mode[w->pixel->response.modes].cosine = w->kick;
+    if (w->job->sensor->additive.on) w->noisy = w->kicked;
+}
+
+static void begin_kicks(walk *w) {
+    const td_kick *kick = &w->job->sensor->kick;
+    double low, high;
+    w->kick_until = 2;
+    if (!kick->on) return;
+    w->kick_rate = w->job->step->length_ns / kick->recovery_ns;
+    w->kick = td_kick_at(kick, w->pixel->y, w->job->start);
+    w->kick_ns = td_kick_next(kick, w->pixel->y, w->job->start);
+    w->kick_until = place_of(w, w->kick_ns);
+    w->kicked = w->pixel->response;
+    w->kicked.mode[w->kicked.modes++] = (td_mode){.rate = w->kick_rate};
+    put_kick(w);
+    td_kick_bounds(kick, w->pixel->y, w->job->start, w->job->start + w->job->step->length_ns, &low, &high);
+    w->low += low;
+    w->high += high;
+}
+
+/* The row's reads up to s have been; a read at the step's end is the next one's. */
+static void seek_kick(walk *w, double s) {
+    const td_kick *kick = &w->job->sensor->kick;
+    while (w->kick_until <= s && w->kick_until < 1) {
+        w->kick += kick->size * exp(w->kick_rate * w->kick_until);
+        w->kick_ns = td_kick_next(kick, w->pixel->y, nextafter(w->kick_ns, INFINITY));
+        w->kick_until = place_of(w, w->kick_ns);
+        put_kick(w);
+    }
+}
+
+static double kick_at(const walk *w, double s) { return w->job->sensor->kick.on ? w->kick * exp(-w->kick_rate * s) : 0; }
+
 /* -- additive noise -------------------------------------------------------------------------------------------------------- */
 
 /* On to the segment that begins at s, or holds it. */
 static void seek_segment(walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
-    if (!sensor->additive.on) return;
-    while (w->segment_until <= s && w->segment_until < 1) {
+    if (w->segment_until > s) return;
+    while (sensor->additive.on && w->noise_until <= s && w->noise_until < 1) {
         td_additive_noise_next(&sensor->additive, sensor->number[w->pixel->i], &w->segment);
-        w->segment_until = place_of(w, w->segment.to_ns);
+        w->noise_until = place_of(w, w->segment.to_ns);
     }
+    if (sensor->kick.on) seek_kick(w, s);
+    w->segment_until = fmin(w->noise_until, w->kick_until);
 }
 
 static void begin_segments(walk *w) {
     const td_sensor *sensor = w->job->sensor;
     size_t i = w->pixel->i;
-    w->segment_until = 2;
-    if (!sensor->additive.on) return;
+    w->segment_until = w->noise_until = w->kick_until = 2;
+    if (!sensor->additive.on && !sensor->kick.on) return;
     w->noisy = w->pixel->response;
     td_response_range(&w->pixel->response, &w->low, &w->high);
-    w->segment = td_additive_noise_resume(&sensor->additive, sensor->number[i], (uint64_t)sensor->noise_segment[i],
-                                          sensor->noise_value[i]);
-    w->segment_until = place_of(w, w->segment.to_ns);
+    begin_kicks(w);
+    if (sensor->additive.on) {
+        w->segment = td_additive_noise_resume(&sensor->additive, sensor->number[i], (uint64_t)sensor->noise_segment[i],
+                                              sensor->noise_value[i]);
+        w->noise_until = place_of(w, w->segment.to_ns);
+    }
+    w->segment_until = fmin(w->noise_until, w->kick_until);
     seek_segment(w, 0);
 }
 
-/* The noise at s, which the segment at hand holds; 0 without. */
+/* The noise and the kicks at s, which the segment at hand holds; 0 without. */
 static double noise_at(const walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
-    if (!sensor->additive.on) return 0;
-    return td_noise_value(&sensor->additive, sensor->number[w->pixel->i], &w->segment, time_at(w, s));
+    const double kick = kick_at(w, s);
+    if (!sensor->additive.on) return kick;
+    return kick + td_noise_value(&sensor->additive, sensor->number[w->pixel->i], &w->segment, time_at(w, s));
 }
 
 /* The first crossing on [from, until], which ends no later than the segment at hand. */
 static int cross(walk *w, double from, double until, double *at) {
     const td_sensor *sensor = w->job->sensor;
-    const td_response *response = &w->pixel->response;
+    const td_response *response = sensor->kick.on ? &w->kicked : &w->pixel->response;
     *at = from;
     if (!sensor->additive.on) return td_response_crossing(response, w->reference, w->on, w->off, from, until, at);
     const double least = fmin(w->segment.begin, w->segment.end) - sensor->additive.reach;

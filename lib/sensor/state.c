@@ -6,12 +6,15 @@
 #include <math.h>
 
 double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time) {
-    if (!sensor->additive.on) return 0;
-    uint32_t number = sensor->number[pixel];
+    if (!sensor->number) return 0;
+    const uint32_t number = sensor->number[pixel];
+    const double kick =
+        sensor->kick.on ? td_kick_at(&sensor->kick, (int32_t)(number / (uint32_t)sensor->image_width), time) : 0;
+    if (!sensor->additive.on) return kick;
     td_noise_segment segment =
         td_additive_noise_resume(&sensor->additive, number, (uint64_t)sensor->noise_segment[pixel], sensor->noise_value[pixel]);
     td_additive_noise_seek(&sensor->additive, number, time, &segment);
-    return td_noise_value(&sensor->additive, number, &segment, time);
+    return kick + td_noise_value(&sensor->additive, number, &segment, time);
 }
 
 double td_sensor_signal(const td_sensor *sensor, size_t pixel, double L, double time) {

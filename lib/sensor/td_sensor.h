@@ -27,6 +27,7 @@
 #include "signal/td_signals.h"
 #include "signal/td_step.h"
 #include "sensor/noise/td_additive_noise.h"
+#include "sensor/noise/td_kick.h"
 #include "sensor/response/td_frontend.h"
 #include "sensor/noise/td_shot_noise.h"
 #include "td_state.h"
@@ -103,6 +104,7 @@ typedef struct td_sensor {
     double *filter[TD_FRONTEND_STATE]; /* the filters' state, where there are any; the first is S at the time reached */
     td_shot_noise noise;
     td_additive_noise additive;
+    td_kick kick;
     double *noise_segment, *noise_value; /* with it: number and begin [log units] of the segment that the time reached is on, */
     uint32_t *number;                    /* and the pixel's in the image */
     td_carried carry[TD_CARRIED_MAX];    /* the list of what is carried, */
@@ -171,8 +173,8 @@ TIDES_MUST_CHECK tides_status td_sensor_step(td_sensor *sensor, const td_step *s
 /* -- one pixel at a time --------------------------------------------------------------------------------------------------- */
 
 /* For the solver, which looks the signal up where events are, and compares those pixels again (lib/solver/lookup/solve.c).
- * Where optics, filters, a surround or additive noise stand between signal and comparator, what is done where isn't seen in
- * the signal: whether none of them is on, of parameters that are checked by it. */
+ * Where optics, filters, a surround, additive noise or kicks stand between signal and comparator, what is done where isn't
+ * seen in the signal: whether none of them is on, of parameters that are checked by it. */
 TIDES_MUST_CHECK tides_status td_sensor_shows_signal(const tides_sensor *params, int *shows, tides_error *error);
 
 /* Where a pixel's reference changed in a step. */
@@ -278,7 +280,7 @@ static inline double td_reference_of(double on, double off, double initial, uint
     return td_reference_at(on, off, initial, count_on, count_off);
 }
 
-/* The additive noise at a time [ns since the run's start] that isn't before the time reached; 0 without. */
+/* The additive noise and the kicks at a time [ns since the run's start] that isn't before the time reached; 0 without. */
 double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time);
 
 /* After the state of pixels was put there from outside: what follows from it. */

@@ -1452,6 +1452,16 @@ class tides_sensor(Structure):
     uint64_t seed; /* of all that is random here */
     int32_t labels; /* 1: events get tides_event_frontend */
     int32_t reserved;
+    /* The readout of frames on the same chip (DAVIS): each read of a row adds `kick` to the signal of its pixels, which decays.
+    * Frame k = 0, 1, ..., at kick_first_s + k / kick_rate_hz, reads row y kick_reads_s (of reset, of signal) + y kick_row_s
+    * later; reads before the run aren't. Behind all filters. Not with a pole that goes with the light, nor the circuit; a step
+    * is at most 16 recoveries long. */
+    double kick; /* [log units], of either sign; 0: off */
+    double kick_recovery_s; /* its time constant [s] */
+    double kick_rate_hz; /* frames per second [Hz] */
+    double kick_first_s; /* the first frame [s], on the run's clock */
+    double kick_row_s; /* from row to row [s] */
+    double kick_reads_s[2]; /* the same twice: one read [s] */
     """
 
     size: int
@@ -1482,6 +1492,12 @@ class tides_sensor(Structure):
     seed: int
     labels: int
     reserved: int
+    kick: float
+    kick_recovery_s: float
+    kick_rate_hz: float
+    kick_first_s: float
+    kick_row_s: float
+    kick_reads_s: Any
 
     _fields_ = [
         ("size", c_uint32),
@@ -1512,6 +1528,12 @@ class tides_sensor(Structure):
         ("seed", c_uint64),
         ("labels", c_int32),
         ("reserved", c_int32),
+        ("kick", c_double),
+        ("kick_recovery_s", c_double),
+        ("kick_rate_hz", c_double),
+        ("kick_first_s", c_double),
+        ("kick_row_s", c_double),
+        ("kick_reads_s", c_double * 2),
     ]
 
 
@@ -3905,6 +3927,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_picture_depth": (None, [
         P(c_double), c_int32, c_int32, c_double, c_double, P(c_uint8)
     ], "depth width height near far rgb"),
+    # void tides_picture_depth_key(uint8_t *rgb, int32_t width, int32_t height)
+    "tides_picture_depth_key": (None, [P(c_uint8), c_int32, c_int32], "rgb width height"),
     # void tides_picture_events(const tides_event *events, size_t count, const double *base, int32_t width, int32_t
     # height, uint8_t *rgb)
     "tides_picture_events": (None, [
@@ -3915,6 +3939,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_picture_flow": (None, [
         P(c_double), P(c_double), c_int32, c_int32, c_double, P(c_uint8)
     ], "u v width height limit rgb"),
+    # void tides_picture_flow_key(uint8_t *rgb, int32_t width, int32_t height)
+    "tides_picture_flow_key": (None, [P(c_uint8), c_int32, c_int32], "rgb width height"),
     # void tides_picture_grey(const double *values, int32_t width, int32_t height, double white, uint8_t *rgb)
     "tides_picture_grey": (None, [
         P(c_double), c_int32, c_int32, c_double, P(c_uint8)

@@ -125,7 +125,7 @@ class Baseline(Handle):
             return _collected("tides_baseline_push", self._pointer, time, pointer(plane, c_double))
 
     def finish(self) -> np.ndarray:
-        """The events that were still held back."""
+        """The events that were still held back, EVENT (n)."""
         with self._lock:
             return _collected("tides_baseline_finish", self._pointer)
 
@@ -137,7 +137,7 @@ class Baseline(Handle):
         frames_per_second: float = 0.0,
         progress: Progress = None,
     ) -> np.ndarray:
-        """All events of a sequence, or of a renderer at `frames_per_second` [Hz], in [start, stop] s; `stats` has the rest."""
+        """All events, EVENT (n), of a sequence, or of a renderer at `frames_per_second` [Hz], in [start, stop] s; `stats` has the rest."""
         supply, stats, collector = _api.tides_frame_supply(), _api.tides_stats(), _Collector()
         supply.frames_per_second, supply.start, supply.stop = frames_per_second, start, stop
         if isinstance(frames, Renderer):

@@ -67,7 +67,7 @@ def make_events(t: Any, x: Any, y: Any, p: Any) -> np.ndarray:
 
 
 def as_events(events: Any) -> np.ndarray:
-    """`events` itself where it is a contiguous array of EVENT; else a copy of its fields t [ns], x, y, p."""
+    """`events` itself where it is a contiguous array of EVENT (n); else a copy of its fields t [ns], x, y, p."""
     array = np.asarray(events)
     if array.dtype == EVENT and array.ndim == 1:
         return np.ascontiguousarray(array)
@@ -77,7 +77,7 @@ def as_events(events: Any) -> np.ndarray:
 
 
 def to_tonic(events: Any) -> np.ndarray:
-    """A copy as TONIC: t floored to microseconds, p 1 for ON and 0 for OFF."""
+    """A copy as TONIC (n): t floored to microseconds, p 1 for ON and 0 for OFF."""
     events = as_events(events)
     made = np.empty(len(events), TONIC)
     made["x"], made["y"] = events["x"], events["y"]
@@ -172,7 +172,7 @@ class EventReader(Handle):
         return told
 
     def read(self, capacity: int) -> np.ndarray:
-        """The next events, at most `capacity`; none at the end."""
+        """The next EVENT (n), n at most `capacity`; 0 at the end."""
         events, got = np.empty(capacity, EVENT), c_size_t()
         with self._lock:
             call("tides_event_reader_read", self._pointer, _records(events), capacity, byref(got))

@@ -38,7 +38,7 @@ class Exposure(Value, _api.tides_exposure):
         return start.value, stop.value
 
     def times(self, height: int, start: float, stop: float) -> np.ndarray:
-        """Times [s], each the middle of an exposure, of all frames that lie within [start, stop] with all their rows."""
+        """Times (n) [s], each the middle of an exposure, of all frames that lie within [start, stop] with all their rows."""
         count = lib.tides_exposure_count(self, height, start, stop)
         return np.array([lib.tides_exposure_time(self, height, start, index) for index in range(count)])
 

@@ -22,12 +22,13 @@ class GenerateOptions(Value, _api.tides_generate_options):
 
 @dataclass(frozen=True)
 class World:
-    """What was made."""
+    """What was made: scene, camera; background, linear (r, g, b), for ImageParams; duration_s [s], how long motions and the path
+    last, from 0."""
 
     scene: Scene
     camera: Camera
-    background: tuple[float, float, float]  #: linear r, g, b, for ImageParams
-    duration_s: float  #: [s] how long motions and the path last, from 0
+    background: tuple[float, float, float]
+    duration_s: float
 
 
 def generators() -> list[Facts]:

@@ -57,7 +57,7 @@ class Arbiter(Handle):
         return self._collect("tides_arbiter_push", _records(events), len(events))
 
     def finish(self) -> tuple[np.ndarray, np.ndarray]:
-        """All that still waited, as `push`."""
+        """All that still waited, EVENT (n), as `push` gives it."""
         return self._collect("tides_arbiter_finish")
 
     @property

@@ -118,18 +118,20 @@ class Gaussians:
 
 @dataclass(frozen=True)
 class SceneObject:
-    """One object of a scene, copied."""
+    """One object of a scene, copied: name; source, the file it came from, or ""; gaussians; trajectory (None: at rest) and scale;
+    motion, the model by which its Gaussians move (None: they don't), motion_range of the motion's own clock, duration_s [s] of
+    that; moving, Gaussians that move by themselves; knots, times at which their rates may jump."""
 
     name: str
-    source: str  #: file it came from, or ""
+    source: str
     gaussians: Gaussians
-    trajectory: Trajectory | None  #: None: at rest
+    trajectory: Trajectory | None
     scale: float
-    motion: str | None  #: the model by which its Gaussians move; None: they don't
-    motion_range: tuple[float, float] | None  #: of the motion's own clock
-    duration_s: float  #: [s] how long the motion lasts
-    moving: int  #: Gaussians that move by themselves
-    knots: int  #: times at which their rates may jump
+    motion: str | None
+    motion_range: tuple[float, float] | None
+    duration_s: float
+    moving: int
+    knots: int
 
 
 class Scene(Handle):

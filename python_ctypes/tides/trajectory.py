@@ -39,12 +39,13 @@ class Imu(Value, _api.tides_imu):
 
 @dataclass(frozen=True)
 class Pose:
-    """Pose and rate at one time: p_world = rotation p_body + position."""
+    """Pose and rate at one time: p_world = rotation p_body + position. rotation (3 x 3), position (3) [scene units], rotation_dot
+    (3 x 3) [1/s], position_dot (3) [scene units/s]."""
 
-    rotation: np.ndarray  #: (3 x 3)
-    position: np.ndarray  #: (3) [scene units]
-    rotation_dot: np.ndarray  #: (3 x 3) [1/s]
-    position_dot: np.ndarray  #: (3) [scene units/s]
+    rotation: np.ndarray
+    position: np.ndarray
+    rotation_dot: np.ndarray
+    position_dot: np.ndarray
 
 
 class Trajectory(Handle):
@@ -212,7 +213,7 @@ class Trajectory(Handle):
         return Pose(rotation, np.array(pose.position), rotation_dot, np.array(pose.position_dot))
 
     def acceleration(self, time: float) -> np.ndarray:
-        """Acceleration of the body's origin at `time` [scene units/s^2], in world axes. Unsupported where the path is C1."""
+        """Acceleration (3) of the body's origin at `time` [scene units/s^2], in world axes. Unsupported where the path is C1."""
         made = (c_double * 3)()
         call("tides_trajectory_acceleration", self._pointer, time, made)
         return np.array(made)

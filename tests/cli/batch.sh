@@ -268,6 +268,13 @@ done
 look summary.json x.png
 refuse 1 "summary.json is a name that the batch's own files have" tides batch look.json -o look.d
 
+# What a run says before it has a log is its reason.
+mkdir -p unlogged.d/a/log.txt
+printf '{ "base": "run.json", "runs": [ { "name": "a" } ] }' >unlogged.json
+expect 1 tides batch unlogged.json -o unlogged.d
+err "a failed: unlogged.d/a/log.txt: can't be written: Is a directory"
+grep -q "log.txt: can't be written" unlogged.d/a/failure.json unlogged.d/summary.json || fail "the reason should be kept"
+
 # On a full disk no further run starts, and a summary that isn't there isn't announced.
 printf '{ "base": "run.json", "runs": [ { "name": "a" }, { "name": "b" }, { "name": "c" } ] }' >three.json
 ${CC:-cc} -O1 -shared -fPIC -o full.so "$here/full_disk.c" || skip "a compiler is wanted"

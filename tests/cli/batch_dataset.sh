@@ -35,6 +35,10 @@ expect 0 tides batch sets.json -o sets.d
 out "5 done \(3 of them before\)"
 [ -s sets.d/dataset.layout=tum/dataset/groundtruth.txt ] || fail "what a killed run left should be made anew"
 missing sets.d/dataset.layout=tum/dataset.part
+# Killed behind its events: they needn't be made again.
+rm -r sets.d/dataset.layout=tum/dataset sets.d/dataset.layout=tum/*.json
+expect 0 tides batch sets.json -o sets.d --only dataset.layout=tum
+[ -s sets.d/dataset.layout=tum/dataset/groundtruth.txt ] || fail "it should be made anew"
 # Taken away: made anew, not done without it.
 rm -r sets.d/dataset.layout=ecd/dataset
 expect 0 tides batch sets.json -o sets.d --only dataset.layout=ecd

@@ -50,4 +50,5 @@ err "after 0 of "
 stopped pictures tides dataset run.json -o set --layout ecd --set camera.width=1000 --set camera.height=750 --set camera.fx=1000 \
     --set scene.metres_per_unit=1 --set dataset.picture_hz=200 --set stepping.mode=fixed --set stepping.step_s=0.04 \
     --set sensor.threshold_on=50 --set sensor.threshold_off=50
-for file in big.exr big.exr.part big.png big.png.part set set.part; do missing $file; done
+err "set.part keeps the events so far"
+for file in big.exr big.exr.part big.png big.png.part set; do missing $file; done

@@ -140,6 +140,31 @@ static void test_cuts(void **state) {
     random_scene_free(&scene);
 }
 
+/* Kicks of a frame's readout in whole runs, fixed and adaptive: over cuts, through a checkpoint, and they make events. */
+static void test_kicks(void **state) {
+    random_scene scene = make_scene(SEED);
+    tides_device *device = open_device("reference-f32");
+    for (int adaptive = 0; adaptive < 2; adaptive++) {
+        job j = noisy_job(&scene, adaptive);
+        j.sensor.noise_rms = adaptive ? 0.01 : 0;
+        outcome without = whole_run(&j, device, NULL);
+        j.sensor.kick = 0.06;
+        j.sensor.kick_rate_hz = 45;
+        j.sensor.kick_first_s = j.start + 1e-3;
+        outcome whole = whole_run(&j, device, NULL);
+        outcome pieces = cut_run(&j, device, NULL, scene_in_folder(*state, "kicks.checkpoint"));
+        expect_same(&whole, &pieces, "cut");
+        expect_same_stats(&whole.stats, &pieces.stats);
+        printf("%zu events, %zu without kicks\n", whole.count, without.count);
+        assert_true(whole.count > without.count + without.count / 20);
+        free_outcome(&without);
+        free_outcome(&whole);
+        free_outcome(&pieces);
+    }
+    tides_device_close(device);
+    random_scene_free(&scene);
+}
+
 /* Rows that ask, and frames: cuts, batches and a checkpoint don't show. */
 static void test_asked(void **state) {
     random_scene scene = make_scene(SEED);
@@ -327,6 +352,7 @@ static void test_halved_steps(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_cuts, scene_folder_setup, scene_folder_teardown),
+        cmocka_unit_test_setup_teardown(test_kicks, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test_setup_teardown(test_asked, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test_setup_teardown(test_filters, scene_folder_setup, scene_folder_teardown),
         cmocka_unit_test(test_batches),

@@ -142,11 +142,10 @@ static void stop_and_go_on(const job *j, tides_device *device, int stop_at, cons
 static const struct {
     int mode, solve, surround;
     double memory_mb;
-} stopped[] = {{TIDES_STEPPING_ERROR, TIDES_SOLVE_OFF, 0, 256},
-               {TIDES_STEPPING_ERROR, TIDES_SOLVE_OFF, 0, 1},
-               {TIDES_STEPPING_ERROR, TIDES_SOLVE_OFF, 1, 1},
-               {TIDES_STEPPING_ERROR, TIDES_SOLVE_DOUBLE, 0, 1},
-               {TIDES_STEPPING_ERROR, TIDES_SOLVE_DOUBLE, 0, 256}};
+    int filters;
+} stopped[] = {{TIDES_STEPPING_ERROR, TIDES_SOLVE_OFF, 0, 256, 0},  {TIDES_STEPPING_ERROR, TIDES_SOLVE_OFF, 0, 256, 1},
+               {TIDES_STEPPING_ERROR, TIDES_SOLVE_OFF, 0, 1, 0},    {TIDES_STEPPING_ERROR, TIDES_SOLVE_OFF, 1, 1, 0},
+               {TIDES_STEPPING_ERROR, TIDES_SOLVE_DOUBLE, 0, 1, 0}, {TIDES_STEPPING_ERROR, TIDES_SOLVE_DOUBLE, 0, 256, 0}};
 
 /* Two long steps, stopped at any of the launches. */
 static void test_stops_within_a_step(void **state) {
@@ -158,6 +157,7 @@ static void test_stops_within_a_step(void **state) {
         j.stepping.solve = stopped[k].solve;
         j.stepping.memory_mb = stopped[k].memory_mb;
         j.stepping.local = !stopped[k].surround;
+        if (stopped[k].filters) j.filters.trail = TIDES_TRAIL_TRAIL, j.filters.background_s = 0.01;
         if (stopped[k].surround) j.sensor.surround_lambda_px = 3, j.sensor.surround_tau_s = 5e-3;
         tides_device *device = open_device(&j);
         outcome *whole = run_whole(&j, device), *asked = new_outcome();

@@ -32,6 +32,7 @@ typedef struct job {
     tides_intrinsics camera;
     tides_sensor sensor;
     tides_stepping stepping;
+    tides_filters filters; /* all off as made */
     double start, stop;
 } job;
 
@@ -52,6 +53,7 @@ static inline job make_job(int mode, const char *device) {
     j.camera = j.scene.camera;
     tides_image_params_defaults(&j.image);
     tides_sensor_defaults(&j.sensor);
+    tides_filters_defaults(&j.filters);
     model_steps(&j.stepping);
     j.sensor.threshold_on = 0.1;
     j.sensor.threshold_off = 0.13;
@@ -105,6 +107,7 @@ static inline tides_simulator *make_simulator(const job *j, tides_device *device
     scene_expect_ok(tides_simulator_create(device, j->scene.scene, j->scene.path, &j->camera, &j->image, &j->sensor,
                                            &j->stepping, j->start, j->stop, NULL, NULL, &s, &error),
                     &error);
+    scene_expect_ok(tides_simulator_filters(s, &j->filters, &error), &error);
     return s;
 }
 

@@ -97,6 +97,38 @@ static void test_depth(void **state) {
     assert_colour(ranged, 255, 242, 160);
 }
 
+/* A key says what its picture's colours are: the wheel's as tides_picture_flow draws that way and speed, the ramp's as depths
+ * from near to far; the rest stays, and small pictures are left alone. */
+static void test_keys(void **state) {
+    (void)state;
+    enum { WIDTH = 120, HEIGHT = 90, SIZE = 15, LEFT = WIDTH - SIZE - 3, TOP = HEIGHT - SIZE - 3 };
+    static uint8_t rgb[3 * WIDTH * HEIGHT], before[3 * WIDTH * HEIGHT];
+    memset(before, 77, sizeof before);
+    memcpy(rgb, before, sizeof rgb);
+    tides_picture_flow_key(rgb, WIDTH, HEIGHT);
+    for (int y = 0; y < HEIGHT; y++)
+        for (int x = 0; x < WIDTH; x++) {
+            const double u = x + 0.5 - (LEFT + 7.5), v = y + 0.5 - (TOP + 7.5), far = hypot(u, v) / 7.5;
+            const uint8_t *here = rgb + 3 * (y * WIDTH + x);
+            uint8_t expected[3];
+            tides_picture_flow(&u, &v, 1, 1, 7.5, expected);
+            if (far < 0.8) assert_memory_equal(here, expected, 3);
+            if (far > 1.01) assert_memory_equal(here, before, 3);
+        }
+    memcpy(rgb, before, sizeof rgb);
+    tides_picture_depth_key(rgb, WIDTH, HEIGHT);
+    const uint8_t *row = rgb + 3 * ((HEIGHT - 4) * WIDTH); /* the ramp is 30 x 3 px: its middle row */
+    uint8_t ends[6];
+    tides_picture_depth((const double[]){1 + 1.0 / 29, 1 + 28.0 / 29}, 2, 1, 1, 2, ends);
+    assert_memory_equal(row - 3 * WIDTH + 3 * (WIDTH - 33 + 1), ends, 3);
+    assert_memory_equal(row - 3 * WIDTH + 3 * (WIDTH - 33 + 28), ends + 3, 3);
+    assert_memory_equal(rgb, before, 3 * WIDTH * (HEIGHT - 8));
+    memcpy(rgb, before, sizeof rgb);
+    tides_picture_flow_key(rgb, 63, 90);
+    tides_picture_depth_key(rgb, 90, 63);
+    assert_memory_equal(rgb, before, sizeof rgb);
+}
+
 static void test_labels(void **state) {
     (void)state;
     const double labels[] = {0, 1, 0, -1, NAN, 1e6};
@@ -250,12 +282,19 @@ static void test_text_is_clipped(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_grey),       cmocka_unit_test(test_rgb),
-        cmocka_unit_test(test_signed),     cmocka_unit_test(test_flow),
-        cmocka_unit_test(test_depth),      cmocka_unit_test(test_labels),
-        cmocka_unit_test(test_percentile), cmocka_unit_test(test_percentile_of_odd_images),
-        cmocka_unit_test(test_events),     cmocka_unit_test(test_font_is_complete),
-        cmocka_unit_test(test_text),       cmocka_unit_test(test_text_is_clipped),
+        cmocka_unit_test(test_grey),
+        cmocka_unit_test(test_rgb),
+        cmocka_unit_test(test_signed),
+        cmocka_unit_test(test_flow),
+        cmocka_unit_test(test_depth),
+        cmocka_unit_test(test_labels),
+        cmocka_unit_test(test_keys),
+        cmocka_unit_test(test_percentile),
+        cmocka_unit_test(test_percentile_of_odd_images),
+        cmocka_unit_test(test_events),
+        cmocka_unit_test(test_font_is_complete),
+        cmocka_unit_test(test_text),
+        cmocka_unit_test(test_text_is_clipped),
     };
     return cmocka_run_group_tests_name("image: pictures", tests, NULL, NULL);
 }

@@ -42,7 +42,8 @@ static tides_status refuse(const tides_simulator *s, int32_t why, tides_error *e
     static const char *const words[] =
         {[TIDES_UNSOLVED_FIXED] = "with fixed steps, whose errors nobody knows",
          [TIDES_UNSOLVED_MODEL] = "with another stepping.model than hermite",
-         [TIDES_UNSOLVED_SENSOR] = "where a PSF, a filter, a surround or additive noise comes between it and the comparator"};
+         [TIDES_UNSOLVED_SENSOR] =
+             "where a PSF, a filter, a surround, additive noise or kicks come between it and the comparator"};
     if (why == TIDES_UNSOLVED_IMAGE)
         return td_fail(error, TIDES_UNSUPPORTED,
                        "stepping.solve \"double\": single pixels can't be worked out in double precision: %s",

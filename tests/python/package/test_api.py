@@ -1,6 +1,8 @@
 """The generated interface is that of the headers and of the library: functions, constants, struct layouts."""
 
 import ctypes
+import dataclasses
+import inspect
 import os
 import subprocess
 import sys
@@ -69,6 +71,29 @@ def test_unknown_c_is_refused(tmp_path):
         with pytest.raises(SystemExit):
             one.add(text)
             one.add("tides_status tides_g(strange a)")
+
+
+def functions_of(owner):
+    for name, value in vars(owner).items():
+        made = value.fget if isinstance(value, property) else getattr(value, "__func__", value)
+        if not name.startswith("_") and inspect.isfunction(made):
+            yield f"{owner.__name__}.{name}", made
+
+
+def test_help_gives_shapes():
+    """help() shows docstrings, not comments: fields stand in those, and arrays with their shapes."""
+    lacking = []
+    for name in tides.__all__:
+        value = getattr(tides, name)
+        functions = [(name, value)] if inspect.isfunction(value) else []
+        functions += functions_of(value) if inspect.isclass(value) else []
+        for where, function in functions:
+            text = inspect.getdoc(function) or ""
+            if "ndarray" in str(function.__annotations__.get("return")) and "(" not in text:
+                lacking.append(where)
+        if dataclasses.is_dataclass(value):
+            lacking += [f"{name}.{f.name}" for f in dataclasses.fields(value) if f.name not in (inspect.getdoc(value) or "")]
+    assert not lacking
 
 
 def test_status_and_version():

@@ -6,6 +6,7 @@ import json
 import os
 import re
 import subprocess
+import sys
 import zlib
 from pathlib import Path
 
@@ -165,6 +166,20 @@ def test_show(tmp_path):
     temporary = tides.show(random_events(50), title="one")
     assert "one" in temporary.path.read_text()
     temporary.path.unlink()
+
+
+def test_show_leaves_nothing_behind(tmp_path):
+    """A page among the temporary files goes when Python ends, also where it was moved away before."""
+    code = """
+import tides
+events = tides.make_events([1000, 2000], [1, 2], [3, 4], [1, 0])
+one, two = tides.show(events), tides.show(events)
+assert one.path.exists() and two.path.exists()
+two.path.unlink()
+"""
+    environment = {**os.environ, "TMPDIR": str(tmp_path), "PYTHONPATH": str(Path(tides.__file__).parent.parent)}
+    subprocess.run([sys.executable, "-c", code], check=True, env=environment)
+    assert not list(tmp_path.iterdir())
 
 
 # -- in a browser -----------------------------------------------------------------------------------------------------------

@@ -1,0 +1,37 @@
+/* Internal: what the readout of a DAVIS' frames does to its events: each read of a row kicks the signal of that row's pixels,
+ * which recovers exponentially.
+ *
+ *   K(t) = kick x the sum over the row's reads before t of e^(-(t - read) / kick_recovery_s)
+ *   reads of row y: kick_first_s + k / kick_rate_hz + kick_reads_s[0 or 1] + y kick_row_s, k = 0, 1, ...; none before the run;
+ *                   moved by half a nanosecond at most, to halves of whole ones
+ *
+ * A function of row and time alone: pixels carry nothing of it. At a read's own time K is what it was before it, so that a
+ * step, which is half-open at its start, has the reads of [start, stop). */
+#ifndef TD_KICK_H
+#define TD_KICK_H
+
+#include "tides/sensor.h"
+
+/* Recoveries in a step, at most: a step's part of K is a constant times e^(-s), s from the step's start. */
+#define TD_KICK_STEP_MAX 16.0
+
+typedef struct td_kick {
+    int on;
+    double size; /* [log units] */
+    double recovery_ns, period_ns, row_ns;
+    double read_ns[2]; /* of row 0 in frame 0, since the run's start */
+    int reads;         /* 1 where both are the same */
+    double most;       /* |K| is never above it */
+} td_kick;
+
+/* Off where kick is 0. `start` [s]: the run's. TIDES_BAD_ARGUMENT naming the field. */
+TIDES_MUST_CHECK tides_status td_kick_make(const tides_sensor *sensor, double start, td_kick *kick, tides_error *error);
+
+/* K of row y at `time`, and the row's first read at or after it [ns since the run's start]. */
+double td_kick_at(const td_kick *kick, int32_t y, double time);
+double td_kick_next(const td_kick *kick, int32_t y, double time);
+
+/* Bounds of K on [from, to]. */
+void td_kick_bounds(const td_kick *kick, int32_t y, double from, double to, double *low, double *high);
+
+#endif
