@@ -58,8 +58,7 @@ int cmd_batch(const cli_command *command, int argc, char **argv) {
     cli_common common;
     cli_list only = {.count = 0};
     int32_t look = 0, parent = 0;
-    const char *manifest = NULL, *directory = NULL, *shard = NULL, *jobs = NULL, *every = NULL,
-               *starter = NULL;
+    const char *manifest = NULL, *directory = NULL, *shard = NULL, *jobs = NULL, *every = NULL, *starter = NULL;
     const cli_option options[] = {
         {"--output", 'o', "DIR", "where every run gets a folder (required)", NULL, &directory, NULL},
         {"--jobs", 'j', "N", "runs at a time (as many as processors and memory allow)", NULL, &jobs, NULL},
