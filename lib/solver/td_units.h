@@ -62,7 +62,7 @@ static inline const double *td_launch_planes(const td_launch *launch, size_t i) 
 }
 
 /* What becomes of an ask that was rendered, of whose tile `planes` are: td_unpack_tile takes the unit's. Those of one unit come
- * in order; others' may be taken by other threads meanwhile, so that nothing may change but what is the unit's, or the ask's. */
+ * in order; others' may be taken by other threads meanwhile: nothing may change but what is the unit's, or the ask's. */
 typedef void (*td_launch_taker)(struct tides_simulator *s, const td_ask *ask, const double *planes, const void *user);
 
 /* Renders all asks, as many at a time as memory_mb has room for (s->refine.batch), and has each taken. */
