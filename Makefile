@@ -234,15 +234,16 @@ check-asan-built:
 	@$(POCL_ALONE) ASAN_OPTIONS=detect_stack_use_after_return=1:use_sigaltstack=0:intercept_tls_get_addr=0:$$ASAN_OPTIONS \
 	    LSAN_OPTIONS=suppressions=$(CURDIR)/scripts/lsan.supp:print_suppressions=0 TEST_TIMEOUT=3600 \
 	    $(RUN_TESTS) $(wildcard tests/cli/run.sh) $(GOLDEN) $(TESTS)
-# What several threads do at once: the tests that start some. The library starts none itself. PoCL and its LLVM aren't built for
+# What several threads do at once: the tests that start some, and the library's own. PoCL and its LLVM aren't built for
 # the sanitiser, which would take their locks for none: what they call isn't looked at (ignore_noninstrumented_modules), what
 # ours does is. Forks of a process with threads go on to exec (die_after_fork).
-TSAN := $(addprefix $(OUT)/tests/,unit/test_device_threads unit/test_output unit/test_device_fork property/test_threads)
+TSAN := $(addprefix $(OUT)/tests/,unit/test_device_threads unit/test_output unit/test_device_fork unit/test_pool property/test_threads)
 check-tsan: ## Run the tests that have threads with the thread sanitiser
 	@sh scripts/deps.sh build -q
 	@$(AGAIN) CONFIG=tsan check-tsan-built
 check-tsan-built: $(TSAN)
-	@TSAN_OPTIONS=ignore_noninstrumented_modules=1:die_after_fork=0:exitcode=66:$$TSAN_OPTIONS $(RUN_TESTS) $(TSAN)
+	@for threads in 2 4; do TIDES_THREADS=$$threads \
+	    TSAN_OPTIONS=ignore_noninstrumented_modules=1:die_after_fork=0:exitcode=66:$$TSAN_OPTIONS $(RUN_TESTS) $(TSAN) || exit; done
 # All tests, the tool's and Python's too; faults*.sh among them go through the paths of errors.
 coverage: ## Which lines and branches of lib/ the tests reach, at least 90 % and 80 %: build/coverage/report/index.html
 	@sh scripts/deps.sh coverage -q

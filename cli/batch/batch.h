@@ -44,7 +44,6 @@ typedef struct batch {
     const cli_list *only;  /* the names of the runs that are meant; empty: all */
     int32_t shard, shards; /* run i belongs to shard i mod shards */
     int32_t jobs;          /* runs at a time; 0: as many as there are processors */
-    int32_t threads;       /* of a run on a CPU; 0: the processors are shared out among the jobs */
     int32_t stopped;       /* on request */
     batch_run *runs;
     size_t count, capacity;

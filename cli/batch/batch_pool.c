@@ -71,13 +71,15 @@ static void learn_memory(pool *p, const batch_run *run) {
     free(path);
 }
 
-/* The device's threads are shared out among the runs, unless the user did (PoCL 3 and PoCL 4 name it differently). */
+/* Processors are shared out among the runs, unless the user did, by --threads or in the environment (PoCL 3 and PoCL 4 name
+ * theirs differently). */
 static void share_processors(const pool *p) {
     char threads[24];
     const long processors = sysconf(_SC_NPROCESSORS_ONLN), share = processors > p->jobs ? processors / p->jobs : 1;
-    snprintf(threads, sizeof threads, "%ld", p->b->threads > 0 ? (long)p->b->threads : share);
-    setenv("POCL_MAX_PTHREAD_COUNT", threads, p->b->threads > 0);
-    setenv("POCL_CPU_MAX_CU_COUNT", threads, p->b->threads > 0);
+    snprintf(threads, sizeof threads, "%ld", share);
+    setenv("TIDES_THREADS", threads, 0);
+    setenv("POCL_MAX_PTHREAD_COUNT", threads, 0);
+    setenv("POCL_CPU_MAX_CU_COUNT", threads, 0);
 }
 
 static tides_status start(pool *p, batch_run *run, tides_error *error) {

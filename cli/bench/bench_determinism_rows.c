@@ -36,6 +36,7 @@ const determinism_run determinism_runs[] =
 /* The device's twin in C comes with the rows that it must equal to the bit; its double precision is another run. */
 #define THREADS(count) \
     .variable = {"POCL_MAX_PTHREAD_COUNT", "POCL_CPU_MAX_CU_COUNT"}, .value = {#count, #count}, .units = count, .pocl = 1
+#define HOST(count) .variable = {"TIDES_THREADS"}, .value = {#count}
 #define METHOD(name) .variable = {"POCL_WORK_GROUP_METHOD"}, .value = {name}, .pocl = 1, .own_kernels = 1
 
 const determinism_way determinism_ways[] =
@@ -43,6 +44,10 @@ const determinism_way determinism_ways[] =
      {.name = "again", .sentence = "the same once more"},
      {.name = "one thread", .sentence = "PoCL with one thread", THREADS(1), .quick = 1},
      {.name = "three threads", .sentence = "PoCL with three threads", THREADS(3)},
+     {.name = "1 of the host", .sentence = "the host's work on one thread", HOST(1), .quick = 1},
+     {.name = "2 of the host", .sentence = "the host's work on two threads", HOST(2), .quick = 1},
+     {.name = "3 of the host", .sentence = "the host's work on three threads", HOST(3)},
+     {.name = "7 of the host", .sentence = "the host's work on seven threads", HOST(7)},
      {.name = "PoCL basic",
       .sentence = "PoCL's driver without threads",
       .variable = {"POCL_DEVICES"},

@@ -58,12 +58,10 @@ int cmd_batch(const cli_command *command, int argc, char **argv) {
     cli_common common;
     cli_list only = {.count = 0};
     int32_t look = 0, parent = 0;
-    const char *manifest = NULL, *directory = NULL, *shard = NULL, *jobs = NULL, *every = NULL, *threads = NULL,
-               *starter = NULL;
+    const char *manifest = NULL, *directory = NULL, *shard = NULL, *jobs = NULL, *every = NULL, *starter = NULL;
     const cli_option options[] = {
         {"--output", 'o', "DIR", "where every run gets a folder (required)", NULL, &directory, NULL},
         {"--jobs", 'j', "N", "runs at a time (as many as processors and memory allow)", NULL, &jobs, NULL},
-        {"--threads", 0, "N", "of a run on a CPU (the processors are shared out among the jobs)", NULL, &threads, NULL},
         {"--shard", 0, "I/N", "only every N-th run, from the I-th on: for N machines on one DIR", NULL, &shard, NULL},
         {"--only", 0, "NAME", "only this run, and no summary; repeatable", NULL, NULL, &only},
         {"--summary", 0, NULL, "run nothing: write the summary of what DIR holds by now", &look, NULL, NULL},
@@ -80,7 +78,6 @@ int cmd_batch(const cli_command *command, int argc, char **argv) {
     if (every && (code = cli_number(command, "--checkpoint", every, &b.checkpoint_s)) != CLI_GO) return code;
     if (b.checkpoint_s < 0) return cli_usage(command, "--checkpoint %s: give seconds, or 0 for none", every);
     if ((code = take_count(command, "--jobs", jobs, 4096, &b.jobs)) != CLI_GO) return code;
-    if ((code = take_count(command, "--threads", threads, 4096, &b.threads)) != CLI_GO) return code;
     if ((code = take_count(command, "--parent", starter, INT32_MAX, &parent)) != CLI_GO) return code;
     if (shard && (code = take_shard(command, shard, &b)) != CLI_GO) return code;
     if (shard && only.count) return cli_usage(command, "--only names runs and --shard counts them; give one of the two");

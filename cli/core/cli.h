@@ -25,7 +25,8 @@ enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_GO = -1, CLI_DESCRIBED = -
 /* What every command takes. */
 typedef struct cli_common {
     int32_t quiet, verbose, json, help;
-    const char *device; /* NULL: not given */
+    const char *device;  /* NULL: not given */
+    const char *threads; /* likewise; cli_parse has put it into the environment */
 } cli_common;
 
 /* An option that may be given several times. */
@@ -100,7 +101,7 @@ void cli_add_ns(cJSON *object, const char *name, int64_t ns);
 void cli_add_seconds(cJSON *object, const char *name, int64_t ns);
 
 /* The options that every command takes, stored to `common`. */
-enum { CLI_COMMON_OPTIONS = 5 };
+enum { CLI_COMMON_OPTIONS = 6 };
 void cli_common_options(cli_option options[CLI_COMMON_OPTIONS], cli_common *common);
 
 /* describe.c: `tides COMMAND --help=man|bash|zsh`, and `tides help --man [PAGE]`, `--bash`, `--zsh`: man pages and completions.

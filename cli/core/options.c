@@ -22,6 +22,8 @@ void cli_common_options(cli_option options[CLI_COMMON_OPTIONS], cli_common *comm
     const cli_option made[CLI_COMMON_OPTIONS] = {
         {"--device", 0, "SPEC", "auto, cpu, gpu, reference, an index or a name (else TIDES_DEVICE)", NULL, &common->device,
          NULL},
+        {"--threads", 0, "N", "of the host, and of a CPU's driver; 0: as many as there are processors (else TIDES_THREADS)",
+         NULL, &common->threads, NULL},
         {"--json", 0, NULL, "facts as JSON, alone on standard output", &common->json, NULL, NULL},
         {"--quiet", 'q', NULL, "say nothing but errors, and what --json prints", &common->quiet, NULL, NULL},
         {"--verbose", 'v', NULL, "say what is being done", &common->verbose, NULL, NULL},
@@ -119,6 +121,20 @@ static int parse_letters(parser *p, const char *text) {
     return CLI_GO;
 }
 
+/* For the library, and for PoCL, which reads its own when it is loaded (version 3 and version 4 name it differently). */
+static int take_threads(const cli_command *command, const char *text) {
+    enum { MOST = 256 };
+    char *end = NULL;
+    const long threads = strtol(text, &end, 10);
+    if (end == text || *end || threads < 0 || threads > MOST)
+        return cli_usage(command, "--threads %s: give a number from 0 (all processors) to %d", text, (int)MOST);
+    setenv("TIDES_THREADS", text, 1);
+    if (threads == 0) return CLI_GO;
+    setenv("POCL_MAX_PTHREAD_COUNT", text, 1);
+    setenv("POCL_CPU_MAX_CU_COUNT", text, 1);
+    return CLI_GO;
+}
+
 int cli_parse(const cli_command *command, const cli_option *options, int argc, char **argv, cli_common *common,
               const char **positional) {
     parser p = {.command = command, .own = options, .argv = argv, .argc = argc};
@@ -147,6 +163,8 @@ int cli_parse(const cli_command *command, const cli_option *options, int argc, c
     }
     if (common->device && command->no_device && !common->quiet)
         fprintf(stderr, "tides: --device %s changes nothing: tides %s uses no device\n", common->device, command->name);
+    const int code = common->threads ? take_threads(command, common->threads) : CLI_GO;
+    if (code != CLI_GO) return code;
     if (given < command->positionals)
         return cli_usage(command, "too few arguments: tides %s %s", command->name, command->arguments);
     return CLI_GO;

@@ -52,6 +52,15 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_device_open(const char *spec, tide
 /* NULL is fine. */
 TIDES_API void tides_device_close(tides_device *device);
 
+/* How many threads of the host work for each simulator that is made with the device from then on, the caller's included: 1
+ * starts none, 0 (as opened, unless the environment's TIDES_THREADS says otherwise) is as many as there are processors. They
+ * begin with the first step, wait between steps, and end with the simulator; callbacks stay in the thread that called. Events
+ * don't depend on it. The driver's own threads are its own: PoCL takes POCL_MAX_PTHREAD_COUNT (version 3) or
+ * POCL_CPU_MAX_CU_COUNT (4) from the environment when it is loaded, which the library leaves alone and the tool's --threads
+ * sets. In a process that was forked from that of a simulator it works on with one. TIDES_BAD_ARGUMENT below 0 or above 256. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_device_set_threads(tides_device *device, int32_t threads, tides_error *error);
+TIDES_API int32_t tides_device_threads(const tides_device *device); /* as set */
+
 /* Fills `info` for an open device. */
 TIDES_API void tides_device_describe(const tides_device *device, tides_device_info *info);
 

@@ -137,6 +137,9 @@ typedef struct tides_stats {
     uint64_t unit;             /* TIDES_UNIT_* that the run has: TILE or BLOCK */
     double tolerance;          /* that the run has [thresholds] */
     uint64_t events_filtered[TIDES_STAGES]; /* dropped behind the readout, by TIDES_STAGE_* */
+    /* Processor time of the calling thread while no other worked beside it on the host: what more threads leave as it is.
+     * Waiting for a device takes none, but where its driver spins [s]. */
+    double time_alone_s;
 } tides_stats;
 
 enum { TIDES_STAT_COUNT = 0 /* uint64_t */, TIDES_STAT_REAL = 1 /* double */, TIDES_STAT_WHOLE = 2 /* int32_t */ };

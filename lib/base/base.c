@@ -189,11 +189,15 @@ const char *tides_transfer_name(int32_t transfer) {
     return known ? names[transfer - TIDES_TRANSFER_FILE] : NULL;
 }
 
-double td_now(void) {
+static double read_clock(clockid_t clock) {
     struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    clock_gettime(clock, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
+
+double td_now(void) { return read_clock(CLOCK_MONOTONIC); }
+
+double td_own_time(void) { return read_clock(CLOCK_THREAD_CPUTIME_ID); }
 
 uint64_t td_peak_memory(void) {
     struct rusage usage;

@@ -118,6 +118,9 @@ const char *td_short(double number, char text[TD_SHORT_MAX]);
 /* Monotonic clock [s]. */
 double td_now(void);
 
+/* Processor time of the calling thread [s]. */
+double td_own_time(void);
+
 /* Peak resident memory of the process [bytes]; 0 where unknown. */
 uint64_t td_peak_memory(void);
 

@@ -4,6 +4,7 @@
 #include "td_device.h"
 #include "td_forked.h"
 #include "td_near.h"
+#include "td_pool.h"
 
 #include <ctype.h>
 #include <stdlib.h>
@@ -223,6 +224,30 @@ done:
     return status;
 }
 
+tides_status tides_device_set_threads(tides_device *device, int32_t threads, tides_error *error) {
+    if (!device || threads < 0 || threads > TD_POOL_MOST)
+        return td_fail(error, TIDES_BAD_ARGUMENT, "threads: %d is not from 0 (as many as there are processors) to %d",
+                       (int)threads, (int)TD_POOL_MOST);
+    device->threads = threads;
+    return TIDES_OK;
+}
+
+int32_t tides_device_threads(const tides_device *device) { return device->threads; }
+
+/* What the environment says of threads. */
+static tides_status take_threads(tides_device *device, tides_error *error) {
+    const char *asked = getenv("TIDES_THREADS");
+    char *end = NULL;
+    if (!asked || !*asked) return TIDES_OK;
+    const long threads = strtol(asked, &end, 10);
+    if (*end || threads < 0 || threads > TD_POOL_MOST)
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "TIDES_THREADS: \"%.40s\" is not from 0 (as many as there are processors) to %d", asked,
+                       (int)TD_POOL_MOST);
+    device->threads = (int)threads;
+    return TIDES_OK;
+}
+
 tides_status tides_device_open(const char *spec, tides_device **device, tides_error *error) {
     if (!device) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_device_open: device must not be NULL");
     if (!spec || !*spec) spec = getenv("TIDES_DEVICE");
@@ -233,12 +258,12 @@ tides_status tides_device_open(const char *spec, tides_device **device, tides_er
         free(opened);
         return td_fail(error, TIDES_NO_MEMORY, "out of memory for a device's lock");
     }
-    tides_status status = TIDES_OK;
+    tides_status status = take_threads(opened, error);
     if (strcmp(spec, "reference") == 0)
         open_reference(opened, 0);
     else if (strcmp(spec, "reference-f32") == 0)
         open_reference(opened, 1);
-    else
+    else if (status == TIDES_OK)
         status = open_opencl(opened, spec, error);
     if (status != TIDES_OK) {
         tides_device_close(opened);

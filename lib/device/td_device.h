@@ -17,6 +17,7 @@ struct tides_device {
     int has_double;        /* OpenCL only: it has cl_khr_fp64 */
     int double_lanes;      /* OpenCL only: at most so many lanes in double precision */
     int near;              /* OpenCL only: the host shares its buffers (td_near.h) */
+    int32_t threads;       /* of the host, for simulators; 0: as many as there are processors */
     int own_builtins;      /* programs declare what they call of OpenCL C themselves (kernels/builtins.h) */
     cl_platform_id platform;
     cl_device_id id;

@@ -46,7 +46,6 @@ typedef struct td_refine {
     int units;          /* so many */
     int32_t *head;      /* (tiles) first step that hasn't been compared, or -1 */
     td_samples samples;
-    size_t cuts;       /* in this macro step */
     int early;         /* some of its steps have been compared while others are open; then */
     double *reference; /* (pixels) the references that the units which are refined began with */
     size_t reference_capacity;
@@ -54,6 +53,8 @@ typedef struct td_refine {
     size_t open_count, open_capacity;
     int32_t *pending; /* of these, on this level */
     size_t pending_count, pending_capacity;
+    int32_t *part; /* (pending_count) what they are cut into: the second part of each */
+    size_t part_capacity;
     int32_t *fresh; /* steps that came of it */
     size_t fresh_count, fresh_capacity;
 } td_refine;

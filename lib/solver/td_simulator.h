@@ -6,6 +6,7 @@
 #include "sensor/td_estimate.h"
 #include "td_state.h"
 #include "td_grid.h"
+#include "td_portion.h"
 #include "td_refine.h"
 #include "td_reached.h"
 #include "td_readout.h"
@@ -101,9 +102,9 @@ struct tides_simulator {
     int batch, batch_limit; /* steps per launch: now, and at most */
     td_launch launch;       /* what was rendered last */
     td_refine refine;       /* adaptive steps; */
-    td_timing timing;       /* of theirs, estimated errors of event times, */
     td_solve solve;         /* and events on the image itself */
-    td_work work;           /* events that wait to be given away, and what has happened in the run */
+    td_portion done;        /* what has come of the run: events that wait to be given away, and what has happened */
+    td_sharing sharing;     /* of work under way, on several threads */
     td_packet packet;
     td_asking asking;
     td_undo undo;
@@ -138,7 +139,7 @@ void td_fixed_adapt(tides_simulator *simulator, const tides_render_stats *before
 /* Renders the ends of the next `count` steps, which are swept; then takes step `k` of them into a sample, tiles at rest staying
  * as they are now. */
 tides_status td_fixed_render(tides_simulator *simulator, int count, tides_error *error);
-void td_fixed_take(tides_simulator *simulator, int k, td_sample *sample);
+tides_status td_fixed_take(tides_simulator *simulator, int k, const td_sample *sample, tides_error *error);
 
 /* TIDES_SLOPE_DIFFERENCE: replaces the slopes at the end of the step of h seconds that is about to be compared, and at the
  * run's start. */
@@ -167,17 +168,22 @@ static inline int td_fixed_outputs(const tides_simulator *simulator) {
     return simulator->given.sample_planes == TD_PLANES_ALL ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
 }
 
-/* The sensor over one step of a tile between two samples of it: sample_planes pointers each; `light` as td_seen has it
- * (tile_step.c). */
-tides_status td_compare_tile(tides_simulator *simulator, int tile, const td_step *step, const double *const begin[],
-                             const double *const end[], const td_signals *light, tides_error *error);
+/* A step of a tile between two samples of it: sample_planes pointers each; `light` as td_seen has it. The sensor over it
+ * (tile_step.c). Of the simulator nothing changes but the tile's pixels. */
+typedef struct td_compared {
+    int tile;
+    const td_step *step;
+    const double *const *begin, *const *end;
+    const td_signals *light;
+} td_compared;
+tides_status td_compare_tile(tides_simulator *simulator, td_portion *portion, const td_compared *compared, tides_error *error);
 
 /* The sensor over one step of the tiles in which nothing moves, where it wants that. */
 tides_status td_compare_still(tides_simulator *simulator, const td_step *step, tides_error *error);
 
-/* The events from number `first` on came of a tile's accepted step, compared between these planes (tile_step.c). */
-void td_time_events(tides_simulator *simulator, const td_refine_step *refined, const td_step *step, const double *const begin[],
-                    const double *const end[], size_t first);
+/* The portion's events from number `first` on came of a tile's accepted step, so compared (tile_step.c). */
+void td_time_events(const tides_simulator *simulator, td_portion *portion, const td_refine_step *refined,
+                    const td_compared *compared, size_t first);
 
 /* Compares, in time order, the accepted steps that nothing open is before. With `early` their samples are given back, and more
  * is to come; else all are accepted (settle.c). */

@@ -103,36 +103,50 @@ typedef struct td_solve_refer_list {
     size_t count, wanted_capacity, start_capacity, rest_capacity;
 } td_solve_refer_list;
 
+struct td_portion;
 typedef struct td_solve {
     int on;           /* events are looked up */
     int32_t unsolved; /* TIDES_UNSOLVED_* */
     int is_exact;     /* what is looked up is in double, all of it */
     double target_s;  /* times that are as good as that are settled */
     double samples;   /* what samples may be off by beside what is looked up [log units] */
-    uint64_t events;  /* that were looked up, */
-    uint64_t lookups; /* and points for them */
+    uint64_t lookups; /* points that were looked up */
     double *known;    /* (pixels) 1 where the reference is one that was looked up */
     int kept;         /* the renderer has kept the run's start (td_solve_keep_start) */
-    td_solve_refer_list refer;
-    td_looked *looked;
-    size_t looked_count, looked_capacity;
     td_found *found;
     size_t found_count, found_capacity;
     td_solve_step *step; /* of those that are being solved, as refine.step numbers them */
     size_t step_capacity;
+    td_solve_batch batch[TD_SOLVE_BATCHES]; /* in turns (solve_batches.c) */
+    int asking;                             /* which is filled: td_solve_asking */
+    size_t enough;                          /* points that are worth a batch, while a device is at the one before, */
+    size_t enough_now;                      /* and of the first ones, when it has nothing to do */
+} td_solve;
+
+/* What a portion of the work (td_portion.h) comes to: who may do something, what is asked for, what was settled. */
+typedef struct td_solve_portion {
+    td_looked *looked; /* the run's own: of all that may do something; a portion's: of those that it has listed */
+    size_t looked_count, looked_capacity;
+    td_solve_batch *asks; /* where pixels ask: in the batch that is filled, */
+    td_solve_batch own;   /* or in the portion's, which is joined to that */
+    td_solve_refer_list refer;
     uint8_t *reaches; /* of each of a unit's steps (samples.pixels): 0 where no pixel's level is (td_sensor_reaches) */
     size_t reach_capacity;
     td_trust *trust; /* likewise: before anything is looked up */
     size_t trust_capacity;
-    td_work ahead; /* of the pixel's step in hand: joined to the run's once nothing in it is to be looked up */
-    td_solve_batch batch[TD_SOLVE_BATCHES]; /* in turns (solve_batches.c) */
-    int asking;                             /* which is filled: td_solve_asking */
-    td_sampled *sampled;                    /* of this macro step's events, those that come first in an order of chance */
+    td_work ahead;       /* of the pixel's step in hand: joined to the portion's once nothing in it is to be looked up */
+    td_sampled *sampled; /* of this macro step's events, those that come first in an order of chance */
     size_t sampled_count, sampled_capacity;
-    size_t fired;      /* events of this macro step in all */
-    size_t enough;     /* points that are worth a batch, while a device is at the one before, */
-    size_t enough_now; /* and of the first ones, when it has nothing to do */
-} td_solve;
+    int is_cut;      /* there were more of them */
+    size_t fired;    /* events of this macro step in all */
+    uint64_t events; /* that were looked up */
+} td_solve_portion;
+void td_solve_batch_release(td_solve_batch *batch);
+void td_solve_portion_clear(td_solve_portion *portion);
+void td_solve_portion_release(td_solve_portion *portion);
+
+/* Joins a portion to the run's own (join.c). */
+TIDES_MUST_CHECK tides_status td_solve_join(tides_simulator *s, const td_solve_portion *portion, tides_error *error);
 
 /* What the parameters ask for (on, unsolved), once the renderer has its PSF; TIDES_UNSUPPORTED where it can't be had.
  * The device has no say in it. Then, when there is a sensor, what that takes. */
@@ -146,7 +160,7 @@ void td_solve_release(td_solve *solve);
 TIDES_MUST_CHECK tides_status td_solve_keep_start(tides_simulator *s, tides_error *error);
 
 /* The comparator over the accepted steps of the tiles that move, those that nothing open is before (settle.c). */
-TIDES_MUST_CHECK tides_status td_solve_steps(tides_simulator *s, double start, double stop, tides_error *error);
+TIDES_MUST_CHECK tides_status td_solve_steps(tides_simulator *s, tides_error *error);
 
 /* Before tiles at rest are compared over a macro step that begins at `start`: what may do something there gets its signal and
  * its reference from what is looked up, so that slow ramps meet the levels where references say (solve_rest.c). */
@@ -157,10 +171,10 @@ TIDES_MUST_CHECK tides_status td_solve_measure(tides_simulator *s, tides_error *
 
 /* -- parts of it ---------------------------------------------------------------------------------------------------------- */
 
-/* The batch that is being filled, and asking in it for a pixel of a unit at a time; `looked` and `s` are given back with what
+/* The batch that is being filled; and asking in one for a pixel of a unit at a time; `looked` and `s` are given back with what
  * was found. */
 static inline td_solve_batch *td_solve_asking(td_solve *solve) { return &solve->batch[solve->asking]; }
-TIDES_MUST_CHECK tides_status td_solve_ask(tides_simulator *s, const td_tile *tile, int32_t local, double time,
+TIDES_MUST_CHECK tides_status td_solve_ask(td_solve_batch *batch, const td_tile *tile, int32_t local, double time,
                                            const td_asked *asked, tides_error *error);
 
 /* Looking up has taken the time since `begun` [s]. */
@@ -176,13 +190,14 @@ TIDES_MUST_CHECK tides_status td_solve_look_up(tides_simulator *s, tides_error *
  * worth it; whether anything is asked for still, or there; and all forgotten. */
 TIDES_MUST_CHECK tides_status td_solve_turn(tides_simulator *s, tides_error *error);
 int td_solve_has_enough(const tides_simulator *s);
-int td_solve_is_busy(const td_solve *solve);
+int td_solve_is_busy(const tides_simulator *s);
 void td_solve_clear_batches(tides_simulator *s);
 
 /* What the references of a unit's pixels may be off by, where they aren't known: (TD_TILE_PIXELS). Then: asks for that of a
  * pixel; looks up all that were asked for (solve_rest.c). */
 void td_solve_doubt(const tides_simulator *s, int t, double *doubt);
-TIDES_MUST_CHECK tides_status td_solve_ask_reference(tides_simulator *s, int t, int32_t local, tides_error *error);
+TIDES_MUST_CHECK tides_status td_solve_ask_reference(const tides_simulator *s, td_solve_portion *portion, int t, int32_t local,
+                                                     tides_error *error);
 TIDES_MUST_CHECK tides_status td_solve_refer(tides_simulator *s, tides_error *error);
 
 /* A swap of depth (td_renderer_swaps) in a step: where its middle is, how far from there it begins and ends, in steps, and what
@@ -196,12 +211,21 @@ typedef struct td_swap_place {
 const td_swap *td_solve_swaps(const tides_simulator *s, const td_refine_step *step, int32_t local, int *count);
 td_swap_place td_solve_swap_place(const tides_simulator *s, const td_refine_step *step, const td_swap *swap);
 
-/* An event that is settled, to be measured or not (solve_sample.c). `order` is set there. */
-TIDES_MUST_CHECK tides_status td_solve_sample(tides_simulator *s, const td_sampled *one, tides_error *error);
+/* An event that is settled, to be measured or not (chosen.c). `order` is set there. Then keeps those that are measured,
+ * TD_CHOSEN_MOST at most. */
+enum { TD_CHOSEN_MOST = 256 };
+TIDES_MUST_CHECK tides_status td_solve_sample(const tides_simulator *s, td_solve_portion *portion, const td_sampled *one,
+                                              tides_error *error);
+
+void td_solve_cut(const tides_simulator *s, td_solve_portion *portion);
+
+/* Joins those of a portion to the run's. */
+TIDES_MUST_CHECK tides_status td_solve_join_samples(tides_simulator *s, const td_solve_portion *portion, tides_error *error);
 
 /* Runs a pixel on from where it is settled to the first step in which something is to be looked up, and asks for that; an ideal
- * one to the last step (solve_run.c). */
-TIDES_MUST_CHECK tides_status td_solve_run(tides_simulator *s, td_solving *pixel, tides_error *error);
+ * one to the last step. Its steps are of this list (solve_run.c). */
+TIDES_MUST_CHECK tides_status td_solve_run(tides_simulator *s, struct td_portion *portion, td_looked *looked, td_solving *pixel,
+                                           tides_error *error);
 
 /* What the models of pixels [first, first + count) of a unit on a step of h seconds may be off by before anything is looked up:
  * (count) (solve_nodes.c). */
@@ -225,9 +249,8 @@ double td_trusted_doubt(const td_trusted *model, int k, double u);
 /* The pixel's nodes, and the trust of each piece; how many nodes. */
 int td_solve_nodes(const td_solve *solve, const td_looked *looked, td_node *nodes, td_trust *trust);
 
-/* A value that was looked up at s becomes a node; where a node is there already, nothing. */
-TIDES_MUST_CHECK tides_status td_solve_insert(td_solve *solve, td_looked *looked, double s, const td_point_value *value,
-                                              tides_error *error);
+/* A value that was looked up at s becomes a node, this one of solve->found; where a node is there already, nothing. */
+void td_solve_insert(td_solve *solve, td_looked *looked, int32_t number, double s, const td_point_value *value);
 
 /* What compositing leaves out of samples, and not of what is looked up in double: image.smoothing.stop_change. */
 #define TD_SOLVE_SAMPLES 1e-5

@@ -61,11 +61,12 @@ static inline const double *td_launch_planes(const td_launch *launch, size_t i) 
     return launch->planes + (size_t)launch->place[i - launch->first] * (size_t)launch->outputs * TD_TILE_PIXELS;
 }
 
-/* What becomes of an ask that was rendered, of whose tile `planes` are: td_unpack_tile takes the unit's. */
-typedef void (*td_launch_taker)(struct tides_simulator *s, const td_ask *ask, const double *planes, void *user);
+/* What becomes of an ask that was rendered, of whose tile `planes` are: td_unpack_tile takes the unit's. Those of one unit come
+ * in order; others' may be taken by other threads meanwhile: nothing may change but what is the unit's, or the ask's. */
+typedef void (*td_launch_taker)(struct tides_simulator *s, const td_ask *ask, const double *planes, const void *user);
 
 /* Renders all asks, as many at a time as memory_mb has room for (s->refine.batch), and has each taken. */
-tides_status td_launch_take_all(struct tides_simulator *s, int side, int outputs, td_launch_taker take, void *user,
+tides_status td_launch_take_all(struct tides_simulator *s, int side, int outputs, td_launch_taker take, const void *user,
                                 tides_error *error);
 
 void td_launch_release(td_launch *launch);

@@ -13,6 +13,7 @@ typedef struct td_worth {
 /* A pixel in a step. */
 typedef struct td_visit {
     tides_simulator *s;
+    td_portion *portion; /* what comes of it */
     const td_solving *pixel;
     size_t at;      /* the sensor's */
     int32_t number; /* of what is known of the pixel in this step, */

@@ -1849,6 +1849,9 @@ class tides_stats(Structure):
     uint64_t unit; /* TIDES_UNIT_* that the run has: TILE or BLOCK */
     double tolerance; /* that the run has [thresholds] */
     uint64_t events_filtered[TIDES_STAGES]; /* dropped behind the readout, by TIDES_STAGE_* */
+    /* Processor time of the calling thread while no other worked beside it on the host: what more threads leave as it is. Waiting
+    * for a device takes none, but where its driver spins [s]. */
+    double time_alone_s;
     """
 
     render: tides_render_stats
@@ -1894,6 +1897,7 @@ class tides_stats(Structure):
     unit: int
     tolerance: float
     events_filtered: Any
+    time_alone_s: float
 
     _fields_ = [
         ("render", tides_render_stats),
@@ -1939,6 +1943,7 @@ class tides_stats(Structure):
         ("unit", c_uint64),
         ("tolerance", c_double),
         ("events_filtered", c_uint64 * 5),
+        ("time_alone_s", c_double),
     ]
 
 
@@ -3780,6 +3785,10 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     ], "rows capacity count error"),
     # tides_status tides_device_open(const char *spec, tides_device **device, tides_error *error)
     "tides_device_open": (c_int32, [c_char_p, P(P(tides_device)), P(tides_error)], "spec device error"),
+    # tides_status tides_device_set_threads(tides_device *device, int32_t threads, tides_error *error)
+    "tides_device_set_threads": (c_int32, [P(tides_device), c_int32, P(tides_error)], "device threads error"),
+    # int32_t tides_device_threads(const tides_device *device)
+    "tides_device_threads": (c_int32, [P(tides_device)], "device"),
     # double tides_esim_next_time(const tides_esim *esim, double time, double fastest)
     "tides_esim_next_time": (c_double, [P(tides_esim), c_double, c_double], "esim time fastest"),
     # void tides_event_conversion_defaults(tides_event_conversion *conversion)

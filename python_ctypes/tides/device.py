@@ -32,6 +32,8 @@ def devices() -> list[Facts]:
 class Device(Handle):
     """An open device: Device() is TIDES_DEVICE's or the first GPU, else the first CPU; Device("cpu"), "gpu", "reference", an
     index of `devices()`, a part of a name. NoDevice where nothing matches. What several threads run may share one.
+    `threads`: how many of the host's work for each simulation made with it, 0 as many as there are processors (else
+    TIDES_THREADS, else 0); events don't depend on it. PoCL's own are bounded by POCL_MAX_PTHREAD_COUNT, set before it is loaded.
 
     OpenCL doesn't survive a fork: in a child forked from a process that has used a device (multiprocessing's default on Linux
     until Python 3.14, PyTorch's DataLoader with workers) what needs one raises NoDevice. Use the context "spawn" or "forkserver",
@@ -39,10 +41,17 @@ class Device(Handle):
 
     _destroy = "tides_device_close"
 
-    def __init__(self, spec: str | int | None = None):
+    def __init__(self, spec: str | int | None = None, *, threads: int | None = None):
         made = POINTER(_api.tides_device)()
         call("tides_device_open", encoded(None if spec is None else str(spec)), byref(made))
         super().__init__(made)
+        if threads is not None:
+            call("tides_device_set_threads", made, threads)
+
+    @property
+    def threads(self) -> int:
+        """Of the host, for each simulation; 0: as many as there are processors."""
+        return lib.tides_device_threads(self._pointer)
 
     @property
     def facts(self) -> Facts:

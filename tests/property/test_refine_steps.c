@@ -45,8 +45,12 @@ static double excess_of(const tides_simulator *s, const job *j, const td_refine_
     const double *from = td_sample_at(&r->samples, step->begin), *to = td_sample_at(&r->samples, step->end);
     const double *deviation = step->probe < 0 ? NULL : td_sample_deviation(&r->samples, step->probe);
     const td_signals signals = {from, from + TD_TILE_PIXELS, to, to + TD_TILE_PIXELS};
-    const td_estimated judged = {h,         &signals,           s->sensor.pixels.reference + s->layout.first_pixel[step->tile],
-                                 deviation, s->timing.rounding, s->layout.tile[step->tile].count};
+    const td_estimated judged = {h,
+                                 &signals,
+                                 s->sensor.pixels.reference + s->layout.first_pixel[step->tile],
+                                 deviation,
+                                 s->done.timing.rounding,
+                                 s->layout.tile[step->tile].count};
     td_sensor sensor = s->sensor; /* ideal: nothing is remembered of what is asked */
     td_estimate e = td_sensor_estimate(&sensor, &judged, s->layout.first_pixel[step->tile], 0, 0);
     double excess = 2 * share * s->renderer->candidates.travel[step->tile];

@@ -188,7 +188,7 @@ static inline void refuse(const job *j, const char *run, const char *path, tides
     tides_error error = {0};
     scene_expect_error(tides_simulator_restore(s, run, path, &error), wanted, &error, words);
     assert_false(s->started);
-    assert_true(s->step == 0 && s->work.counts.events_on == 0);
+    assert_true(s->step == 0 && s->done.work.counts.events_on == 0);
     tides_simulator_destroy(s);
     tides_device_close(device);
 }

@@ -72,7 +72,7 @@ tides_status td_solve_create(tides_simulator *s, tides_error *error) {
     solve->known = td_alloc(s->layout.first_pixel[s->layout.tiles], sizeof *solve->known, error);
     if (!solve->known) return TIDES_NO_MEMORY;
     solve->is_exact = !td_renderer_points_rounded(s->renderer);
-    solve->samples = s->timing.rounding + TD_SOLVE_SAMPLES;
+    solve->samples = s->done.timing.rounding + TD_SOLVE_SAMPLES;
     solve->enough = ENOUGH;
     solve->target_s = s->given.time_tolerance_s > 0 ? s->given.time_tolerance_s : default_target_s;
     return TIDES_OK;
@@ -80,34 +80,21 @@ tides_status td_solve_create(tides_simulator *s, tides_error *error) {
 
 void td_solve_release(td_solve *solve) {
     free(solve->known);
-    free(solve->refer.wanted);
-    free(solve->refer.start);
-    free(solve->refer.rest);
-    free(solve->looked);
     free(solve->found);
     free(solve->step);
-    free(solve->reaches);
-    free(solve->trust);
-    free(solve->sampled);
-    td_work_release(&solve->ahead);
-    for (int k = 0; k < TD_SOLVE_BATCHES; k++) {
-        free(solve->batch[k].pixel);
-        free(solve->batch[k].point);
-        free(solve->batch[k].asked);
-        free(solve->batch[k].value);
-    }
+    for (int k = 0; k < TD_SOLVE_BATCHES; k++) td_solve_batch_release(&solve->batch[k]);
     *solve = (td_solve){.on = solve->on, .unsolved = solve->unsolved};
 }
 
 /* -- before anything is looked up ----------------------------------------------------------------------------------------- */
 
 /* What all pixels of a step share. */
-static tides_status lay_step(tides_simulator *s, const td_refine_step *refined, double start, double stop, td_solve_step *at,
-                             tides_error *error) {
+static tides_status lay_step(const tides_simulator *s, const td_refine_step *refined, td_solve_step *at, tides_error *error) {
+    const td_refine *r = &s->refine;
     const double *begin[TD_PLANES_ALL], *end[TD_PLANES_ALL];
     td_refine_planes(s, refined, begin, end);
-    at->from = td_refine_time(&s->refine, start, stop, refined->from);
-    at->to = td_refine_time(&s->refine, start, stop, refined->to);
+    at->from = td_refine_time(r, r->start, r->stop, refined->from);
+    at->to = td_refine_time(r, r->start, r->stop, refined->to);
     at->signals = (td_signals){begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
     at->coverage = at->alpha_dot = (td_coverage){NULL, NULL};
     if (s->sensor.masks) at->coverage = (td_coverage){begin[TD_PLANE_ALPHA], end[TD_PLANE_ALPHA]};
@@ -116,10 +103,10 @@ static tides_status lay_step(tides_simulator *s, const td_refine_step *refined, 
 }
 
 /* Lists a pixel of a unit with its steps from `first` on, the `row`th, which is the first in which it may do something. */
-static tides_status list_pixel(tides_simulator *s, int32_t first, size_t row, int32_t i, tides_error *error) {
-    td_solve *solve = &s->solve;
+static tides_status list_pixel(const tides_simulator *s, td_solve_portion *solve, int32_t first, size_t row, int32_t i,
+                               tides_error *error) {
     const td_refine *r = &s->refine;
-    td_solve_batch *batch = td_solve_asking(solve);
+    td_solve_batch *batch = solve->asks;
     const size_t begun = solve->looked_count;
     tides_status status =
         td_reserve((void **)&batch->pixel, &batch->pixel_capacity, batch->pixels + 1, sizeof *batch->pixel, error);
@@ -129,8 +116,8 @@ static tides_status list_pixel(tides_simulator *s, int32_t first, size_t row, in
         status =
             td_reserve((void **)&solve->looked, &solve->looked_capacity, solve->looked_count + 1, sizeof *solve->looked, error);
         if (status != TIDES_OK) break;
-        const td_signals *at = &solve->step[k].signals;
-        const double h = solve->step[k].span.length_s;
+        const td_signals *at = &s->solve.step[k].signals;
+        const double h = s->solve.step[k].span.length_s;
         solve->looked[solve->looked_count++] = (td_looked){.ends = {h, at->S0[i], at->S0_dot[i], at->S1[i], at->S1_dot[i]},
                                                            .trust = solve->trust[place],
                                                            .step = k,
@@ -143,12 +130,11 @@ static tides_status list_pixel(tides_simulator *s, int32_t first, size_t row, in
 
 /* Which of a unit's pixels may do something in a step, its `row`th, and which have a level within reach; `doubt` is of their
  * references. */
-static tides_status find_active(tides_simulator *s, int32_t step, size_t row, const double *doubt, uint8_t *active,
-                                tides_error *error) {
-    td_solve *solve = &s->solve;
+static tides_status find_active(const tides_simulator *s, td_solve_portion *solve, int32_t step, size_t row,
+                                const double *doubt, uint8_t *active, tides_error *error) {
     const td_refine_step *refined = &s->refine.step[step];
     const td_tile *tile = &s->layout.tile[refined->tile];
-    const td_solve_step *at = &solve->step[step];
+    const td_solve_step *at = &s->solve.step[step];
     const size_t pixels = (size_t)s->refine.samples.pixels, first = s->layout.first_pixel[refined->tile];
     double widen[TD_TILE_PIXELS];
     tides_status status = td_reserve((void **)&solve->reaches, &solve->reach_capacity, (row + 1) * pixels, 1, error);
@@ -157,28 +143,28 @@ static tides_status find_active(tides_simulator *s, int32_t step, size_t row, co
     if (status != TIDES_OK) return status;
     td_trust *trust = solve->trust + row * pixels;
     td_solve_first_trust(s, refined, at->span.length_s, 0, tile->count, trust);
-    for (int32_t i = 0; i < tile->count; i++) widen[i] = trust[i].error + solve->samples + doubt[i];
+    for (int32_t i = 0; i < tile->count; i++) widen[i] = trust[i].error + s->solve.samples + doubt[i];
     td_sensor_find(&s->sensor, &at->span, tile, first, &at->signals, widen, active);
     td_sensor_reaches(&s->sensor, &at->span, tile, first, &at->signals, widen, solve->reaches + row * pixels);
     return TIDES_OK;
 }
 
 /* Runs the pixel that was listed last, and drops it where it is settled; one whose reference isn't known waits for that. */
-static tides_status run_last(tides_simulator *s, tides_error *error) {
+static tides_status run_last(tides_simulator *s, td_portion *portion, tides_error *error) {
     const td_solve *solve = &s->solve;
-    td_solve_batch *batch = td_solve_asking(&s->solve);
+    td_solve_batch *batch = portion->solve.asks;
     td_solving *pixel = &batch->pixel[batch->pixels - 1];
     if (solve->known[s->layout.first_pixel[pixel->tile] + (size_t)pixel->local] == 0) {
         pixel->waits = 1;
-        return td_solve_ask_reference(s, pixel->tile, pixel->local, error);
+        return td_solve_ask_reference(s, &portion->solve, pixel->tile, pixel->local, error);
     }
-    tides_status status = td_solve_run(s, pixel, error);
+    tides_status status = td_solve_run(s, portion, portion->solve.looked, pixel, error);
     if (pixel->next == pixel->end) batch->pixels--;
     return status;
 }
 
 /* The pixels of a unit that may do something: each is listed, and run while what was read for it is at hand. */
-static tides_status begin_unit(tides_simulator *s, int t, double start, double stop, tides_error *error) {
+static tides_status begin_unit(tides_simulator *s, td_portion *portion, int t, tides_error *error) {
     const td_refine *r = &s->refine;
     uint8_t active[TD_TILE_PIXELS] = {0}, before[TD_TILE_PIXELS];
     int32_t first[TD_TILE_PIXELS];
@@ -188,43 +174,61 @@ static tides_status begin_unit(tides_simulator *s, int t, double start, double s
     td_solve_doubt(s, t, doubt);
     for (int32_t k = r->head[t]; k >= 0 && !r->step[k].open && status == TIDES_OK; k = r->step[k].next, rows++) {
         memcpy(before, active, sizeof before);
-        status = lay_step(s, &r->step[k], start, stop, &s->solve.step[k], error);
-        if (status == TIDES_OK) status = find_active(s, k, rows, doubt, active, error);
+        status = lay_step(s, &r->step[k], &s->solve.step[k], error);
+        if (status == TIDES_OK) status = find_active(s, &portion->solve, k, rows, doubt, active, error);
         for (int32_t i = 0; i < s->layout.tile[t].count; i++)
             if (active[i] != before[i]) first[i] = k, row[i] = rows;
     }
     for (int32_t i = 0; i < s->layout.tile[t].count && status == TIDES_OK; i++) {
         if (!active[i]) continue;
         /* NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): where it became active its step was kept */
-        status = list_pixel(s, first[i], row[i], i, error);
-        if (status == TIDES_OK) status = run_last(s, error);
+        status = list_pixel(s, &portion->solve, first[i], row[i], i, error);
+        if (status == TIDES_OK) status = run_last(s, portion, error);
     }
     return status;
 }
 
 /* -- batch after batch ---------------------------------------------------------------------------------------------------- */
 
+static tides_status begin_some(tides_simulator *s, td_portion *portion, int first, int end, const void *user,
+                               tides_error *error) {
+    const int *unit = user;
+    tides_status status = TIDES_OK;
+    for (int k = first; k < end && status == TIDES_OK; k++) status = begin_unit(s, portion, unit[k], error);
+    return status;
+}
+
+/* Units between two looks at whether the batch is worth it: those of a tile at least; of so many tiles as make work for all. */
+enum { FEWEST_UNITS = 16, GROUP = 512 };
+
+static int group_end(const tides_simulator *s, int first) {
+    const td_refine *r = &s->refine;
+    const int least = td_pool_threads(s->sharing.pool) > 1 ? GROUP : 1;
+    int end = first + 1;
+    while (end < r->units && (end < first + least || td_units_tile(s, r->unit[end]) == td_units_tile(s, r->unit[end - 1])))
+        end++;
+    return end;
+}
+
 /* All units that are refined together; a batch goes when it is worth it, with all points of its tiles, which go down a list
  * together. */
-static tides_status begin_units(tides_simulator *s, double start, double stop, tides_error *error) {
+static tides_status begin_units(tides_simulator *s, tides_error *error) {
     td_solve *solve = &s->solve;
     const td_refine *r = &s->refine;
     tides_status status = td_reserve((void **)&solve->step, &solve->step_capacity, r->steps, sizeof *solve->step, error);
-    for (int k = 0; k < r->units && status == TIDES_OK; k++) {
-        const int t = r->unit[k];
-        const int begins_tile = k > 0 && td_units_tile(s, t) != td_units_tile(s, r->unit[k - 1]);
-        if (begins_tile && td_solve_has_enough(s)) status = td_solve_turn(s, error);
-        if (status == TIDES_OK) status = begin_unit(s, t, start, stop, error);
+    for (int first = 0, end; first < r->units && status == TIDES_OK; first = end) {
+        end = group_end(s, first);
+        if (td_solve_has_enough(s)) status = td_solve_turn(s, error);
+        if (status == TIDES_OK) status = td_share_out(s, end - first, FEWEST_UNITS, begin_some, r->unit + first, error);
     }
     return status;
 }
 
-tides_status td_solve_steps(tides_simulator *s, double start, double stop, tides_error *error) {
-    td_solve *solve = &s->solve;
-    solve->looked_count = solve->found_count = 0;
+tides_status td_solve_steps(tides_simulator *s, tides_error *error) {
+    s->done.solve.looked_count = s->solve.found_count = 0;
     td_solve_clear_batches(s);
-    tides_status status = begin_units(s, start, stop, error);
-    while (status == TIDES_OK && td_solve_is_busy(solve)) status = td_solve_turn(s, error);
+    tides_status status = begin_units(s, error);
+    while (status == TIDES_OK && td_solve_is_busy(s)) status = td_solve_turn(s, error);
     if (status != TIDES_OK) td_solve_clear_batches(s);
     return status;
 }

@@ -6,9 +6,8 @@
  * as long as a core of two takes to look it up, or half of that. */
 enum { FIRST = 1024 };
 
-tides_status td_solve_ask(tides_simulator *s, const td_tile *tile, int32_t local, double time, const td_asked *asked,
+tides_status td_solve_ask(td_solve_batch *batch, const td_tile *tile, int32_t local, double time, const td_asked *asked,
                           tides_error *error) {
-    td_solve_batch *batch = td_solve_asking(&s->solve);
     const size_t k = batch->points;
     tides_status status = td_reserve((void **)&batch->point, &batch->point_capacity, k + 1, sizeof *batch->point, error);
     if (status == TIDES_OK)
@@ -48,9 +47,9 @@ tides_status td_solve_look_up(tides_simulator *s, tides_error *error) {
     return status == TIDES_OK ? td_solve_receive(s, error) : status;
 }
 
-int td_solve_is_busy(const td_solve *solve) {
-    size_t left = solve->refer.count;
-    for (int k = 0; k < TD_SOLVE_BATCHES; k++) left += solve->batch[k].points;
+int td_solve_is_busy(const tides_simulator *s) {
+    size_t left = s->done.solve.refer.count;
+    for (int k = 0; k < TD_SOLVE_BATCHES; k++) left += s->solve.batch[k].points;
     return left > 0;
 }
 
@@ -62,6 +61,6 @@ int td_solve_has_enough(const tides_simulator *s) {
 void td_solve_clear_batches(tides_simulator *s) {
     td_renderer_points_drop(s->renderer);
     for (int k = 0; k < TD_SOLVE_BATCHES; k++) s->solve.batch[k].points = s->solve.batch[k].pixels = 0;
-    s->solve.refer.count = 0;
+    s->done.solve.refer.count = 0;
     s->solve.enough_now = s->solve.enough < FIRST ? s->solve.enough : FIRST;
 }

@@ -9,6 +9,9 @@
 /* Steps of a macro step are too many for caches, and are asked for so many pixels ahead. */
 enum { AHEAD = 6 };
 
+/* That are worth a thread's while. */
+enum { FEWEST_POINTS = 512, FEWEST_PIXELS = 64 };
+
 /* -- what comes back ------------------------------------------------------------------------------------------------------- */
 
 static void soon(const td_looked *looked) {
@@ -19,7 +22,7 @@ static void soon(const td_looked *looked) {
 /* What was found at an end of its step stands for the sample there; at the macro step's end it is what the next one begins
  * with. */
 static void take_end(tides_simulator *s, const td_asked *asked, const td_point_value *value) {
-    td_looked *looked = &s->solve.looked[asked->looked];
+    td_looked *looked = &s->done.solve.looked[asked->looked];
     const td_refine_step *step = &s->refine.step[looked->step];
     if (asked->s > 0) {
         looked->ends.S1 = value->L, looked->ends.S1_dot = value->L_dot;
@@ -34,17 +37,61 @@ static void take_end(tides_simulator *s, const td_asked *asked, const td_point_v
     sample[TD_PLANE_S_DOT * s->refine.samples.pixels] = value->L_dot;
 }
 
-/* What was found becomes nodes. */
-static tides_status take(tides_simulator *s, const td_solve_batch *back, tides_error *error) {
+/* The first point from number k on that isn't of the pixel's step before it: what was found of one makes a list, and all of it
+ * is asked for together. */
+static int whole(const td_solve_batch *back, int k) {
+    while (k > 0 && (size_t)k < back->points && back->asked[k].looked == back->asked[k - 1].looked) k++;
+    return k;
+}
+
+/* What was found by some of the points becomes nodes. */
+static tides_status take_some(tides_simulator *s, td_portion *portion, int first, int end, const void *user,
+                              tides_error *error) {
+    const td_solve_batch *back = user;
     td_solve *solve = &s->solve;
-    tides_status status = TIDES_OK;
-    for (size_t k = 0; k < back->points && status == TIDES_OK; k++) {
-        if (k + AHEAD < back->points) soon(&solve->looked[back->asked[k + AHEAD].looked]);
+    td_looked *looked = s->done.solve.looked;
+    const int32_t number = (int32_t)(solve->found_count - back->points);
+    (void)portion, (void)error;
+    for (int k = whole(back, first), stop = whole(back, end); k < stop; k++) {
+        if (k + AHEAD < stop) soon(&looked[back->asked[k + AHEAD].looked]);
         const td_asked *asked = &back->asked[k];
         if (asked->s > 0 && asked->s < 1)
-            status = td_solve_insert(solve, &solve->looked[asked->looked], asked->s, &back->value[k], error);
+            td_solve_insert(solve, &looked[asked->looked], number + k, asked->s, &back->value[k]);
         else
             take_end(s, asked, &back->value[k]);
+    }
+    return TIDES_OK;
+}
+
+/* What was found becomes nodes: room for one of each point, so that it is known where that is. */
+static tides_status take(tides_simulator *s, const td_solve_batch *back, tides_error *error) {
+    td_solve *solve = &s->solve;
+    const size_t count = solve->found_count + back->points;
+    tides_status status = td_reserve((void **)&solve->found, &solve->found_capacity, count, sizeof *solve->found, error);
+    if (status != TIDES_OK) return status;
+    solve->found_count = count;
+    return td_share_out(s, (int)back->points, FEWEST_POINTS, take_some, back, error);
+}
+
+/* Pixels that are run. */
+typedef struct running {
+    td_solving *pixel;
+    int waited;
+} running;
+
+static tides_status run_some(tides_simulator *s, td_portion *portion, int first, int end, const void *user,
+                             tides_error *error) {
+    const running *all = user;
+    td_looked *looked = s->done.solve.looked;
+    td_solve_batch *asks = portion->solve.asks;
+    tides_status status = td_reserve((void **)&asks->pixel, &asks->pixel_capacity, asks->pixels + (size_t)(end - first),
+                                     sizeof *asks->pixel, error);
+    for (int k = first; k < end && status == TIDES_OK; k++) {
+        td_solving *pixel = &all->pixel[k];
+        if (k + AHEAD < end) soon(&looked[all->pixel[k + AHEAD].next]);
+        if (pixel->waits == all->waited) status = td_solve_run(s, portion, looked, pixel, error);
+        pixel->waits = 0;
+        if (pixel->next < pixel->end) asks->pixel[asks->pixels++] = *pixel;
     }
     return status;
 }
@@ -57,14 +104,8 @@ static tides_status run_pixels(tides_simulator *s, td_solve_batch *from, int wai
     from->pixels = 0;
     tides_status status =
         td_reserve((void **)&asking->pixel, &asking->pixel_capacity, asking->pixels + count, sizeof *asking->pixel, error);
-    for (size_t k = 0; k < count && status == TIDES_OK; k++) {
-        td_solving *pixel = &from->pixel[k];
-        if (k + AHEAD < count) soon(&s->solve.looked[from->pixel[k + AHEAD].next]);
-        if (pixel->waits == waited) status = td_solve_run(s, pixel, error);
-        pixel->waits = 0;
-        if (pixel->next < pixel->end) asking->pixel[asking->pixels++] = *pixel;
-    }
-    return status;
+    const running all = {from->pixel, waited};
+    return status == TIDES_OK ? td_share_out(s, (int)count, FEWEST_PIXELS, run_some, &all, error) : status;
 }
 
 /* -- taking turns ---------------------------------------------------------------------------------------------------------- */
@@ -74,7 +115,7 @@ tides_status td_solve_turn(tides_simulator *s, tides_error *error) {
     td_solve_batch *full = td_solve_asking(solve),
                    *back = &solve->batch[(solve->asking + TD_SOLVE_BATCHES - 1) % TD_SOLVE_BATCHES];
     tides_status status = td_solve_receive(s, error);
-    if (status == TIDES_OK && solve->refer.count > 0) { /* nothing is away now */
+    if (status == TIDES_OK && s->done.solve.refer.count > 0) { /* nothing is away now */
         status = td_solve_refer(s, error);
         if (status == TIDES_OK) status = run_pixels(s, full, 1, error);
     }

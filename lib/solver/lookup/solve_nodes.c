@@ -116,21 +116,17 @@ static void neighbours(const td_solve *solve, const td_looked *looked, double s,
     }
 }
 
-tides_status td_solve_insert(td_solve *solve, td_looked *looked, double s, const td_point_value *value, tides_error *error) {
+void td_solve_insert(td_solve *solve, td_looked *looked, int32_t number, double s, const td_point_value *value) {
     const td_ends *ends = &looked->ends;
     int32_t before, after;
     neighbours(solve, looked, s, &before, &after);
     const td_node a = before >= 0 ? solve->found[before].node : (td_node){0, ends->S0, ends->S0_dot};
     const td_node b = after >= 0 ? solve->found[after].node : (td_node){1, ends->S1, ends->S1_dot};
-    if (!(s - a.s > TD_SOLVE_APART && b.s - s > TD_SOLVE_APART) || looked->nodes == TD_NODES_MAX) return TIDES_OK;
-    tides_status status =
-        td_reserve((void **)&solve->found, &solve->found_capacity, solve->found_count + 1, sizeof *solve->found, error);
-    if (status != TIDES_OK) return status;
+    if (!(s - a.s > TD_SOLVE_APART && b.s - s > TD_SOLVE_APART) || looked->nodes == TD_NODES_MAX) return;
     const double h = (b.s - a.s) * ends->h, u = (s - a.s) / (b.s - a.s);
     const td_model model = td_model_fit(TIDES_MODEL_HERMITE, h, a.S, a.S_dot, b.S, b.S_dot);
     td_trust *left = before >= 0 ? &solve->found[before].trust : &looked->trust;
     const td_trust whole = learnt(left, u, value->L - td_model_value(&model, u), h * value->L_dot - td_model_slope(&model, u));
-    const int32_t number = (int32_t)solve->found_count++;
     const td_trust right = {left_in(&whole, 1 - u), whole.is_smooth, unseen_in(&whole, 1 - u)};
     solve->found[number] = (td_found){{s, value->L, value->L_dot}, right, after};
     *left = (td_trust){left_in(&whole, u), whole.is_smooth, unseen_in(&whole, u)};
@@ -139,5 +135,4 @@ tides_status td_solve_insert(td_solve *solve, td_looked *looked, double s, const
     else
         looked->first = number;
     looked->nodes++;
-    return TIDES_OK;
 }

@@ -25,46 +25,56 @@ void td_solve_doubt(const tides_simulator *s, int t, double *doubt) {
     for (int32_t i = 0; i < tile->count; i++) {
         doubt[i] = 0;
         if (known[first + (size_t)i] == 0)
-            doubt[i] = s->solve.samples + ROUNDINGS * td_timing_rounding(&s->timing, tile, rest, i);
+            doubt[i] = s->solve.samples + ROUNDINGS * td_timing_rounding(&s->done.timing, tile, rest, i);
     }
 }
 
-tides_status td_solve_ask_reference(tides_simulator *s, int t, int32_t local, tides_error *error) {
-    td_solve *solve = &s->solve;
+tides_status td_solve_ask_reference(const tides_simulator *s, td_solve_portion *portion, int t, int32_t local,
+                                    tides_error *error) {
+    td_solve_refer_list *refer = &portion->refer;
     const td_tile *tile = &s->layout.tile[t];
-    const size_t k = solve->refer.count;
-    tides_status status =
-        td_reserve((void **)&solve->refer.wanted, &solve->refer.wanted_capacity, k + 1, sizeof *solve->refer.wanted, error);
+    const size_t k = refer->count;
+    tides_status status = td_reserve((void **)&refer->wanted, &refer->wanted_capacity, k + 1, sizeof *refer->wanted, error);
     if (status == TIDES_OK)
-        status =
-            td_reserve((void **)&solve->refer.start, &solve->refer.start_capacity, k + 1, sizeof *solve->refer.start, error);
+        status = td_reserve((void **)&refer->start, &refer->start_capacity, k + 1, sizeof *refer->start, error);
     if (status != TIDES_OK) return status;
-    solve->refer.wanted[k] = s->layout.first_pixel[t] + (size_t)local;
-    solve->refer.start[k] = (td_point){0, tile->x0 + local % tile->width, tile->y0 + local / tile->width};
-    solve->refer.count++;
+    refer->wanted[k] = s->layout.first_pixel[t] + (size_t)local;
+    refer->start[k] = (td_point){0, tile->x0 + local % tile->width, tile->y0 + local / tile->width};
+    refer->count++;
     return TIDES_OK;
 }
 
 tides_status td_solve_refer(tides_simulator *s, tides_error *error) {
     td_solve *solve = &s->solve;
-    const size_t count = solve->refer.count;
-    solve->refer.count = 0;
-    tides_status status =
-        td_renew((void **)&solve->refer.rest, &solve->refer.rest_capacity, count, sizeof *solve->refer.rest, error);
+    td_solve_refer_list *refer = &s->done.solve.refer;
+    const size_t count = refer->count;
+    refer->count = 0;
+    tides_status status = td_renew((void **)&refer->rest, &refer->rest_capacity, count, sizeof *refer->rest, error);
     if (status != TIDES_OK || count == 0) return status;
     const double begun = td_now();
-    status = begins(s) ? td_renderer_points(s->renderer, s->camera, solve->refer.start, count, solve->refer.rest, error)
-                       : td_renderer_kept_points(s->renderer, s->camera, solve->refer.start, count, solve->refer.rest, error);
+    status = begins(s) ? td_renderer_points(s->renderer, s->camera, refer->start, count, refer->rest, error)
+                       : td_renderer_kept_points(s->renderer, s->camera, refer->start, count, refer->rest, error);
     td_solve_note_time(s, begun);
     solve->lookups += count;
     for (size_t k = 0; k < count && status == TIDES_OK; k++) {
-        td_sensor_refer(&s->sensor, solve->refer.wanted[k], solve->refer.rest[k].L);
-        solve->known[solve->refer.wanted[k]] = 1;
+        td_sensor_refer(&s->sensor, refer->wanted[k], refer->rest[k].L);
+        solve->known[refer->wanted[k]] = 1;
     }
     return status;
 }
 
 /* -- ramps ---------------------------------------------------------------------------------------------------------------- */
+
+/* A pixel at rest is listed as what asks, without steps; `k`th points are the `k`th pixels'. */
+static tides_status ask_at_rest(tides_simulator *s, int t, int32_t local, double start, tides_error *error) {
+    td_solve_batch *batch = td_solve_asking(&s->solve);
+    const td_asked asked = {-1, local, 0};
+    tides_status status =
+        td_reserve((void **)&batch->pixel, &batch->pixel_capacity, batch->pixels + 1, sizeof *batch->pixel, error);
+    if (status == TIDES_OK) status = td_solve_ask(batch, &s->layout.tile[t], local, start, &asked, error);
+    if (status == TIDES_OK) batch->pixel[batch->pixels++] = (td_solving){t, local, 0, 0, 0};
+    return status;
+}
 
 /* Asks for the pixels of a tile in which nothing moves that may do something in the step: their places in the sample, too, and
  * their references where they aren't known. */
@@ -80,11 +90,10 @@ static tides_status ask_still(tides_simulator *s, int t, const td_step *span, do
     for (int32_t i = 0; i < tile->count; i++) widen[i] += s->solve.samples;
     td_sensor_find(&s->sensor, span, tile, s->layout.first_pixel[t], &signals, widen, active);
     for (int32_t i = 0; i < tile->count && status == TIDES_OK; i++) {
-        const td_asked asked = {(int32_t)(s->layout.first_pixel[t] + (size_t)i), i, 0};
         if (!active[i]) continue;
-        status = td_solve_ask(s, tile, i, start, &asked, error);
+        status = ask_at_rest(s, t, i, start, error);
         if (status == TIDES_OK && s->solve.known[s->layout.first_pixel[t] + (size_t)i] == 0)
-            status = td_solve_ask_reference(s, t, i, error);
+            status = td_solve_ask_reference(s, &s->done.solve, t, i, error);
     }
     return status;
 }
@@ -102,7 +111,9 @@ tides_status td_solve_still(tides_simulator *s, const td_step *span, double star
     }
     if (status == TIDES_OK) status = td_solve_refer(s, error);
     if (status == TIDES_OK) status = td_solve_look_up(s, error);
-    for (size_t k = 0; k < batch->points && status == TIDES_OK; k++)
-        s->now.plane[TD_PLANE_S][batch->asked[k].looked] = batch->value[k].L;
+    for (size_t k = 0; k < batch->points && status == TIDES_OK; k++) {
+        const td_solving *pixel = &batch->pixel[k];
+        s->now.plane[TD_PLANE_S][s->layout.first_pixel[pixel->tile] + (size_t)pixel->local] = batch->value[k].L;
+    }
     return status;
 }

@@ -23,10 +23,10 @@ static uint64_t state_of(const td_visit *v) {
 }
 
 /* What was found for another state is forgotten. */
-static void enter(td_visit *v, int32_t number) {
+static void enter(td_visit *v, td_looked *looked, int32_t number) {
     const td_sensor *sensor = &v->s->sensor;
     v->number = number;
-    v->looked = &v->s->solve.looked[number];
+    v->looked = &looked[number];
     v->now = &v->s->solve.step[v->looked->step];
     v->reference = sensor->pixels.reference[v->at];
     v->held_until = sensor->on ? sensor->held_until[v->at] : -INFINITY;
@@ -60,9 +60,9 @@ static void take_rounding(td_visit *v) {
     const double samples = s->solve.samples;
     v->model.start = v->looked->known_ends & TD_KNOWS_START ? 0 : samples;
     v->model.end = v->looked->known_ends & TD_KNOWS_END ? 0 : samples;
-    v->model.floor = s->solve.is_exact
-                         ? TD_DOUBLE_ROUNDING * (1 + fabs(v->looked->ends.S1))
-                         : td_timing_rounding(&s->timing, &s->layout.tile[v->pixel->tile], v->now->signals.S1, v->pixel->local);
+    v->model.floor = s->solve.is_exact ? TD_DOUBLE_ROUNDING * (1 + fabs(v->looked->ends.S1))
+                                       : td_timing_rounding(&s->done.timing, &s->layout.tile[v->pixel->tile],
+                                                            v->now->signals.S1, v->pixel->local);
 }
 
 /* -- what is to be looked up ---------------------------------------------------------------------------------------------- */
@@ -70,7 +70,8 @@ static void take_rounding(td_visit *v) {
 static tides_status ask(const td_visit *v, double s, tides_error *error) {
     const double time = v->now->from + s * (v->now->to - v->now->from);
     const td_asked asked = {v->number, v->pixel->local, s};
-    return td_solve_ask(v->s, &v->s->layout.tile[v->pixel->tile], v->pixel->local, td_lesser(time, v->now->to), &asked, error);
+    return td_solve_ask(v->portion->solve.asks, &v->s->layout.tile[v->pixel->tile], v->pixel->local,
+                        td_lesser(time, v->now->to), &asked, error);
 }
 
 static void weigh(td_visit *v) {
@@ -155,7 +156,7 @@ static tides_status ask_swaps(const td_visit *v, int may_ask, int *doubts, tides
 static tides_status judge(td_visit *v, int *asked, int *doubts, tides_error *error) {
     enum { MOST_APPROACHES = 16 };
     td_approach near[MOST_APPROACHES];
-    const td_solve_batch *batch = td_solve_asking(&v->s->solve);
+    const td_solve_batch *batch = v->portion->solve.asks;
     const size_t before = batch->points;
     const int may_ask = v->looked->looks < MOST_LOOKS;
     const int count = td_find_approaches(v, near, MOST_APPROACHES);
@@ -191,7 +192,7 @@ static tides_status advance(td_visit *v, tides_error *error) {
                                .pieces = &v->model.pieces,
                                .changes = &v->changes};
     if (v->now->coverage.begin) single.coverage = (td_coverage){v->now->coverage.begin + i, v->now->coverage.end + i};
-    return td_sensor_advance(&v->s->sensor, &single, &v->s->solve.ahead, error);
+    return td_sensor_advance(&v->s->sensor, &single, &v->portion->solve.ahead, error);
 }
 
 /* Of an event that waited for its pixel to become visible coverage decides when, which the comparator takes to be linear: by
@@ -230,7 +231,7 @@ static tides_status sample(const td_visit *v, int n, double late, tides_error *e
                             .floor = v->model.floor,
                             .late = late,
                             .length_s = v->now->span.length_s};
-    return td_solve_sample(v->s, &one, error);
+    return td_solve_sample(v->s, &v->portion->solve, &one, error);
 }
 
 /* May an event be undone for what is left there? */
@@ -244,15 +245,16 @@ static int is_uncertain(const td_visit *v, int n) {
 
 /* What the events of a settled step are worth. Noise has times of its own. */
 static tides_status note_events(td_visit *v, int doubts, tides_error *error) {
-    tides_simulator *s = v->s;
+    td_portion *portion = v->portion;
     tides_status status = TIDES_OK;
     double residual;
-    s->timing.uncertain += (uint64_t)(doubts + (ends_run(v) && left_at(v, 1, &residual) <= v->model.end + v->model.floor));
+    portion->timing.uncertain +=
+        (uint64_t)(doubts + (ends_run(v) && left_at(v, 1, &residual) <= v->model.end + v->model.floor));
     for (int k = 0; k < v->changes.count && status == TIDES_OK; k++) {
         if (!v->changes.change[k].fired) continue;
         const double late = waited(v, &v->changes.change[k]);
-        s->timing.uncertain += (uint64_t)(!(late > 0) && is_uncertain(v, k));
-        s->solve.events += (uint64_t)(v->nodes > 0);
+        portion->timing.uncertain += (uint64_t)(!(late > 0) && is_uncertain(v, k));
+        portion->solve.events += (uint64_t)(v->nodes > 0);
         status = sample(v, k, late, error);
     }
     return status;
@@ -264,26 +266,27 @@ static tides_status pass_step(td_visit *v, int *asked, tides_error *error) {
     *asked = 0;
     if (!may_act(v)) return TIDES_OK;
     take_nodes(v);
-    td_work_clear(&v->s->solve.ahead);
+    td_work_clear(&v->portion->solve.ahead);
     tides_status status = advance(v, error);
     take_rounding(v);
     if (status == TIDES_OK) status = judge(v, asked, &doubts, error);
     if (status != TIDES_OK || !v->settles || *asked) return status;
     status = note_events(v, doubts, error);
-    return status != TIDES_OK ? status : td_work_join(&v->s->work, &v->s->solve.ahead, error);
+    return status != TIDES_OK ? status : td_work_join(&v->portion->work, &v->portion->solve.ahead, error);
 }
 
-tides_status td_solve_run(tides_simulator *s, td_solving *pixel, tides_error *error) {
+tides_status td_solve_run(tides_simulator *s, td_portion *portion, td_looked *looked, td_solving *pixel, tides_error *error) {
     td_visit v; /* large: what a step has no use for isn't set */
     td_kept_pixel settled = {.words = 0};
     int32_t unsettled = pixel->end;
     tides_status status = TIDES_OK;
     v.s = s;
+    v.portion = portion;
     v.pixel = pixel;
     v.at = s->layout.first_pixel[pixel->tile] + (size_t)pixel->local;
     for (int32_t k = pixel->next; k < pixel->end && status == TIDES_OK; k++) {
         int asked = 0;
-        enter(&v, k);
+        enter(&v, looked, k);
         v.settles = unsettled == pixel->end;
         status = pass_step(&v, &asked, error);
         if (asked && v.settles) {

@@ -157,9 +157,9 @@ static void take_parameters(tides_simulator *s, const tides_sensor *sensor, cons
 /* Steps, tiles and arrays, for the renderer that is there. */
 static tides_status lay_out(tides_simulator *s, const tides_intrinsics *intrinsics, tides_error *error) {
     td_renderer_set_epoch(s->renderer, s->epoch);
-    s->timing.size = intrinsics->width > intrinsics->height ? intrinsics->width : intrinsics->height;
-    s->timing.rounding = td_renderer_is_double(s->renderer) ? 0 : TD_SINGLE_ROUNDING;
-    s->timing.epsilon = td_renderer_is_double(s->renderer) ? 0 : TD_SINGLE_EPSILON;
+    s->done.timing.size = intrinsics->width > intrinsics->height ? intrinsics->width : intrinsics->height;
+    s->done.timing.rounding = td_renderer_is_double(s->renderer) ? 0 : TD_SINGLE_ROUNDING;
+    s->done.timing.epsilon = td_renderer_is_double(s->renderer) ? 0 : TD_SINGLE_EPSILON;
     tides_render_stats facts;
     tides_status status = td_lay_grid(s, error);
     if (status != TIDES_OK) return status;
@@ -238,6 +238,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
         status = td_kick_make(sensor, s->epoch, &s->sensor.kick, error); /* its frames are on the run's clock */
     if (status == TIDES_OK) status = td_surround_steps_create(s, sensor, intrinsics->height, error);
     if (status == TIDES_OK) status = td_solve_create(s, error);
+    if (status == TIDES_OK) status = td_sharing_create(&s->sharing, tides_device_threads(device), error);
     if (status != TIDES_OK) {
         tides_simulator_destroy(s);
         return status;
@@ -266,7 +267,9 @@ void tides_simulator_destroy(tides_simulator *simulator) {
     free(simulator->layout.first_pixel);
     free(simulator->moving.list);
     free(simulator->tile_risk);
-    td_work_release(&simulator->work);
+    td_work_release(&simulator->done.work);
+    td_solve_portion_release(&simulator->done.solve);
+    td_sharing_release(&simulator->sharing);
     free(simulator->packet.scratch);
     free(simulator->undo.bytes);
     free(simulator);

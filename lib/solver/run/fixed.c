@@ -10,7 +10,7 @@
 static const double too_many_culled = 0.5, few_culled = 0.3;
 
 /* One rendered tile to its place in a sample. */
-static void store_tile(const tides_simulator *s, int t, const double *planes, td_sample *sample) {
+static void store_tile(const tides_simulator *s, int t, const double *planes, const td_sample *sample) {
     size_t first = s->layout.first_pixel[t], bytes = (size_t)s->layout.tile[t].count * sizeof(double);
     td_unpack_tile(&s->layout.tile[t], planes, sample->plane[TD_PLANE_S] + first, sample->plane[TD_PLANE_S_DOT] + first);
     if (s->given.sample_planes == TD_PLANES_SIGNAL) return;
@@ -30,12 +30,29 @@ tides_status td_fixed_render(tides_simulator *s, int count, tides_error *error) 
     return td_launch_render(s, 0, s->launch.count, TD_SIDE_ENDS, td_fixed_outputs(s), error);
 }
 
-void td_fixed_take(tides_simulator *s, int k, td_sample *sample) {
+/* The samples of one of the steps rendered, of some of the tiles that move. */
+typedef struct taken {
+    int step;
+    const td_sample *sample;
+} taken;
+
+static tides_status take_some(tides_simulator *s, td_portion *portion, int first, int end, const void *user,
+                              tides_error *error) {
+    const taken *to = user;
+    const size_t before = (size_t)to->step * (size_t)s->moving.count;
+    (void)portion, (void)error;
+    for (int i = first; i < end; i++)
+        store_tile(s, s->moving.list[i], td_launch_planes(&s->launch, before + (size_t)i), to->sample);
+    return TIDES_OK;
+}
+
+tides_status td_fixed_take(tides_simulator *s, int k, const td_sample *sample, tides_error *error) {
+    enum { FEWEST = 32 };
+    const taken to = {k, sample};
     const size_t bytes = s->layout.first_pixel[s->layout.tiles] * sizeof(double);
     if (s->moving.count < s->layout.tiles)
         for (int p = 0; p < s->given.sample_planes; p++) memcpy(sample->plane[p], s->now.plane[p], bytes);
-    for (int i = 0; i < s->moving.count; i++)
-        store_tile(s, s->moving.list[i], td_launch_planes(&s->launch, (size_t)k * (size_t)s->moving.count + (size_t)i), sample);
+    return td_share_out(s, s->moving.count, FEWEST, take_some, &to, error);
 }
 
 /* Slopes of S without derivatives: what a renderer that knows none could do. */
@@ -67,7 +84,7 @@ void td_fixed_adapt(tides_simulator *s, const tides_render_stats *before) {
         s->batch = 2 * s->batch < s->batch_limit ? 2 * s->batch : s->batch_limit;
 }
 
-static void store_first(tides_simulator *s, const td_ask *ask, const double *planes, void *user) {
+static void store_first(tides_simulator *s, const td_ask *ask, const double *planes, const void *user) {
     (void)user;
     store_tile(s, ask->unit, planes, &s->now);
 }

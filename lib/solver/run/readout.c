@@ -146,7 +146,7 @@ static int take(void *user, const tides_event *events, const int64_t *fired, siz
 tides_status td_readout_step(tides_simulator *s, tides_error *error) {
     td_run_readout *readout = &s->readout;
     tides_error *reason = error ? error : &readout->error;
-    tides_status status = td_renew((void **)&s->packet.scratch, &s->packet.scratch_capacity, s->work.events.count,
+    tides_status status = td_renew((void **)&s->packet.scratch, &s->packet.scratch_capacity, s->done.work.events.count,
                                    sizeof *s->packet.scratch, reason);
     if (status != TIDES_OK) return status;
     if (readout->psi) {
@@ -154,9 +154,9 @@ tides_status td_readout_step(tides_simulator *s, tides_error *error) {
         status = tides_arbiter_activity(readout->arbiter, readout->psi, reason);
         if (status != TIDES_OK) return status;
     }
-    td_event_sort(s->work.events.events, s->packet.scratch, s->work.events.count);
-    status = tides_arbiter_push(readout->arbiter, s->work.events.events, s->work.events.count, take, readout, reason);
-    s->work.events.count = 0;
+    td_event_sort(s->done.work.events.events, s->packet.scratch, s->done.work.events.count);
+    status = tides_arbiter_push(readout->arbiter, s->done.work.events.events, s->done.work.events.count, take, readout, reason);
+    s->done.work.events.count = 0;
     if (status == TIDES_OK && s->step == s->grid.steps) status = tides_arbiter_finish(readout->arbiter, take, readout, reason);
     return status == TIDES_CANCELLED ? td_fail(error, TIDES_NO_MEMORY, "%s", readout->error.text) : status;
 }

@@ -24,6 +24,23 @@
 
 /* -- one step of the grid -------------------------------------------------------------------------------------------------- */
 
+/* The comparator over a step of some of the tiles that move. */
+static tides_status compare_some(tides_simulator *s, td_portion *portion, int first, int end, const void *step,
+                                 tides_error *error) {
+    tides_status status = TIDES_OK;
+    for (int i = first; i < end && status == TIDES_OK; i++) {
+        int t = s->moving.list[i];
+        const double *begin_planes[TD_PLANES_ALL], *end_planes[TD_PLANES_ALL];
+        for (int p = 0; p < s->given.sample_planes; p++) {
+            begin_planes[p] = s->now.plane[p] + s->layout.first_pixel[t];
+            end_planes[p] = s->next.plane[p] + s->layout.first_pixel[t];
+        }
+        const td_compared tile = {t, step, begin_planes, end_planes, NULL};
+        status = td_compare_tile(s, portion, &tile, error);
+    }
+    return status;
+}
+
 /* The comparator over one step of every tile that moves, from now to next. */
 static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
     td_step step;
@@ -31,15 +48,7 @@ static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
     if (s->given.slope == TIDES_SLOPE_DIFFERENCE) td_difference_slopes(s, stop - start);
     if (s->surround.surround.on) return td_surround_compare(s, start, stop, NULL, error);
     tides_status status = td_grid_step(&s->grid, start, stop, &step, error);
-    for (int i = 0; i < s->moving.count && status == TIDES_OK; i++) {
-        int t = s->moving.list[i];
-        const double *begin_planes[TD_PLANES_ALL], *end_planes[TD_PLANES_ALL];
-        for (int p = 0; p < s->given.sample_planes; p++) {
-            begin_planes[p] = s->now.plane[p] + s->layout.first_pixel[t];
-            end_planes[p] = s->next.plane[p] + s->layout.first_pixel[t];
-        }
-        status = td_compare_tile(s, t, &step, begin_planes, end_planes, NULL, error);
-    }
+    if (status == TIDES_OK) status = td_share_out(s, s->moving.count, TD_FEWEST_TILES, compare_some, &step, error);
     return status == TIDES_OK ? td_compare_still(s, &step, error) : status;
 }
 
@@ -52,11 +61,11 @@ static tides_status reach(tides_simulator *s, tides_error *error) {
 
 /* Sorts the events from number `first` on. */
 static tides_status sort_from(tides_simulator *s, size_t first, tides_error *error) {
-    const size_t count = s->work.events.count - first;
+    const size_t count = s->done.work.events.count - first;
     if (count == 0) return TIDES_OK; /* and there may be no list yet */
     tides_status status =
         td_renew((void **)&s->packet.scratch, &s->packet.scratch_capacity, count, sizeof *s->packet.scratch, error);
-    if (status == TIDES_OK) td_event_sort(s->work.events.events + first, s->packet.scratch, count);
+    if (status == TIDES_OK) td_event_sort(s->done.work.events.events + first, s->packet.scratch, count);
     return status;
 }
 
@@ -64,8 +73,8 @@ static tides_status sort_from(tides_simulator *s, size_t first, tides_error *err
 static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
     const double begun = td_now();
     const int left = s->readout.arbiter != NULL; /* or from the pixels */
-    tides_event *events = left ? s->readout.events : s->work.events.events;
-    size_t count = left ? s->readout.count : s->work.events.count;
+    tides_event *events = left ? s->readout.events : s->done.work.events.events;
+    size_t count = left ? s->readout.count : s->done.work.events.count;
     if (s->filters.filter) {
         tides_status status =
             tides_filter_apply(s->filters.filter, events, left ? s->readout.fired : NULL, count, &count, error);
@@ -74,7 +83,7 @@ static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, 
     if (count > 0) s->packet.last = events[count - 1];
     const int stopped = sink && sink(user, events, count);
     s->stats.time_sink_s += td_now() - begun;
-    s->work.events.count = s->readout.count = 0;
+    s->done.work.events.count = s->readout.count = 0;
     return stopped ? td_fail(error, TIDES_CANCELLED, "stopped by the event sink at %.9g s", td_time_reached(s)) : TIDES_OK;
 }
 
@@ -84,13 +93,13 @@ static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, 
  * fifth of the time that all of them take together. */
 static tides_status compare_fixed(tides_simulator *s, int k, tides_error *error) {
     const double begun = td_now();
-    const size_t first = s->work.events.count;
-    td_fixed_take(s, k, &s->next);
-    tides_status status = compare_tiles(s, error);
+    const size_t first = s->done.work.events.count;
+    tides_status status = td_fixed_take(s, k, &s->next, error);
+    if (status == TIDES_OK) status = compare_tiles(s, error);
     if (status == TIDES_OK) status = sort_from(s, first, error);
     if (status == TIDES_OK) {
         td_turn_samples(s);
-        s->stats.steps += (uint64_t)s->moving.count;
+        s->done.steps.steps += (uint64_t)s->moving.count;
         status = reach(s, error);
     }
     s->stats.time_compare_s += td_now() - begun;
@@ -114,7 +123,7 @@ static tides_status advance_fixed(tides_simulator *s, int64_t most, tides_event_
     tides_status emitted = TIDES_OK;
     for (int k = 0; k < steps && status == TIDES_OK && emitted == TIDES_OK; k++) {
         status = compare_fixed(s, k, error);
-        if (status == TIDES_OK && s->work.events.count >= PACKET_FULL) emitted = emit(s, sink, user, error);
+        if (status == TIDES_OK && s->done.work.events.count >= PACKET_FULL) emitted = emit(s, sink, user, error);
     }
     s->broken = status != TIDES_OK;
     td_fixed_adapt(s, &before);
@@ -174,7 +183,8 @@ static tides_status measure(tides_simulator *s, tides_error *error) {
 /* The comparator over one macro step, refined tile by tile. */
 static tides_status compare_refined(tides_simulator *s, tides_error *error) {
     const double start = td_grid_time(s, s->step), stop = td_grid_time(s, s->step + 1);
-    s->solve.sampled_count = s->solve.fired = 0; /* of the step before, or of one that was stopped */
+    s->done.solve.sampled_count = s->done.solve.fired = 0; /* of the step before, or of one that was stopped */
+    s->done.solve.is_cut = 0;
     tides_status status = td_solve_keep_start(s, error);
     if (status == TIDES_OK) status = td_sweep(s, start, stop, error);
     if (status == TIDES_OK && s->moving.count > 0) status = td_renderer_find_swaps(s->renderer, s->camera, error);
@@ -258,7 +268,7 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
     if (!td_grid_reaches(&simulator->grid, 0, simulator->epoch, until))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_simulator_run: until %s s is before the start, %s s", TD_SHORT(until),
                        TD_SHORT(simulator->epoch));
-    double begun = td_now();
+    const double begun = td_now(), own = td_own_time();
     tides_status status = TIDES_OK;
     const int64_t last = last_point(simulator, until);
     if (last > simulator->step) status = check_told(simulator, last, error);
@@ -269,5 +279,6 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
     if (status == TIDES_OK) status = advance_to(simulator, last, sink, sink_user, error);
     td_ask_end(simulator);
     simulator->stats.run_time_s += td_now() - begun;
+    simulator->stats.time_alone_s += td_own_time() - own;
     return status;
 }

@@ -8,30 +8,28 @@
 #include <stdlib.h>
 
 /* What an accepted step adds to the statistics. */
-static void note_step(tides_simulator *s, const td_refine_step *step) {
-    tides_stats *stats = &s->stats;
+static void note_step(const tides_simulator *s, td_step_counts *steps, const td_refine_step *step) {
     int controls = s->given.mode == TIDES_STEPPING_ERROR, above = step->excess > 1;
-    stats->steps++;
-    stats->steps_probed += (uint64_t)(controls && step->probe >= 0);
-    stats->steps_at_minimum += (uint64_t)above;
-    stats->steps_at_rounding += (uint64_t)(!above && step->rounded > s->given.tolerance);
-    stats->worst_error = td_greater(stats->worst_error, step->error);
-    stats->worst_deviation = td_greater(stats->worst_deviation, step->deviation);
+    steps->steps++;
+    steps->probed += (uint64_t)(controls && step->probe >= 0);
+    steps->at_minimum += (uint64_t)above;
+    steps->at_rounding += (uint64_t)(!above && step->rounded > s->given.tolerance);
+    steps->worst_error = td_greater(steps->worst_error, step->error);
+    steps->worst_deviation = td_greater(steps->worst_deviation, step->deviation);
 }
 
-static tides_status compare_step(tides_simulator *s, const td_refine_step *refined, double start, double stop,
-                                 tides_error *error) {
+static tides_status compare_step(tides_simulator *s, td_portion *portion, const td_refine_step *refined, tides_error *error) {
     const td_refine *r = &s->refine;
     const double *begin_planes[TD_PLANES_ALL], *end_planes[TD_PLANES_ALL];
     td_refine_planes(s, refined, begin_planes, end_planes);
     td_step step;
-    size_t first = s->work.events.count;
-    tides_status status = td_grid_step(&s->grid, td_refine_time(r, start, stop, refined->from),
-                                       td_refine_time(r, start, stop, refined->to), &step, error);
-    if (status == TIDES_OK) status = td_compare_tile(s, refined->tile, &step, begin_planes, end_planes, NULL, error);
-    if (status != TIDES_OK) return status;
-    td_time_events(s, refined, &step, begin_planes, end_planes, first);
-    return TIDES_OK;
+    const td_compared tile = {refined->tile, &step, begin_planes, end_planes, NULL};
+    const size_t first = portion->work.events.count;
+    tides_status status = td_grid_step(&s->grid, td_refine_time(r, r->start, r->stop, refined->from),
+                                       td_refine_time(r, r->start, r->stop, refined->to), &step, error);
+    if (status == TIDES_OK) status = td_compare_tile(s, portion, &tile, error);
+    if (status == TIDES_OK) td_time_events(s, portion, refined, &tile, first);
+    return status;
 }
 
 /* The tile's sample becomes `to`'s. */
@@ -53,18 +51,36 @@ static void pass_head(td_refine *r, int t) {
 }
 
 /* The accepted steps of a tile: compared where they weren't solved. */
-static tides_status settle_tile(tides_simulator *s, int t, double start, double stop, int early, tides_error *error) {
-    td_refine *r = &s->refine;
-    for (int32_t i = r->head[t]; i >= 0 && !r->step[i].open;) {
-        const td_refine_step step = r->step[i];
-        tides_status status = s->solve.on ? TIDES_OK : compare_step(s, &step, start, stop, error);
+static tides_status settle_tile(tides_simulator *s, td_portion *portion, int t, tides_error *error) {
+    const td_refine *r = &s->refine;
+    for (int32_t i = r->head[t]; i >= 0 && !r->step[i].open; i = r->step[i].next) {
+        const td_refine_step *step = &r->step[i];
+        tides_status status = s->solve.on ? TIDES_OK : compare_step(s, portion, step, error);
         if (status != TIDES_OK) return status;
-        note_step(s, &step);
-        if (step.next < 0) reach(s, t, step.end, &s->now);
-        i = step.next;
-        if (early) pass_head(r, t);
+        note_step(s, &portion->steps, step);
+        if (step->next < 0) reach(s, t, step->end, &s->now);
     }
     return TIDES_OK;
+}
+
+static tides_status settle_some(tides_simulator *s, td_portion *portion, int first, int end, const void *user,
+                                tides_error *error) {
+    tides_status status = TIDES_OK;
+    (void)user;
+    for (int i = first; i < end && status == TIDES_OK; i++) status = settle_tile(s, portion, s->refine.unit[i], error);
+    return status;
+}
+
+/* Units that are worth a thread's while: those whose events are there have only their samples moved. */
+enum { FEWEST_SOLVED = 256 };
+
+/* Tiles that go their own ways. */
+static tides_status settle_apart(tides_simulator *s, int early, tides_error *error) {
+    td_refine *r = &s->refine;
+    tides_status status = td_share_out(s, r->units, s->solve.on ? FEWEST_SOLVED : TD_FEWEST_TILES, settle_some, NULL, error);
+    for (int i = 0; i < r->units && early && status == TIDES_OK; i++)
+        while (r->head[r->unit[i]] >= 0 && !r->step[r->head[r->unit[i]]].open) pass_head(r, r->unit[i]);
+    return status;
 }
 
 /* The first step of every tile, where they have their steps in common, to s->next and through the surround. */
@@ -75,7 +91,7 @@ static tides_status settle_common_step(tides_simulator *s, const int32_t *which,
            to = td_refine_time(r, start, stop, r->step[which[0]].to);
     for (int t = 0; t < s->layout.tiles; t++) {
         reach(s, t, r->step[which[t]].end, &s->next);
-        note_step(s, &r->step[which[t]]);
+        note_step(s, &s->done.steps, &r->step[which[t]]);
     }
     tides_status status = td_surround_compare(s, from, to, which, error);
     if (status != TIDES_OK) return status;
@@ -119,12 +135,11 @@ tides_status td_settle(tides_simulator *s, double start, double stop, int early,
     double begun = td_now();
     tides_status status = early ? keep_references(s, error) : TIDES_OK;
     if (status != TIDES_OK) return status;
-    if (s->solve.on) status = td_solve_steps(s, start, stop, error);
+    if (s->solve.on) status = td_solve_steps(s, error);
     if (s->surround.surround.on)
         status = settle_together(s, start, stop, early, error);
-    else
-        for (int i = 0; i < s->refine.units && status == TIDES_OK; i++)
-            status = settle_tile(s, s->refine.unit[i], start, stop, early, error);
+    else if (status == TIDES_OK)
+        status = settle_apart(s, early, error);
     s->stats.time_compare_s += td_now() - begun;
     s->broken |= status != TIDES_OK;
     return status;

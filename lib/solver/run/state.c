@@ -19,8 +19,8 @@ void td_simulator_state(tides_simulator *s, td_state *state) {
         td_state_add(state, real[i].name, TD_STATE_REAL, TD_STATE_PIXELS, pixels, real[i].values);
     td_state_add(state, "tile_risk", TD_STATE_REAL, TD_STATE_PLAIN, (size_t)s->layout.tiles, s->tile_risk);
     td_state_add(state, "solve_known", TD_STATE_REAL, TD_STATE_PIXELS, pixels, s->solve.known);
-    td_state_add(state, "timing_errors", TD_STATE_REAL, TD_STATE_PLAIN, TD_TIMING_BINS, s->timing.weight);
-    td_state_add(state, "timing_squares", TD_STATE_REAL, TD_STATE_PLAIN, 1, &s->timing.squares);
+    td_state_add(state, "timing_errors", TD_STATE_REAL, TD_STATE_PLAIN, TD_TIMING_BINS, s->done.timing.weight);
+    td_state_add(state, "timing_squares", TD_STATE_REAL, TD_STATE_PLAIN, 1, &s->done.timing.squares);
     const tides_filter *filter = s->filters.filter;
     td_state_add(state, "filters", TD_STATE_WHOLE, TD_STATE_PLAIN, filter ? filter->count : 0, filter ? filter->state : NULL);
 }

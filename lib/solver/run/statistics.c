@@ -8,7 +8,7 @@
 
 #include <pthread.h>
 
-/* A row as the public has it, and where the simulator counts it, as a uint64_t. */
+/* A row as the public has it, and where the simulator counts it, as a uint64_t or a double. */
 typedef struct counted {
     tides_stat stat;
     size_t source; /* in tides_simulator; IN_STATS: its tides_stats, or the renderer's, or worked out */
@@ -19,28 +19,29 @@ typedef struct counted {
     { {name, unit, TIDES_STAT_##type, TIDES_JOIN_##joined, offsetof(tides_stats, member)}, source }
 #define COUNT(name, joined, member) ROW(name, "", COUNT, joined, member, IN_STATS)
 #define COUNTED(name, member, source) ROW(name, "", COUNT, SUM, member, offsetof(tides_simulator, source))
+#define WORST(name, member, source) ROW(name, "thresholds", REAL, LARGEST, member, offsetof(tides_simulator, source))
 #define REAL(name, unit, joined, member) ROW(name, unit, REAL, joined, member, IN_STATS)
 
 /* In the order of --stats; what stands before a point is the group that the rest is in. */
 static const counted table[] = {
     COUNT("events", DERIVED, events),
-    COUNTED("events_on", events_on, work.counts.events_on),
-    COUNTED("events_off", events_off, work.counts.events_off),
-    COUNTED("events_truncated", events_truncated, work.counts.truncated),
-    COUNTED("events_uncertain", events_uncertain, timing.uncertain),
-    COUNTED("events_caught_up", events_caught_up, work.counts.caught_up),
+    COUNTED("events_on", events_on, done.work.counts.events_on),
+    COUNTED("events_off", events_off, done.work.counts.events_off),
+    COUNTED("events_truncated", events_truncated, done.work.counts.truncated),
+    COUNTED("events_uncertain", events_uncertain, done.timing.uncertain),
+    COUNTED("events_caught_up", events_caught_up, done.work.counts.caught_up),
     COUNT("settings.solve", DERIVED, solve),
     COUNT("settings.unsolved", DERIVED, unsolved),
     COUNT("settings.unit", DERIVED, unit),
     REAL("settings.tolerance", "thresholds", DERIVED, tolerance),
-    COUNTED("events_solved", events_solved, solve.events),
+    COUNTED("events_solved", events_solved, done.solve.events),
     COUNTED("points_looked_up", points_looked_up, solve.lookups),
-    COUNTED("events_suppressed", events_suppressed, work.counts.suppressed),
-    COUNTED("events_refractory", events_refractory, work.counts.refractory),
-    COUNTED("events_signal", events_by_cause[TIDES_CAUSE_SIGNAL], work.counts.cause[TIDES_CAUSE_SIGNAL]),
-    COUNTED("events_leak", events_by_cause[TIDES_CAUSE_LEAK], work.counts.cause[TIDES_CAUSE_LEAK]),
-    COUNTED("events_shot", events_by_cause[TIDES_CAUSE_SHOT], work.counts.cause[TIDES_CAUSE_SHOT]),
-    COUNTED("events_hot", events_by_cause[TIDES_CAUSE_HOT], work.counts.cause[TIDES_CAUSE_HOT]),
+    COUNTED("events_suppressed", events_suppressed, done.work.counts.suppressed),
+    COUNTED("events_refractory", events_refractory, done.work.counts.refractory),
+    COUNTED("events_signal", events_by_cause[TIDES_CAUSE_SIGNAL], done.work.counts.cause[TIDES_CAUSE_SIGNAL]),
+    COUNTED("events_leak", events_by_cause[TIDES_CAUSE_LEAK], done.work.counts.cause[TIDES_CAUSE_LEAK]),
+    COUNTED("events_shot", events_by_cause[TIDES_CAUSE_SHOT], done.work.counts.cause[TIDES_CAUSE_SHOT]),
+    COUNTED("events_hot", events_by_cause[TIDES_CAUSE_HOT], done.work.counts.cause[TIDES_CAUSE_HOT]),
     COUNT("events_written", DERIVED, events_written),
     COUNT("events_dropped", DERIVED, events_dropped),
     COUNT("events_overflowed", DERIVED, events_overflowed),
@@ -69,13 +70,13 @@ static const counted table[] = {
     COUNT("pairs_evaluated", SUM, render.pairs_evaluated),
     COUNT("lists_kept", SUM, render.lists_kept),
     COUNT("pixels_nonfinite", SUM, render.pixels_nonfinite),
-    COUNT("steps", SUM, steps),
+    COUNTED("steps", steps, done.steps.steps),
     COUNT("steps_rejected", SUM, steps_rejected),
-    COUNT("steps_at_minimum", SUM, steps_at_minimum),
-    COUNT("steps_at_rounding", SUM, steps_at_rounding),
-    COUNT("steps_probed", SUM, steps_probed),
-    REAL("worst_error", "thresholds", LARGEST, worst_error),
-    REAL("worst_deviation", "thresholds", LARGEST, worst_deviation),
+    COUNTED("steps_at_minimum", steps_at_minimum, done.steps.at_minimum),
+    COUNTED("steps_at_rounding", steps_at_rounding, done.steps.at_rounding),
+    COUNTED("steps_probed", steps_probed, done.steps.probed),
+    WORST("worst_error", worst_error, done.steps.worst_error),
+    WORST("worst_deviation", worst_deviation, done.steps.worst_deviation),
     REAL("error_p50_s", "s", DERIVED, error_p50_s),
     REAL("error_p95_s", "s", DERIVED, error_p95_s),
     REAL("error_p99_s", "s", DERIVED, error_p99_s),
@@ -95,6 +96,7 @@ static const counted table[] = {
     REAL("time_s.look_up", "s", SUM, time_look_up_s),
     REAL("time_s.sink", "s", SUM, time_sink_s),
     REAL("time_s.other", "s", DERIVED, time_other_s),
+    REAL("time_alone_s", "s", SUM, time_alone_s),
 };
 
 enum { ROWS = sizeof table / sizeof table[0] };
@@ -160,7 +162,7 @@ void td_stats_put(tides_simulator *s, const tides_stats *stats) {
 static void collect(const tides_simulator *s, tides_stats *stats) {
     td_stats_take(s, stats);
     tides_renderer_stats(s->renderer, &stats->render);
-    stats->render.pixels_nonfinite += s->work.counts.nonfinite;
+    stats->render.pixels_nonfinite += s->done.work.counts.nonfinite;
     stats->solve = s->solve.on ? TIDES_SOLVE_DOUBLE : TIDES_SOLVE_OFF;
     stats->unsolved = (uint64_t)s->solve.unsolved;
     stats->unit = (uint64_t)s->given.unit;
@@ -218,9 +220,9 @@ void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats)
     derive_times(simulator, stats);
     derive_readout(simulator, stats);
     derive_filters(simulator, stats);
-    stats->error_p50_s = td_timing_percentile(&simulator->timing, 0.50);
-    stats->error_p95_s = td_timing_percentile(&simulator->timing, 0.95);
-    stats->error_p99_s = td_timing_percentile(&simulator->timing, 0.99);
+    stats->error_p50_s = td_timing_percentile(&simulator->done.timing, 0.50);
+    stats->error_p95_s = td_timing_percentile(&simulator->done.timing, 0.95);
+    stats->error_p99_s = td_timing_percentile(&simulator->done.timing, 0.99);
     stats->peak_memory_bytes = td_peak_memory();
     if (simulator->started) stats->worst_residual = td_worst_residual(simulator);
 }

@@ -98,35 +98,45 @@ static void take_tile(const tides_simulator *s, int t, const td_surround_sample 
     }
 }
 
-static tides_status compare_piece(tides_simulator *s, const td_step *step, const double part[2],
-                                  const td_surround_sample sample[2], const int32_t *which, tides_error *error) {
+/* A part of a step, of all tiles. */
+typedef struct part_step {
+    td_step step;
+    double part[2];
+    td_surround_sample sample[2];
+    const int32_t *which;
+} part_step;
+
+static tides_status compare_some(tides_simulator *s, td_portion *portion, int first, int stop, const void *user,
+                                 tides_error *error) {
+    const part_step *at = user;
     tides_status status = TIDES_OK;
-    for (int t = 0; t < s->layout.tiles && status == TIDES_OK; t++) {
+    for (int t = first; t < stop && status == TIDES_OK; t++) {
         tile_sample begin, end;
-        take_tile(s, t, &sample[0], part[0], &begin);
-        take_tile(s, t, &sample[1], part[1], &end);
+        take_tile(s, t, &at->sample[0], at->part[0], &begin);
+        take_tile(s, t, &at->sample[1], at->part[1], &end);
         const td_signals light = {begin.p, begin.p_dot, end.p, end.p_dot};
-        size_t first = s->work.events.count;
-        status = td_compare_tile(s, t, step, begin.plane, end.plane, &light, error);
-        if (which && status == TIDES_OK) td_time_events(s, &s->refine.step[which[t]], step, begin.plane, end.plane, first);
+        const td_compared tile = {t, &at->step, begin.plane, end.plane, &light};
+        const size_t before = portion->work.events.count;
+        status = td_compare_tile(s, portion, &tile, error);
+        if (at->which && status == TIDES_OK) td_time_events(s, portion, &s->refine.step[at->which[t]], &tile, before);
     }
     return status;
 }
 
 tides_status td_surround_compare(tides_simulator *s, double start, double stop, const int32_t *which, tides_error *error) {
     td_surround_steps *steps = &s->surround;
-    td_surround_sample sample[2];
-    double part[2];
+    part_step at = {.which = which};
+    td_surround_sample *sample = at.sample;
+    double *part = at.part;
     tides_status status = TIDES_OK;
     rearrange(s, TO_IMAGE, s->now.plane[TD_PLANE_S_DOT], steps->from_dot);
     rearrange(s, TO_IMAGE, s->next.plane[TD_PLANE_S], steps->p);
     rearrange(s, TO_IMAGE, s->next.plane[TD_PLANE_S_DOT], steps->p_dot);
     td_surround_begin(&steps->surround, stop - start, steps->from_dot, steps->p, steps->p_dot);
     while (status == TIDES_OK && td_surround_next(&steps->surround, &part[0], &part[1], &sample[0], &sample[1])) {
-        td_step step;
         double from = start + (stop - start) * part[0], to = part[1] < 1 ? start + (stop - start) * part[1] : stop;
-        status = td_grid_step(&s->grid, from, to, &step, error);
-        if (status == TIDES_OK) status = compare_piece(s, &step, part, sample, which, error);
+        status = td_grid_step(&s->grid, from, to, &at.step, error);
+        if (status == TIDES_OK) status = td_share_out(s, s->layout.tiles, TD_FEWEST_TILES, compare_some, &at, error);
     }
     if (status == TIDES_OK) note_reached(s, &sample[1]);
     return status;

@@ -21,28 +21,39 @@ static tides_status fail_nonfinite(const tides_simulator *s, int t, const td_ste
                    1e-9 * (double)step->start_ns);
 }
 
-static tides_status compare(tides_simulator *s, int t, const td_step *step, const double *const begin[],
-                            const double *const end[], const td_signals *light, tides_error *error) {
-    size_t at = s->layout.first_pixel[t];
-    const td_signals signals = {begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
-    td_seen seen = {.signals = &signals, .light = light};
-    if (s->sensor.masks) seen.coverage = (td_coverage){begin[TD_PLANE_ALPHA], end[TD_PLANE_ALPHA]};
-    return td_sensor_step(&s->sensor, step, &s->layout.tile[t], at, &seen, &s->work, error);
+static td_signals signals_of(const td_compared *at) {
+    return (td_signals){at->begin[TD_PLANE_S], at->begin[TD_PLANE_S_DOT], at->end[TD_PLANE_S], at->end[TD_PLANE_S_DOT]};
 }
 
-tides_status td_compare_tile(tides_simulator *s, int t, const td_step *step, const double *const begin[],
-                             const double *const end[], const td_signals *light, tides_error *error) {
-    const uint64_t before = s->work.counts.nonfinite;
-    tides_status status = compare(s, t, step, begin, end, light, error);
-    if (status != TIDES_OK || s->work.counts.nonfinite == before) return status;
-    return fail_nonfinite(s, t, step, s->work.counts.nonfinite - before, error);
+tides_status td_compare_tile(tides_simulator *s, td_portion *portion, const td_compared *at, tides_error *error) {
+    const uint64_t before = portion->work.counts.nonfinite;
+    const td_signals signals = signals_of(at);
+    td_seen seen = {.signals = &signals, .light = at->light};
+    if (s->sensor.masks) seen.coverage = (td_coverage){at->begin[TD_PLANE_ALPHA], at->end[TD_PLANE_ALPHA]};
+    tides_status status = td_sensor_step(&s->sensor, at->step, &s->layout.tile[at->tile], s->layout.first_pixel[at->tile],
+                                         &seen, &portion->work, error);
+    if (status != TIDES_OK || portion->work.counts.nonfinite == before) return status;
+    return fail_nonfinite(s, at->tile, at->step, portion->work.counts.nonfinite - before, error);
 }
 
-tides_status td_compare_still(tides_simulator *s, const td_step *step, tides_error *error) {
+/* How many of the tiles that move, which are listed in order, are before tile t. */
+static int moving_before(const td_moving *moving, int t) {
+    int low = 0, high = moving->count;
+    while (low < high) {
+        const int middle = low + (high - low) / 2;
+        if (moving->list[middle] < t)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static tides_status compare_some_still(tides_simulator *s, td_portion *portion, int first, int end, const void *step,
+                                       tides_error *error) {
     static const double no_rate[TD_TILE_PIXELS] = {0};
-    if (!s->sensor.active_at_rest) return TIDES_OK;
-    int moved = 0; /* both lists ascend */
-    for (int t = 0; t < s->layout.tiles; t++) {
+    int moved = moving_before(&s->moving, first);
+    for (int t = first; t < end; t++) {
         if (moved < s->moving.count && s->moving.list[moved] == t) {
             moved++;
             continue;
@@ -50,35 +61,42 @@ tides_status td_compare_still(tides_simulator *s, const td_step *step, tides_err
         const double *plane[TD_PLANES_ALL];
         for (int k = 0; k < s->given.sample_planes; k++) plane[k] = s->now.plane[k] + s->layout.first_pixel[t];
         plane[TD_PLANE_S_DOT] = no_rate;
-        tides_status status = td_compare_tile(s, t, step, plane, plane, NULL, error);
+        const td_compared tile = {t, step, plane, plane, NULL};
+        tides_status status = td_compare_tile(s, portion, &tile, error);
         if (status != TIDES_OK) return status;
     }
     return TIDES_OK;
+}
+
+tides_status td_compare_still(tides_simulator *s, const td_step *step, tides_error *error) {
+    if (!s->sensor.active_at_rest) return TIDES_OK;
+    return td_share_out(s, s->layout.tiles, TD_FEWEST_TILES, compare_some_still, step, error);
 }
 
 /* Where a hold takes the reference from the signal anew after each event, an event that is late or early makes a wrong
  * reference, and the errors of a pixel's events add up: in quadrature over the 16 or so of a busy pixel in a run. */
 static const double hold_adds = 4;
 
-void td_time_events(tides_simulator *s, const td_refine_step *refined, const td_step *step, const double *const begin[],
-                    const double *const end[], size_t first) {
-    const td_signals signals = {begin[TD_PLANE_S], begin[TD_PLANE_S_DOT], end[TD_PLANE_S], end[TD_PLANE_S_DOT]};
+void td_time_events(const tides_simulator *s, td_portion *portion, const td_refine_step *refined, const td_compared *compared,
+                    size_t first) {
+    const td_signals signals = signals_of(compared);
+    const td_event_buffer *events = &portion->work.events;
     const td_samples *samples = &s->refine.samples;
     const int holds = td_sensor_holds(&s->sensor);
-    td_timed timed = {.step = step,
+    td_timed timed = {.step = compared->step,
                       .tile = &s->layout.tile[refined->tile],
                       .signals = &signals,
                       .deviation = refined->probe < 0 ? NULL : td_sample_deviation(samples, refined->probe),
                       .fall = refined->probe < 0 ? NULL : td_sample_fall(samples, refined->probe),
                       .adds = holds ? hold_adds : 1,
                       .is_last = td_refine_ends_run(s, refined),
-                      .levels = td_sensor_levels(&s->sensor, step, s->layout.first_pixel[refined->tile]),
+                      .levels = td_sensor_levels(&s->sensor, compared->step, s->layout.first_pixel[refined->tile]),
                       .frontend = &s->sensor.frontend,
                       .log_eps = s->sensor.log_eps,
-                      .events = s->work.events.count > first ? s->work.events.events + first : NULL,
-                      .count = s->work.events.count - first};
-    td_timing_add(&s->timing, &timed);
-    td_timing_add_turns(&s->timing, &timed);
+                      .events = events->count > first ? events->events + first : NULL,
+                      .count = events->count - first};
+    td_timing_add(&portion->timing, &timed);
+    td_timing_add_turns(&portion->timing, &timed);
 }
 
 /* S of every pixel at the time reached, past the surround. */

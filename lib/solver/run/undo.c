@@ -60,7 +60,7 @@ tides_status td_undo_keep(tides_simulator *s, tides_error *error) {
     for (int i = 0; i < state.rows; at += bytes_of(&state.row[i++]))
         memcpy(undo->bytes + at, state.row[i].values, bytes_of(&state.row[i]));
     td_stats_take(s, &undo->stats);
-    undo->counts = s->work.counts;
+    undo->counts = s->done.work.counts;
     undo->render = td_renderer_counts(s->renderer);
     return TIDES_OK;
 }
@@ -74,9 +74,9 @@ void td_undo_stopped(tides_simulator *s, tides_status status) {
         memcpy(state.row[i].values, undo->bytes + at, bytes_of(&state.row[i]));
     td_sensor_resume(&s->sensor);
     if (s->surround.surround.on) td_surround_steps_resume(s);
-    s->work.counts = undo->counts;
+    s->done.work.counts = undo->counts;
     td_stats_put(s, &undo->stats);
     td_renderer_put_counts(s->renderer, &undo->render);
-    s->work.events.count = 0;
+    s->done.work.events.count = 0;
     s->broken = 0;
 }

@@ -45,7 +45,7 @@ static double step_factor(double risk) { return 1 / (1 + (1 / least_share - 1) *
 
 /* Have the last two cuts left the deviation as it was? A kink's falls with the step, on average to a half each time. */
 static int is_rounding(const tides_simulator *s, const td_refine_step *step, double threshold) {
-    return step->deviation * threshold <= rounding_most * s->timing.rounding && step->past[1] > 0 &&
+    return step->deviation * threshold <= rounding_most * s->done.timing.rounding && step->past[1] > 0 &&
            step->deviation > falls * step->past[1];
 }
 
@@ -62,7 +62,7 @@ static double error_excess(tides_simulator *s, td_refine_step *step, double star
                                  &signals,
                                  s->surround.surround.on ? NULL : references + first,
                                  step->probe < 0 ? NULL : td_sample_deviation(&r->samples, step->probe),
-                                 rounding_seen * s->timing.rounding,
+                                 rounding_seen * s->done.timing.rounding,
                                  s->layout.tile[step->tile].count};
     td_estimate estimate = td_sensor_estimate(&s->sensor, &judged, first, step->cuts, from * 1e9);
     double threshold = td_sensor_least_threshold(&s->sensor.sensor);

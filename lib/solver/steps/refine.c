@@ -66,7 +66,7 @@ static tides_status new_step(td_refine *r, int32_t *index, tides_error *error) {
 /* The moving tiles' lists of one whole step each, from the samples that the last macro step ended with to those to come. */
 static tides_status begin_lists(tides_simulator *s, td_refine *r, tides_error *error) {
     td_samples_clear(&r->samples);
-    r->steps = r->cuts = r->open_count = r->fresh_count = 0;
+    r->steps = r->open_count = r->fresh_count = 0;
     td_launch_clear(&s->launch);
     r->spare_step = -1;
     r->early = 0;
@@ -152,30 +152,31 @@ static void cut(const tides_simulator *s, td_refine *r, double start, double sto
     a->to = b->from = at;
     a->end = b->begin = sample;
     a->next = right;
-    r->cuts++;
 }
 
-/* Room for all steps that the level's cuts make. */
-static tides_status reserve_parts(td_refine *r, tides_error *error) {
-    tides_status status = td_reserve((void **)&r->fresh, &r->fresh_capacity, 2 * r->pending_count, sizeof *r->fresh, error);
+/* All steps that the level's cuts make: two of the next level's of each pending one. */
+static tides_status lay_parts(td_refine *r, tides_error *error) {
+    const size_t count = r->pending_count;
+    tides_status status = td_reserve((void **)&r->fresh, &r->fresh_capacity, 2 * count, sizeof *r->fresh, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&r->part, &r->part_capacity, count, sizeof *r->part, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&r->step, &r->step_capacity, r->steps + count, sizeof *r->step, error);
     if (status != TIDES_OK) return status;
-    return td_reserve((void **)&r->step, &r->step_capacity, r->steps + r->pending_count, sizeof *r->step, error);
+    for (size_t i = 0; i < count; i++) {
+        r->part[i] = next_step(r);
+        r->fresh[2 * i] = r->pending[i];
+        r->fresh[2 * i + 1] = r->part[i];
+    }
+    if (count > 0) r->fresh_count = 2 * count;
+    return TIDES_OK;
 }
 
-static void list_fresh(tides_simulator *s, int32_t step) {
+/* Cuts a pending step where `sample` is. */
+static void cut_pending(tides_simulator *s, size_t number, int32_t sample) {
     td_refine *r = &s->refine;
-    r->fresh[r->fresh_count++] = step;
-    td_control_judge(s, &r->step[step], r->start, r->stop);
-}
-
-/* Cuts a pending step where `sample` is; its parts are two of the next level's steps. */
-static void cut_pending(tides_simulator *s, int32_t left, int32_t sample) {
-    td_refine *r = &s->refine;
-    const int32_t right = next_step(r);
-    const uint32_t at = place_of(s, &r->step[left]);
-    cut(s, r, r->start, r->stop, left, right, at, sample);
-    list_fresh(s, left);
-    list_fresh(s, right);
+    const int32_t left = r->pending[number], right = r->part[number];
+    cut(s, r, r->start, r->stop, left, right, place_of(s, &r->step[left]), sample);
+    td_control_judge(s, &r->step[left], r->start, r->stop);
+    td_control_judge(s, &r->step[right], r->start, r->stop);
 }
 
 /* -- samples --------------------------------------------------------------------------------------------------------------- */
@@ -192,16 +193,15 @@ static void store_sample(tides_simulator *s, const td_ask *ask, const double *pl
 }
 
 /* What the samples of a step say of it is read while they are at hand: of a level they are more than caches hold. */
-static void take_sample(tides_simulator *s, const td_ask *ask, const double *planes, void *user) {
-    const td_refine *r = &s->refine;
+static void take_sample(tides_simulator *s, const td_ask *ask, const double *planes, const void *user) {
     const size_t number = (size_t)(ask - s->launch.ask), first_cut = *(const size_t *)user;
     store_sample(s, ask, planes);
-    if (number >= first_cut) cut_pending(s, r->pending[number - first_cut], ask->sample);
+    if (number >= first_cut) cut_pending(s, number - first_cut, ask->sample);
 }
 
 /* All of the level's jobs. Those from number `first_cut` on are where the pending steps are cut. */
 static tides_status render_level(tides_simulator *s, size_t first_cut, tides_error *error) {
-    tides_status status = reserve_parts(&s->refine, error);
+    tides_status status = lay_parts(&s->refine, error);
     return status == TIDES_OK ? td_launch_take_all(s, TD_SIDE_ENDS, s->given.outputs, take_sample, &first_cut, error) : status;
 }
 
@@ -237,7 +237,6 @@ static tides_status first_level(tides_simulator *s, td_refine *r, double start, 
     for (size_t i = 0; i < count; i++) r->step[r->fresh[i]].end = s->launch.ask[i].sample;
     r->pending_count = looks ? count : 0;
     status = add_cuts(s, r, start, stop, error);
-    if (looks) r->fresh_count = 0;
     if (status == TIDES_OK) status = render_level(s, count, error);
     for (size_t i = 0; i < count && !looks && status == TIDES_OK; i++) td_control_judge(s, &r->step[r->fresh[i]], start, stop);
     if (looks && status == TIDES_OK) s->stats.steps_rejected += count;
@@ -276,6 +275,7 @@ void td_refine_release(td_refine *refine) {
     free(refine->reference);
     free(refine->open);
     free(refine->pending);
+    free(refine->part);
     free(refine->fresh);
     memset(refine, 0, sizeof *refine);
 }

@@ -152,14 +152,52 @@ tides_status td_launch_render(tides_simulator *s, size_t first, size_t most, int
     return td_renderer_tiles(s->renderer, s->camera, &batch, l->planes, error);
 }
 
-tides_status td_launch_take_all(tides_simulator *s, int side, int outputs, td_launch_taker take, void *user,
+/* Asks that are taken, from number `first` on. */
+typedef struct taking {
+    td_launch_taker take;
+    const void *user;
+    size_t first, count;
+} taking;
+
+/* The first ask from number k on that begins a unit: those of one are taken by one thread. */
+static size_t begins_unit(const td_launch *l, const taking *all, int k) {
+    size_t i = all->first + (size_t)k;
+    while (k > 0 && i < all->first + all->count && l->ask[i].unit == l->ask[i - 1].unit) i++;
+    return i;
+}
+
+static tides_status take_some(tides_simulator *s, td_portion *portion, int first, int end, const void *user,
+                              tides_error *error) {
+    const taking *all = user;
+    const td_launch *l = &s->launch;
+    (void)portion, (void)error;
+    for (size_t i = begins_unit(l, all, first), stop = begins_unit(l, all, end); i < stop; i++)
+        all->take(s, &l->ask[i], td_launch_planes(l, i), all->user);
+    return TIDES_OK;
+}
+
+/* Takes what was rendered last: as far as units ascend together, so that each has all its asks in one place. */
+static tides_status take_rendered(tides_simulator *s, td_launch_taker take, const void *user, tides_error *error) {
+    enum { FEWEST = 16 };
+    const td_launch *l = &s->launch;
+    tides_status status = TIDES_OK;
+    taking all = {take, user, l->first, 0};
+    for (const size_t end = l->first + l->done; all.first < end && status == TIDES_OK; all.first += all.count) {
+        all.count = 1;
+        while (all.first + all.count < end && l->ask[all.first + all.count].unit >= l->ask[all.first + all.count - 1].unit)
+            all.count++;
+        status = td_share_out(s, (int)all.count, FEWEST, take_some, &all, error);
+    }
+    return status;
+}
+
+tides_status td_launch_take_all(tides_simulator *s, int side, int outputs, td_launch_taker take, const void *user,
                                 tides_error *error) {
     td_launch *l = &s->launch;
     tides_status status = TIDES_OK;
     for (size_t first = 0; first < l->count && status == TIDES_OK; first += l->done) {
         status = td_launch_render(s, first, s->refine.batch, side, outputs, error);
-        for (size_t i = first; i < first + l->done && status == TIDES_OK; i++)
-            take(s, &l->ask[i], td_launch_planes(l, i), user);
+        if (status == TIDES_OK) status = take_rendered(s, take, user, error);
     }
     return status;
 }

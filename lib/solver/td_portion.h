@@ -1,0 +1,51 @@
+/* Internal: a portion of a run's work: some of its units, worked on by one thread. What comes of it stays in it until it is
+ * joined to the run's (td_simulator.done), portion after portion in the order of units: the run is the same however many there
+ * were, and whoever worked on them. A run that isn't shared out is one portion, the run's own. */
+#ifndef TD_PORTION_H
+#define TD_PORTION_H
+
+#include "sensor/td_sensor.h"
+#include "td_pool.h"
+#include "td_solve.h"
+#include "td_timing.h"
+
+/* Of accepted steps (tides_stats). */
+typedef struct td_step_counts {
+    uint64_t steps, probed, at_minimum, at_rounding;
+    double worst_error, worst_deviation;
+} td_step_counts;
+
+typedef struct td_portion {
+    td_work work;
+    td_timing timing;
+    td_step_counts steps;
+    td_solve_portion solve;
+    tides_status status; /* of its worker, */
+    tides_error error;   /* and why */
+} td_portion;
+
+/* Those of work that is under way, kept for what they have reserved. */
+typedef struct td_sharing {
+    td_pool *pool; /* NULL: nothing is shared out */
+    td_portion *portion;
+    int count; /* that there are */
+} td_sharing;
+
+/* So many threads share the work; 0: as many as there are processors. */
+TIDES_MUST_CHECK tides_status td_sharing_create(td_sharing *sharing, int threads, tides_error *error);
+void td_sharing_release(td_sharing *sharing);
+
+/* Works on units [first, end) of what is shared out. It may change the portion, and of the simulator what is those units' own:
+ * pixels, samples, steps. */
+typedef tides_status (*td_portion_worker)(tides_simulator *s, td_portion *portion, int first, int end, const void *user,
+                                          tides_error *error);
+
+/* Tiles to be compared that are worth a thread's while. */
+enum { TD_FEWEST_TILES = 4 };
+
+/* Shares out `count` units, `fewest` at a time at least, and joins what came of them to the run's. Where some fail, the first
+ * in order of units says why, and what came before it is joined. */
+TIDES_MUST_CHECK tides_status td_share_out(tides_simulator *s, int count, int fewest, td_portion_worker worker,
+                                           const void *user, tides_error *error);
+
+#endif

@@ -1,0 +1,108 @@
+/* Portions of work: shared out among the pool's threads, and joined. */
+#include "td_extremes.h"
+#include "solver/td_simulator.h"
+
+#include <stdlib.h>
+
+/* Of each thread: units aren't alike, and who is done with one portion takes the next. */
+enum { PORTIONS_EACH = 4 };
+
+tides_status td_sharing_create(td_sharing *sharing, int threads, tides_error *error) {
+    tides_status status = td_pool_create(threads, &sharing->pool, error);
+    if (status != TIDES_OK || td_pool_threads(sharing->pool) < 2) return status;
+    sharing->count = PORTIONS_EACH * td_pool_threads(sharing->pool);
+    sharing->portion = td_alloc((size_t)sharing->count, sizeof *sharing->portion, error);
+    return sharing->portion ? TIDES_OK : TIDES_NO_MEMORY;
+}
+
+void td_sharing_release(td_sharing *sharing) {
+    for (int k = 0; k < sharing->count && sharing->portion; k++) {
+        td_work_release(&sharing->portion[k].work);
+        td_solve_portion_release(&sharing->portion[k].solve);
+    }
+    free(sharing->portion);
+    td_pool_release(sharing->pool);
+    *sharing = (td_sharing){.pool = NULL};
+}
+
+/* -- what came of a portion ------------------------------------------------------------------------------------------------ */
+
+/* Weights are 64ths of events, or stand for measured ones, which are added where nothing is shared out: their sums are exact,
+ * in any order. */
+static void join_timing(td_timing *to, td_timing *timing) {
+    for (int k = 0; k < TD_TIMING_BINS; k++) to->weight[k] += timing->weight[k];
+    memset(timing->weight, 0, sizeof timing->weight);
+}
+
+static void join_steps(td_step_counts *to, const td_step_counts *steps) {
+    to->steps += steps->steps;
+    to->probed += steps->probed;
+    to->at_minimum += steps->at_minimum;
+    to->at_rounding += steps->at_rounding;
+    to->worst_error = td_greater(to->worst_error, steps->worst_error);
+    to->worst_deviation = td_greater(to->worst_deviation, steps->worst_deviation);
+}
+
+static tides_status join(tides_simulator *s, td_portion *portion, tides_error *error) {
+    td_portion *done = &s->done;
+    tides_status status = td_work_join(&done->work, &portion->work, error);
+    if (portion->work.events.count > 0) join_timing(&done->timing, &portion->timing); /* else nothing was added */
+    done->timing.uncertain += portion->timing.uncertain;
+    join_steps(&done->steps, &portion->steps);
+    return status == TIDES_OK ? td_solve_join(s, &portion->solve, error) : status;
+}
+
+/* -- sharing it out -------------------------------------------------------------------------------------------------------- */
+
+/* What the pool's parts share. */
+typedef struct shared {
+    tides_simulator *s;
+    td_portion_worker worker;
+    const void *user;
+    int units, portions;
+} shared;
+
+static int begin_of(const shared *all, int portion) { return (int)((int64_t)all->units * portion / all->portions); }
+
+static void clear(const tides_simulator *s, td_portion *portion) {
+    const td_timing *known = &s->done.timing;
+    td_work_clear(&portion->work);
+    portion->timing.rounding = known->rounding;
+    portion->timing.epsilon = known->epsilon;
+    portion->timing.size = known->size;
+    portion->timing.uncertain = 0;
+    portion->steps = (td_step_counts){.steps = 0};
+    td_solve_portion_clear(&portion->solve);
+}
+
+static void work_on(void *user, int k) {
+    const shared *all = user;
+    td_portion *portion = &all->s->sharing.portion[k];
+    clear(all->s, portion);
+    portion->status = all->worker(all->s, portion, begin_of(all, k), begin_of(all, k + 1), all->user, &portion->error);
+}
+
+static tides_status run_alone(tides_simulator *s, int count, td_portion_worker worker, const void *user, tides_error *error) {
+    s->done.solve.asks = td_solve_asking(&s->solve);
+    return worker(s, &s->done, 0, count, user, error);
+}
+
+tides_status td_share_out(tides_simulator *s, int count, int fewest, td_portion_worker worker, const void *user,
+                          tides_error *error) {
+    td_sharing *sharing = &s->sharing;
+    shared all = {s, worker, user, count, count / fewest < sharing->count ? count / fewest : sharing->count};
+    tides_status status = TIDES_OK;
+    if (count <= 0) return status;
+    if (all.portions < 2 || td_pool_threads(sharing->pool) < 2) return run_alone(s, count, worker, user, error);
+    const double own = td_own_time();
+    td_pool_run(sharing->pool, all.portions, work_on, &all);
+    s->stats.time_alone_s -= td_own_time() - own;
+    for (int k = 0; k < all.portions && status == TIDES_OK; k++) {
+        td_portion *portion = &sharing->portion[k];
+        status = join(s, portion, error);
+        if (status != TIDES_OK || portion->status == TIDES_OK) continue;
+        if (error) *error = portion->error;
+        status = portion->status;
+    }
+    return status;
+}
