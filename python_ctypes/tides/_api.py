@@ -1849,8 +1849,8 @@ class tides_stats(Structure):
     uint64_t unit; /* TIDES_UNIT_* that the run has: TILE or BLOCK */
     double tolerance; /* that the run has [thresholds] */
     uint64_t events_filtered[TIDES_STAGES]; /* dropped behind the readout, by TIDES_STAGE_* */
-    /* Processor time of the calling thread while no other worked beside it on the host: what more threads leave as it is. Waiting
-    * for a device takes none, but where its driver spins [s]. */
+    /* Processor time of the calling thread while no other worked beside it on the host: what more threads leave as it is.
+    * Waiting for a device takes none, but where its driver spins [s]. */
     double time_alone_s;
     """
 
