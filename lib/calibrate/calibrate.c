@@ -9,6 +9,8 @@
  *   doubt.c, verdict.c      error bars; what can't be believed, and why */
 #include "td_calibrate.h"
 
+#include "td_struct.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -114,11 +116,7 @@ static tides_status work(const char *recording, tides_session *session, td_calib
 
 static tides_status check(const char *recording, const tides_session *session, const tides_calibrate_options *o,
                           tides_error *error) {
-    if (!recording || !session || !o)
-        return td_fail(error, TIDES_BAD_ARGUMENT, "tides_calibrate: recording, session or options are NULL");
-    if (o->size != sizeof *o)
-        return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "tides_calibrate: options aren't filled: tides_calibrate_options_defaults does that");
+    if (!recording || !session) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_calibrate: recording or session is NULL");
     if (o->stop_ns <= o->start_ns) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_calibrate: stop should be after start");
     if (o->given[TIDES_CALIBRATED_ON] == o->given[TIDES_CALIBRATED_ON] ||
         o->given[TIDES_CALIBRATED_OFF] == o->given[TIDES_CALIBRATED_OFF])
@@ -131,9 +129,13 @@ static tides_status check(const char *recording, const tides_session *session, c
 
 tides_status tides_calibrate(const char *recording, tides_session *session, const tides_calibrate_options *options,
                              tides_progress progress, void *user, tides_calibration *found, tides_error *error) {
-    td_calibration c = {.options = options, .progress = progress, .user = user};
+    tides_calibrate_options own;
+    td_calibration c = {.options = &own, .progress = progress, .user = user};
     tides_calibration made;
-    tides_status status = check(recording, session, options, error);
+    tides_calibrate_options_defaults(&own);
+    if (!options) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_calibrate: options is NULL");
+    tides_status status = TD_TAKE_STRUCT(tides_calibrate_options, &own, options, error);
+    if (status == TIDES_OK) status = check(recording, session, &own, error);
     if (status != TIDES_OK) return status;
     memset(&made, 0, sizeof made);
     tides_session_get(session, &c.facts);

@@ -168,7 +168,7 @@ const td_param td_params[] = {
     {INTEGER("sensor.max_events_per_step", sensor.max_events_per_step, "", 1, 65535,
              "events per pixel and step; error control cuts steps of more, else the rest is at the step's end")},
     {CHOICE("sensor.initial", sensor.initial, "rest|random|steady",
-            "where references begin: at the signal, uniform between the levels, or as leak and noise leave them at rest"),
+            "where references begin: at the signal, uniform between the levels, or as at rest for long"),
      .ideal = "rest"},
     {BOOLEAN("sensor.truth", event_truth,
              "HDF5: beside each event the flow, depth and instance that its pixel saw when it fired")},

@@ -27,6 +27,11 @@ class Filters(Value, _api.tides_filters):
     _words = {"afk": "TIDES_AFK_", "trail": "TIDES_TRAIL_", "erc_law": "TIDES_ERC_"}
     _groups, _preset = ("filters.",), "filters"
 
+    @property
+    def any(self) -> bool:
+        """Whether one of them is on."""
+        return bool(lib.tides_filters_any(byref(self)))
+
 
 class Filter(Handle):
     """Filters of a sensor of width x height px, with what they remember from call to call."""

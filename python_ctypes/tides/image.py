@@ -112,14 +112,23 @@ def picture_signed(values: Any, limit: float = 0.0) -> np.ndarray:
     return _picture("tides_picture_signed", [values], limit)
 
 
-def picture_flow(u: Any, v: Any, limit: float = 0.0) -> np.ndarray:
-    """Flow as a colour wheel: right red, down yellow-green, left cyan, up violet, white at rest; limit 0: the fastest."""
-    return _picture("tides_picture_flow", [u, v], limit)
+def _with_key(name: str, rgb: np.ndarray) -> np.ndarray:
+    getattr(lib, name)(pointer(rgb, c_uint8), rgb.shape[1], rgb.shape[0])
+    return rgb
 
 
-def picture_depth(depth: Any, near: float = 0.0, far: float = 0.0) -> np.ndarray:
-    """Depths from `near`, light, to `far`, dark (0, 0: the nearest and farthest there are); 0 is black."""
-    return _picture("tides_picture_depth", [depth], near, far)
+def picture_flow(u: Any, v: Any, limit: float = 0.0, key: bool = False) -> np.ndarray:
+    """Flow as a colour wheel, uint8 (height x width x 3): right red, down yellow-green, left cyan, up violet, white at rest;
+    limit 0: the fastest. `key`: with the wheel in a corner, from 64 px on."""
+    made = _picture("tides_picture_flow", [u, v], limit)
+    return _with_key("tides_picture_flow_key", made) if key else made
+
+
+def picture_depth(depth: Any, near: float = 0.0, far: float = 0.0, key: bool = False) -> np.ndarray:
+    """Depths from `near`, light, to `far`, dark (0, 0: the nearest and farthest there are); 0 is black. uint8 (height x width x
+    3). `key`: with the ramp in a corner, from 64 px on."""
+    made = _picture("tides_picture_depth", [depth], near, far)
+    return _with_key("tides_picture_depth_key", made) if key else made
 
 
 def picture_labels(labels: Any) -> np.ndarray:

@@ -196,6 +196,12 @@ class Session(Handle):
             warn_of_nothing(f" of {report.unseeing} of {report.cameras} cameras")
         return plain(report)
 
+    def write_maps(self, file: str | os.PathLike[str]) -> None:
+        """What the run's sensor has for each pixel, as an HDF5 file that sensor.maps of another run takes: both then share a
+        sensor."""
+        with self._lock:
+            call("tides_session_maps", self._pointer, path(file))
+
     def add_truth(self, file: str | os.PathLike[str], progress: Progress = None) -> None:
         """Adds ground truth to a finished HDF5 recording of this run: columns flow_u, flow_v [px/s], depth [scene units], alpha
         and instance beside its events, each at the time that its event fired. sensor.truth has `write` do it."""

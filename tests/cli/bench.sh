@@ -141,7 +141,7 @@ grep -q "^gaussians-1e6,.*,FAIL,died of signal" made/stability.csv || fail "a ro
 # One hash for each run, whatever the way; and it is that of the events of `tides simulate`.
 expect 0 tides bench determinism --quick --row solved -o made
 grep -Eqx '[0-9a-f]{64}  solved' out || fail "one hash for the run"
-[ "$(grep -c "^solved,.*,same," made/determinism.csv)" = 6 ] || fail "six ways, all the same"
+[ "$(grep -c "^solved,.*,same," made/determinism.csv)" = 8 ] || fail "eight ways, all the same"
 grep -q "^solved,killed,.*,same,.*,[1-9],[0-9.]*$" made/determinism.csv || fail "nothing was killed"
 ls made | grep -Eq '\.cut|checkpoint|part$' && fail "files of the ways are left"
 if "${PYTHON:-/usr/bin/python3}" -c 'import h5py' 2>/dev/null; then

@@ -12,7 +12,7 @@ grep -q 'src="data:image/png;base64,iVBORw0KGgo' page/index.html || fail "the pa
 grep -q "threshold_off" page/index.html || fail "the page has no values"
 expect 0 tides simulate run.json -o again.h5 --set sensor.preset=mine.json
 
-expect 0 tides calibrate e.h5 run.json --json --fix pole_s=0 --fix offset_s=0 -q
+expect 0 tides calibrate e.h5 run.json --json --fix pole_s=0 --fix offset_s=0 --quiet
 is_json
 # Thresholds aren't given, names are known ones, and a region is four numbers.
 refuse 1 'measured' tides calibrate e.h5 run.json --fix threshold_on=0.1

@@ -17,7 +17,7 @@ err "all pixels are dead"
 expect 0 tides simulate run.json -o e.h5 --set sensor.b_min=1
 err "all pixels are masked: the largest coverage is 0.[0-9]+, and sensor.b_min is 1"
 expect 0 tides simulate run.json -o e.h5 --set readout.enabled=true --set readout.p0=1
-err "the readout dropped all [0-9]+ that pixels fired"
+err "readout and filters dropped all [0-9]+ that pixels fired"
 for k in 0 1 2; do { npy_header "3, 4, 4"; head -c 48 /dev/zero; } >frames.npy; done
 expect 0 tides simulate --set frames.file=frames.npy --set frames.frames_per_second=100 -o e.h5
 err "no events: the frames are all alike"

@@ -214,6 +214,15 @@ static tides_status take_live(const fixture *f, const void *options, tides_error
     return tides_live_open(&session, options, NULL, NULL, &live, error);
 }
 
+static tides_status take_calibrate(const fixture *f, const void *options, tides_error *error) {
+    char origin[] = "run";
+    const tides_run run = {.origin = origin};
+    tides_session session = {.facts = {.run = &run}};
+    tides_calibration found;
+    (void)f;
+    return tides_calibrate("/nowhere/e.h5", &session, options, NULL, NULL, &found, error);
+}
+
 /* -- the table ----------------------------------------------------------------------------------------------------------- */
 
 static void voxel_defaults(tides_voxel_options *options) { tides_voxel_options_defaults(options, TIDES_VOXEL_E2VID); }
@@ -243,6 +252,7 @@ typedef union given {
     tides_page_options page;
     tides_scene_options scene;
     tides_event_reading reading;
+    tides_calibrate_options calibrate;
 } given;
 
 #define FILL(member, function) \
@@ -263,6 +273,7 @@ FILL(exact, tides_exact_options_defaults)
 FILL(exposure, tides_exposure_defaults)
 FILL(imu, tides_imu_defaults)
 FILL(live, tides_live_options_defaults)
+FILL(calibrate, tides_calibrate_options_defaults)
 FILL(page, tides_page_options_defaults)
 FILL(scene, tides_scene_options_defaults)
 FILL(reading, tides_event_reading_defaults)
@@ -295,6 +306,7 @@ static const struct row {
     {"tides_live_options", sizeof(tides_live_options), fill_live, take_live, TIDES_UNSUPPORTED}, /* of frames */
     {"tides_scene_options", sizeof(tides_scene_options), fill_scene, take_scene, TIDES_FILE_NOT_FOUND},
     {"tides_page_options", sizeof(tides_page_options), fill_page, take_page, TIDES_WRITE_FAILED},
+    {"tides_calibrate_options", sizeof(tides_calibrate_options), fill_calibrate, take_calibrate, TIDES_FILE_NOT_FOUND},
     {"tides_event_reading", sizeof(tides_event_reading), fill_reading, take_reading, TIDES_FILE_NOT_FOUND},
 };
 enum { ROWS = sizeof rows / sizeof *rows };

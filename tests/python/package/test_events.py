@@ -211,7 +211,11 @@ def test_pictures(tmp_path):
     signed = tides.image.picture_signed(ramp, 1.0)
     assert signed[0, 0, 2] > signed[0, 0, 0] and signed[0, -1, 0] > signed[0, -1, 2]
     assert tides.image.picture_rgb(ramp, ramp * 0, ramp * 0)[0, -1].tolist() == [255, 0, 0]
+    flat = np.ones((64, 96))
     assert tides.image.picture_flow(ramp, ramp * 0)[0, [0, -1]].tolist() == [[0, 255, 255], [255, 0, 0]]
+    for draw in (lambda key: tides.image.picture_flow(flat, flat, key=key), lambda key: tides.image.picture_depth(flat, key=key)):
+        changed = (draw(True) != draw(False)).any(axis=2)
+        assert changed[48:, 32:].any() and not changed[:48].any()
     assert tides.image.picture_depth(ramp)[0, 0].tolist() == [0, 0, 0] and tides.image.picture_depth(ramp)[0, -1, 0] < 60
     assert tides.image.picture_labels(ramp * 0 - 1).max() == 0
     on = tides.make_events([1], [4], [6], [1])
@@ -314,6 +318,7 @@ def test_filters(tmp_path):
     assert one.stats["in"] == len(events) and one.stats.dropped.trail == len(events) - len(passed)
     tides.write_events(tmp_path / "all.h5", events, *SIZE)
     filters = tides.Filters(trail="trail", trail_s=0.001)
+    assert filters.any and not tides.Filters().any
     report = tides.convert_events(tmp_path / "all.h5", tmp_path / "passed.h5", filters=filters)
     assert report.written == len(passed) and report.filtered[3] == len(events) - len(passed)
     assert np.array_equal(tides.read_events(tmp_path / "passed.h5"), passed)

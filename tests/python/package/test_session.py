@@ -52,6 +52,8 @@ def test_events_get_their_truth(tmp_path):
         assert all(truth[name][5] == frame[name][y, x] for name in columns)
         session.add_truth(plain)
         session.add_truth(plain)  # replaced
+        session.write_maps(plain.with_name("maps.h5"))
+        assert plain.with_name("maps.h5").stat().st_size > 0
         for file in (plain, told):
             with h5py.File(file) as read:
                 for name in columns:
