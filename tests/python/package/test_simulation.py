@@ -367,3 +367,11 @@ def test_labels(scene, camera, tmp_path):
     assert np.array_equal(events[np.lexsort((events["p"], events["x"], events["y"], events["t"]))], whole)
     with pytest.raises(tides.errors.Unsupported, match="labels"):
         again(scene, camera, sensor=sensor).write(tmp_path / "events.raw")
+
+
+def test_filters_behind_a_simulation(scene, camera):
+    """What a run drops is what the same filters drop of its events."""
+    filters = tides.Filters(trail="trail", trail_s=0.05)
+    events = again(scene, camera).run()
+    kept = again(scene, camera, filters=filters).run()
+    assert 0 < len(kept) < len(events) and np.array_equal(kept, tides.filter(events, filters))

@@ -30,7 +30,8 @@ def in_threads(*works):
 def test_threads_of_a_device(scene, camera):
     """As many as it is told, and the same events."""
     one, three = tides.Device("reference-f32", threads=1), tides.Device("reference-f32", threads=3)
-    assert (one.threads, three.threads) == (1, 3) and tides.Device("reference-f32", threads=0).threads >= 1
+    assert (one.threads, three.threads) == (1, 3)
+    assert tides.Device("reference-f32", threads=0).threads == 0  # as many as there are processors
     made = [again(scene, camera, device=device).run() for device in (one, three)]
     assert len(made[0]) > 1000 and made[0].tobytes() == made[1].tobytes()
 
