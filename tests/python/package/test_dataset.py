@@ -242,10 +242,10 @@ def test_wrong_input_is_named(world):
         with pytest.raises(ValueError, match="dataset.layout"):
             session.dataset(folder / "no")
         with pytest.raises(tides.errors.Cancelled):
-            session.dataset(folder / "no", "ecd", progress=lambda fraction, stage: stage == "pictures")
-        assert not (folder / "no").exists() and list((folder / "no.part" / ".events").glob("*.h5"))
-        session.dataset(folder / "no", "ecd")  # goes on from there
-    assert list((folder / "no").rglob("events.txt")) and not (folder / "no.part").exists()
+            session.dataset(folder / "again", "ecd", progress=lambda fraction, stage: stage == "pictures")
+        assert not (folder / "again").exists() and list((folder / "again.part" / ".events").glob("*.h5"))
+        session.dataset(folder / "again", "ecd")  # goes on from there
+    assert list((folder / "again").rglob("events.txt")) and not (folder / "again.part").exists()
 
 
 def test_lenses_are_written(world):
