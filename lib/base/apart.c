@@ -98,7 +98,7 @@ static tides_status compare(const char *output, const place own[2], const char *
 
 static tides_status check_output(const char *const *inputs, size_t input_count, const char *const *outputs, size_t at,
                                  tides_error *error) {
-    place own[2] = {{NULL}, {NULL}};
+    place own[2] = {{.path = NULL}, {.path = NULL}};
     const char *output = outputs[at];
     if (strcmp(output, "-") == 0)
         return td_fail(error, TIDES_BAD_ARGUMENT, "-: standard output isn't written to: name a file; ./- is one of that name");
@@ -107,7 +107,7 @@ static tides_status check_output(const char *const *inputs, size_t input_count, 
     for (size_t i = 0; status == TIDES_OK && i < input_count + at; i++) {
         const int is_input = i < input_count;
         const char *other = is_input ? inputs[i] : outputs[i - input_count];
-        place theirs[2] = {{NULL}, {NULL}};
+        place theirs[2] = {{.path = NULL}, {.path = NULL}};
         if (!other) continue;
         status = place_of(other, 0, &theirs[0], is_input ? NULL : error);
         if (is_input && status == TIDES_WRITE_FAILED) status = TIDES_OK; /* links in a circle are its reader's to refuse */
