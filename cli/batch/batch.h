@@ -77,7 +77,8 @@ tides_status batch_clear(const batch_run *run, tides_error *error);
 int batch_command(const batch *b, const batch_run *run);
 /* A file, link or folder, whatever is in it; what isn't there is fine. */
 tides_status batch_remove(const char *path, tides_error *error);
-/* The last line that the run's process said, allocated; NULL: out of memory. */
+/* A line of the tool without its name; the last one that the run's process said. Allocated; NULL: out of memory. */
+char *batch_words(const char *line);
 char *batch_last_words(const batch_run *run);
 
 /* batch_run_file.c: the run file with every value, as run.json in the folder: as it stands it gives the same run. */

@@ -149,6 +149,8 @@ int batch_job(const batch *b, const batch_run *run) {
     return status == TIDES_OK ? code : cli_fail(&error);
 }
 
+char *batch_words(const char *line) { return batch_text("%s", strncmp(line, "tides: ", 7) == 0 ? line + 7 : line); }
+
 char *batch_last_words(const batch_run *run) {
     char line[1024], last[1024] = "";
     char *path = batch_text("%s/log.txt", run->directory);
@@ -158,8 +160,7 @@ char *batch_last_words(const batch_run *run) {
         if (line[0]) memcpy(last, line, sizeof last);
     }
     if (file) fclose(file);
-    char *words = last[0] ? batch_text("%s", strncmp(last, "tides: ", 7) == 0 ? last + 7 : last)
-                          : batch_text("ended without a word; see %s", path ? path : run->directory);
+    char *words = last[0] ? batch_words(last) : batch_text("ended without a word; see %s", path ? path : run->directory);
     free(path);
     return words;
 }

@@ -123,7 +123,7 @@ static char *words_of(const batch_run *run) {
     if (length <= 0) return batch_last_words(run);
     words[length] = '\0';
     words[strcspn(words, "\n")] = '\0';
-    return batch_text("%s", strncmp(words, "tides: ", 7) == 0 ? words + 7 : words);
+    return batch_words(words);
 }
 
 /* A child that ended. */

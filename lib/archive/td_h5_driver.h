@@ -12,6 +12,8 @@
 #ifndef TD_H5_DRIVER_H
 #define TD_H5_DRIVER_H
 
+#include "tides/base.h"
+
 #include <hdf5.h>
 
 /* Access properties for files that are written: this driver, metadata in the oldest format (its superblock carries no "open for
@@ -28,5 +30,10 @@ hid_t td_h5_open_disk(const char *path);
 
 /* The descriptor of an open file, -1 where its driver has none. */
 int td_h5_descriptor(hid_t file);
+
+/* A file at `path`, there whole or not at all: `put` fills it, and returns a negative number where HDF5 fails.
+ * TIDES_WRITE_FAILED with HDF5's or the system's reason. */
+typedef herr_t (*td_h5_put)(hid_t file, const void *user);
+TIDES_MUST_CHECK tides_status td_h5_save(const char *path, td_h5_put put, const void *user, tides_error *error);
 
 #endif

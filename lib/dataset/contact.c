@@ -1,5 +1,6 @@
 /* contact.png: a row for each camera with its picture in the middle of the sequence, the events around it, flow, depth and
  * instances; so that a look says whether the dataset is what was meant. */
+#include "image/td_truth_range.h"
 #include "td_dataset.h"
 
 #include <math.h>
@@ -86,32 +87,16 @@ static tides_status picture(td_writer *w, const td_picture *p, tides_error *erro
     return TIDES_OK;
 }
 
-static double fastest(const td_truth *t, size_t pixels) {
-    double most = 0;
-    for (size_t i = 0; i < pixels; i++) {
-        const double speed = hypot(t->flow_u[i], t->flow_v[i]);
-        if (isfinite(speed)) most = fmax(most, speed);
-    }
-    return most;
-}
-
-/* Of what is there. */
-static void find_depths(const td_truth *t, size_t pixels, double *near, double *far) {
-    *near = INFINITY;
-    *far = 0;
-    for (size_t i = 0; i < pixels; i++)
-        if (t->depth[i] > 0 && isfinite(t->depth[i])) *near = fmin(*near, t->depth[i]), *far = fmax(*far, t->depth[i]);
-}
-
 static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
     (void)error;
     contact *c = w->kept;
     if (t->index != middle(w->set->truths)) return TIDES_OK;
     const int32_t width = w->camera->facts.intrinsics.width, height = w->camera->facts.intrinsics.height;
-    const double most = fastest(t, (size_t)width * (size_t)height);
+    const size_t pixels = (size_t)width * (size_t)height;
+    const double most = td_fastest(t->flow_u, t->flow_v, pixels);
     char scale[48];
     double near, far;
-    find_depths(t, (size_t)width * (size_t)height, &near, &far);
+    td_depth_range(t->depth, pixels, &near, &far);
     tides_picture_flow(t->flow_u, t->flow_v, width, height, most, c->panel);
     tides_picture_flow_key(c->panel, width, height);
     snprintf(scale, sizeof scale, ", up to %.4g px/s", most);

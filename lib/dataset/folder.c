@@ -28,10 +28,11 @@ tides_status td_make_parents(const char *file, tides_error *error) {
 }
 
 /* Links are removed, not followed. */
-void td_remove_folder(const char *path) {
+void td_empty_folder(const char *path, const char *except) {
     DIR *folder = opendir(path);
     for (struct dirent *entry; folder && (entry = readdir(folder));) {
         if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0) continue;
+        if (except && strcmp(entry->d_name, except) == 0) continue;
         char *name = td_format(NULL, "%s/%s", path, entry->d_name);
         struct stat facts;
         if (name && lstat(name, &facts) == 0) {
@@ -43,6 +44,10 @@ void td_remove_folder(const char *path) {
         free(name);
     }
     if (folder) closedir(folder);
+}
+
+void td_remove_folder(const char *path) {
+    td_empty_folder(path, NULL);
     rmdir(path);
 }
 

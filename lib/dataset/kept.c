@@ -4,7 +4,6 @@
 #include "td_kept.h"
 #include "td_folder.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -17,24 +16,6 @@
 static const char own[] = ".events";
 
 /* -- the folder ------------------------------------------------------------------------------------------------------------ */
-
-/* All of a part that died but its events. */
-static void clear_part(const char *part) {
-    DIR *folder = opendir(part);
-    for (struct dirent *entry; folder && (entry = readdir(folder));) {
-        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0 || strcmp(entry->d_name, own) == 0) continue;
-        char *path = td_format(NULL, "%s/%s", part, entry->d_name);
-        struct stat facts;
-        if (path && lstat(path, &facts) == 0) {
-            if (S_ISDIR(facts.st_mode))
-                td_remove_folder(path);
-            else
-                unlink(path);
-        }
-        free(path);
-    }
-    if (folder) closedir(folder);
-}
 
 /* Held as long as the process lives: a part without it has nobody who writes it. */
 static tides_status take_lock(td_kept *kept, const char *part, tides_error *error) {
@@ -59,7 +40,7 @@ tides_status td_kept_open(td_kept *kept, const char *part, tides_error *error) {
     if (status == TIDES_OK && !there) status = td_make_new_folder(part, error);
     if (status == TIDES_OK && !there) status = td_make_folders(kept->folder, error);
     if (status == TIDES_OK) status = take_lock(kept, part, error);
-    if (status == TIDES_OK && there) clear_part(part);
+    if (status == TIDES_OK && there) td_empty_folder(part, own);
     if (status != TIDES_OK) td_kept_close(kept, 1);
     return status;
 }

@@ -144,7 +144,8 @@ tides_status td_scenes_give(const td_scenes *to, const td_dataset *set, const td
 /* FOLDER/name, made by td_format's rules; NULL where out of memory. And the folders above a file, where they are missing. */
 char *td_in_folder(const char *folder, tides_error *error, const char *format, ...) TD_PRINTF(3, 4);
 tides_status td_make_parents(const char *file, tides_error *error);
-void td_remove_folder(const char *path); /* with all that is in it */
+void td_remove_folder(const char *path);                    /* with all that is in it */
+void td_empty_folder(const char *path, const char *except); /* of all but this name; NULL: of all */
 
 /* A new text file, FOLDER/name. */
 tides_status td_text_in_folder(td_text *text, const char *folder, const char *name, tides_error *error);

@@ -2,6 +2,7 @@
 #include "tides/image.h"
 
 #include "td_colour_map.h"
+#include "td_truth_range.h"
 
 #include <math.h>
 #include <string.h>
@@ -11,7 +12,7 @@ static const uint8_t nothing[3] = {0, 0, 0};
 
 static size_t pixels_of(int32_t width, int32_t height) { return width > 0 && height > 0 ? (size_t)width * (size_t)height : 0; }
 
-static double fastest(const double *u, const double *v, size_t pixels) {
+double td_fastest(const double *u, const double *v, size_t pixels) {
     double most = 0;
     for (size_t i = 0; i < pixels; i++) {
         const double speed = hypot(u[i], v[i]);
@@ -20,10 +21,17 @@ static double fastest(const double *u, const double *v, size_t pixels) {
     return most;
 }
 
+void td_depth_range(const double *depth, size_t pixels, double *near, double *far) {
+    *near = INFINITY;
+    *far = 0;
+    for (size_t i = 0; i < pixels; i++)
+        if (depth[i] > 0 && isfinite(depth[i])) *near = fmin(*near, depth[i]), *far = fmax(*far, depth[i]);
+}
+
 void tides_picture_flow(const double *u, const double *v, int32_t width, int32_t height, double limit, uint8_t *rgb) {
     static const double turn = 6.28318530717958647693;
     const size_t pixels = pixels_of(width, height);
-    if (!(limit > 0)) limit = fastest(u, v, pixels);
+    if (!(limit > 0)) limit = td_fastest(u, v, pixels);
     for (size_t i = 0; i < pixels; i++) {
         const double speed = hypot(u[i], v[i]), share = limit > 0 ? speed / limit : 0;
         if (isnan(speed))
@@ -35,11 +43,7 @@ void tides_picture_flow(const double *u, const double *v, int32_t width, int32_t
 
 void tides_picture_depth(const double *depth, int32_t width, int32_t height, double near, double far, uint8_t *rgb) {
     const size_t pixels = pixels_of(width, height);
-    if (!(far > near)) {
-        near = INFINITY, far = 0;
-        for (size_t i = 0; i < pixels; i++)
-            if (depth[i] > 0 && isfinite(depth[i])) near = fmin(near, depth[i]), far = fmax(far, depth[i]);
-    }
+    if (!(far > near)) td_depth_range(depth, pixels, &near, &far);
     for (size_t i = 0; i < pixels; i++) {
         if (isnan(depth[i]))
             memcpy(rgb + 3 * i, nan_colour, 3);

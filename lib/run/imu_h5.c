@@ -3,16 +3,13 @@
 #include "archive/td_h5.h"
 #include "archive/td_h5_driver.h"
 #include "run/td_imu_file.h"
-#include "td_base.h"
 
-#include <stdlib.h>
-#include <string.h>
-
-typedef struct h5_imu {
-    const char *path;
-    int failed; /* errno of a write that HDF5 isn't told of (archive/td_h5_driver.h), or 0 */
-    hid_t file;
-} h5_imu;
+/* What is written. */
+typedef struct all_samples {
+    const tides_imu_sample *samples;
+    size_t count;
+    const char *run;
+} all_samples;
 
 /* An array: a column of the samples, which HDF5 takes out of them by their size. */
 static herr_t put_array(hid_t file, const td_imu_column *column, const tides_imu_sample *samples, size_t count) {
@@ -34,36 +31,16 @@ static herr_t put_array(hid_t file, const td_imu_column *column, const tides_imu
     return done ? 0 : -1;
 }
 
-static herr_t put_file(h5_imu *h5, const char *part, const tides_imu_sample *samples, size_t count, const char *run) {
-    const hid_t access = td_h5_write_access(&h5->failed);
-    h5->file = access < 0 ? -1 : H5Fcreate(part, H5F_ACC_TRUNC, H5P_DEFAULT, access);
-    td_h5_close(access);
-    if (h5->file < 0 || td_h5_write_text(h5->file, "format", "tides-imu") < 0 || td_h5_write_text(h5->file, "run", run) < 0)
-        return -1;
+static herr_t put_all(hid_t file, const void *user) {
+    const all_samples *all = user;
+    if (td_h5_write_text(file, "format", "tides-imu") < 0 || td_h5_write_text(file, "run", all->run) < 0) return -1;
     for (size_t i = 0; i < td_imu_columns_count; i++)
-        if (put_array(h5->file, &td_imu_columns[i], samples, count) < 0) return -1;
+        if (put_array(file, &td_imu_columns[i], all->samples, all->count) < 0) return -1;
     return 0;
 }
 
 tides_status td_imu_write_h5(const char *path, const tides_imu_sample *samples, size_t count, const char *run,
                              tides_error *error) {
-    h5_imu h5 = {.path = path, .file = -1};
-    char *part = NULL;
-    td_h5_quiet quiet;
-    td_h5_reason reason;
-    tides_status status = td_part_name(path, 0, &part, error);
-    if (status != TIDES_OK) return status;
-    td_h5_quiet_begin(&quiet);
-    herr_t wrong = put_file(&h5, part, samples, count, run);
-    if (h5.file >= 0 && H5Fclose(h5.file) < 0) wrong = -1;
-    if (wrong < 0 || h5.failed)
-        status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path,
-                         h5.failed ? strerror(h5.failed) : td_h5_reason_text(&reason));
-    td_h5_quiet_end(&quiet);
-    if (status == TIDES_OK)
-        status = td_commit_file(part, path, error);
-    else
-        td_remove_part(part, path);
-    free(part);
-    return status;
+    const all_samples all = {samples, count, run};
+    return td_h5_save(path, put_all, &all, error);
 }

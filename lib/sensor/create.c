@@ -192,52 +192,57 @@ static tides_status read_maps(td_sensor *sensor, const td_tile *tiles, int32_t t
     return status;
 }
 
-tides_status td_sensor_create(const tides_sensor *given, int32_t model, double log_eps, double start, int32_t image_width,
-                              const td_tile *tiles, int32_t tile_count, td_sensor *sensor, tides_error *error) {
-    memset(sensor, 0, sizeof *sensor);
-    sensor->sensor = *given;
+/* What the parameters ask for, and the run's start as steps count from it. */
+static tides_status set_blocks(td_sensor *sensor, const td_maps *maps, double start, tides_error *error) {
     const tides_sensor *params = &sensor->sensor;
-    tides_status status = td_sensor_check_levels(params, model, error);
-    if (status == TIDES_OK) status = td_sensor_check(params, error);
-    if (status != TIDES_OK) return status;
-    sensor->model = model;
-    sensor->log_eps = log_eps;
-    sensor->image_width = image_width;
-    sensor->masks = params->b_min > 0;
-    sensor->refractory_ns = 1e9 * params->refractory_s;
-    td_maps maps;
-    status = read_maps(sensor, tiles, tile_count, &maps, error);
-    if (status == TIDES_OK) status = td_frontend_make(params, &sensor->frontend, error);
+    td_step first; /* how the simulator's steps split that time */
+    tides_status status = td_frontend_make(params, &sensor->frontend, error);
     if (status == TIDES_OK) status = td_additive_noise_make(params, &sensor->additive, error);
     if (status == TIDES_OK) status = td_kick_make(params, start, &sensor->kick, error);
     if (status == TIDES_OK && sensor->kick.on && sensor->frontend.kind > TD_FRONTEND_CONSTANT)
         status = td_fail(error, TIDES_UNSUPPORTED,
                          "sensor: kick isn't available with the circuit, a pole that goes with the light or a high-pass; leave "
                          "one of them off");
-    if (status != TIDES_OK) {
-        td_maps_release(&maps);
-        return status;
-    }
-    sensor->active_at_rest = maps.checksum || sensor->frontend.on || sensor->additive.on || sensor->kick.on ||
+    if (status == TIDES_OK) status = td_step_between(start, start + 1, &first, error);
+    if (status != TIDES_OK) return status;
+    sensor->active_at_rest = maps->checksum || sensor->frontend.on || sensor->additive.on || sensor->kick.on ||
                              params->leak_rate_hz > 0 || params->refractory_s > 0 || makes_noise(params);
-    int surround = params->surround_lambda_px > 0;
+    const int surround = params->surround_lambda_px > 0;
     sensor->labels = params->labels && (sensor->frontend.on || sensor->additive.on || sensor->kick.on || surround);
     sensor->on =
         sensor->active_at_rest || sensor->masks || surround || params->threshold_sigma > 0 || params->dead_pixel_fraction > 0;
-    td_step first; /* how the simulator's steps split that time */
-    status = td_step_between(start, start + 1, &first, error);
-    if (status != TIDES_OK) {
-        td_maps_release(&maps);
-        return status;
-    }
     sensor->start_ns = first.start_ns;
     sensor->start_fraction = first.start_fraction;
+    return TIDES_OK;
+}
+
+static tides_status make_pixels(td_sensor *sensor, const td_maps *maps, const td_tile *tiles, int32_t tile_count,
+                                tides_error *error) {
     for (int32_t t = 0; t < tile_count; t++) sensor->count += (size_t)tiles[t].count;
-    status = allocate(sensor, error);
+    tides_status status = allocate(sensor, error);
     if (status == TIDES_OK && sensor->on) status = allocate_blocks(sensor, error);
-    if (status == TIDES_OK && sensor->on) status = allocate_own(sensor, &maps, error);
+    if (status == TIDES_OK && sensor->on) status = allocate_own(sensor, maps, error);
     if (status == TIDES_OK) status = td_sensor_list(sensor, error);
-    if (status == TIDES_OK && sensor->on) draw_pixels(sensor, &maps, tiles, tile_count);
+    if (status == TIDES_OK && sensor->on) draw_pixels(sensor, maps, tiles, tile_count);
+    return status;
+}
+
+tides_status td_sensor_create(const tides_sensor *given, int32_t model, double log_eps, double start, int32_t image_width,
+                              const td_tile *tiles, int32_t tile_count, td_sensor *sensor, tides_error *error) {
+    memset(sensor, 0, sizeof *sensor);
+    sensor->sensor = *given;
+    tides_status status = td_sensor_check_levels(&sensor->sensor, model, error);
+    if (status == TIDES_OK) status = td_sensor_check(&sensor->sensor, error);
+    if (status != TIDES_OK) return status;
+    sensor->model = model;
+    sensor->log_eps = log_eps;
+    sensor->image_width = image_width;
+    sensor->masks = sensor->sensor.b_min > 0;
+    sensor->refractory_ns = 1e9 * sensor->sensor.refractory_s;
+    td_maps maps;
+    status = read_maps(sensor, tiles, tile_count, &maps, error);
+    if (status == TIDES_OK) status = set_blocks(sensor, &maps, start, error);
+    if (status == TIDES_OK) status = make_pixels(sensor, &maps, tiles, tile_count, error);
     td_maps_release(&maps);
     if (status == TIDES_OK) status = td_sensor_draw_initial(sensor, tiles, tile_count, error);
     if (status != TIDES_OK) td_sensor_release(sensor);

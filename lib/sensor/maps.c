@@ -148,34 +148,21 @@ static herr_t put(hid_t file, const char *name, const hsize_t shape[2], const do
     return done;
 }
 
-static herr_t put_all(const char *part, int32_t width, int32_t height, const td_maps *maps, int *failed) {
-    const hsize_t shape[2] = {(hsize_t)height, (hsize_t)width};
-    const hid_t access = td_h5_write_access(failed);
-    const hid_t file = access < 0 ? -1 : H5Fcreate(part, H5F_ACC_TRUNC, H5P_DEFAULT, access);
-    herr_t done = file < 0 ? -1 : td_h5_write_text(file, "format", "tides-maps");
-    td_h5_close(access);
+/* What is written. */
+typedef struct all_maps {
+    hsize_t shape[2];
+    const td_maps *maps;
+} all_maps;
+
+static herr_t put_all(hid_t file, const void *user) {
+    const all_maps *all = user;
+    herr_t done = td_h5_write_text(file, "format", "tides-maps");
     for (int m = 0; m < TD_MAPS && done >= 0; m++)
-        if (maps->map[m]) done = put(file, td_map_names[m], shape, maps->map[m]);
-    if (file >= 0 && H5Fclose(file) < 0) done = -1;
+        if (all->maps->map[m]) done = put(file, td_map_names[m], all->shape, all->maps->map[m]);
     return done;
 }
 
 tides_status td_maps_write(const char *path, int32_t width, int32_t height, const td_maps *maps, tides_error *error) {
-    char *part = NULL;
-    int failed = 0;
-    td_h5_quiet quiet;
-    td_h5_reason reason;
-    tides_status status = td_part_name(path, 0, &part, error);
-    if (status != TIDES_OK) return status;
-    td_h5_quiet_begin(&quiet);
-    if (put_all(part, width, height, maps, &failed) < 0 || failed)
-        status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: %s", path,
-                         failed ? strerror(failed) : td_h5_reason_text(&reason));
-    td_h5_quiet_end(&quiet);
-    if (status == TIDES_OK)
-        status = td_commit_file(part, path, error);
-    else
-        td_remove_part(part, path);
-    free(part);
-    return status;
+    const all_maps all = {{(hsize_t)height, (hsize_t)width}, maps};
+    return td_h5_save(path, put_all, &all, error);
 }

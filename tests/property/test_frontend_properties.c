@@ -1,5 +1,6 @@
 /* The photoreceptor's filters on random cubics and parameters: against an independent integration, cut into parts, bounds, and
  * crossings against a dense search. The seed is printed; TIDES_TEST_SEED sets it. */
+#include "tests/support/seeded.h"
 #include "tests/support/frontend_oracle.h"
 #include "sensor/response/td_frontend.h"
 #include "sensor/response/td_lowpass.h"
@@ -17,24 +18,7 @@
 
 #define LOG_EPS 0.001
 
-static uint64_t random_state;
-
-static void seed(uint64_t salt) {
-    const char *text = getenv("TIDES_TEST_SEED");
-    uint64_t seed = text ? strtoull(text, NULL, 10) : 20240611;
-    print_message("seed %" PRIu64 "\n", seed);
-    random_state = (seed ^ salt) * 0x9E3779B97F4A7C15ULL | 1;
-}
-
-/* xorshift64*: Vigna 2016. */
-static double uniform(double low, double high) {
-    random_state ^= random_state >> 12;
-    random_state ^= random_state << 25;
-    random_state ^= random_state >> 27;
-    return low + (high - low) * ((double)(random_state * 2685821657736338717ULL >> 11) * 0x1p-53);
-}
-
-static double any_power(double low, double high) { return exp(uniform(log(low), log(high))); }
+static void seed(uint64_t salt) { seed_from(20240611, salt); }
 
 /* -- random filters and inputs --------------------------------------------------------------------------------------------- */
 

@@ -1,5 +1,6 @@
 /* The low-pass whose rate goes with the light, over whole steps of many pixels: against the careful walk with a tolerance
  * a thousand times as small, for inputs as images make them and for the worst that could be thought of. */
+#include "tests/support/seeded.h"
 #include "sensor/response/td_frontend.h"
 #include "td_base.h"
 
@@ -18,24 +19,7 @@
 
 enum { PIXELS = 203 }; /* blocks, and some left over */
 
-static uint64_t random_state;
-
-static void seed(uint64_t salt) {
-    const char *text = getenv("TIDES_TEST_SEED");
-    uint64_t seed = text ? strtoull(text, NULL, 10) : 20261129;
-    print_message("seed %" PRIu64 "\n", seed);
-    random_state = (seed ^ salt) * 0x9E3779B97F4A7C15ULL | 1;
-}
-
-/* xorshift64*: Vigna 2016. */
-static double uniform(double low, double high) {
-    random_state ^= random_state >> 12;
-    random_state ^= random_state << 25;
-    random_state ^= random_state >> 27;
-    return low + (high - low) * ((double)(random_state * 2685821657736338717ULL >> 11) * 0x1p-53);
-}
-
-static double any_power(double low, double high) { return exp(uniform(log(low), log(high))); }
+static void seed(uint64_t salt) { seed_from(20261129, salt); }
 
 static tides_sensor sensor_of(double cutoff_hz) {
     tides_sensor sensor;

@@ -1,50 +1,21 @@
 /* Modes of a response, one by one: values, slopes and bounds. For response.c, mode_crossing.c and substeps.c. */
 #include "td_modes.h"
 #include "td_extremes.h"
+#include "td_tail.h"
 
 #include <math.h>
 
-/* 24 phi_4 is the sum over k of inverse[k] z^k, inverse[k] = 24 / (k + 4)!; the first that is left out is below 1e-17 of the
- * sum for |z| <= 1, and with fewer terms for |z| up to the limit beside them. */
-enum { TERMS = 17 };
-static const double inverse[TERMS] = {1.0,
-                                      1.0 / 5,
-                                      1.0 / 30,
-                                      1.0 / 210,
-                                      1.0 / 1680,
-                                      1.0 / 15120,
-                                      1.0 / 151200,
-                                      1.0 / 1663200,
-                                      1.0 / 19958400,
-                                      1.0 / 259459200,
-                                      1.0 / 3632428800,
-                                      1.0 / 54486432000,
-                                      1.0 / 871782912000,
-                                      1.0 / 14820309504000,
-                                      1.0 / 266765571072000,
-                                      1.0 / 5068545850368000,
-                                      1.0 / 101370917007360000};
+static int terms_for(double size) { return size <= 0.03 ? 9 : size <= 0.25 ? 13 : TD_TAIL_TERMS; }
 
-static int terms_for(double size) { return size <= 0.03 ? 9 : size <= 0.25 ? 13 : TERMS; }
-
-/* A real rate, as of all filters that don't swing: even and odd powers side by side. */
-static double real_series(double z) {
-    const int terms = terms_for(fabs(z)); /* odd */
-    double square = z * z, even = inverse[terms - 1], odd = 0;
-    for (int k = terms - 2; k > 0; k -= 2) {
-        odd = odd * square + inverse[k];
-        even = even * square + inverse[k - 1];
-    }
-    return even + z * odd;
-}
+static double real_series(double z) { return td_tail_series(z, terms_for(fabs(z))); }
 
 static td_complex series(td_complex z) {
     if (z.im == 0) return (td_complex){real_series(z.re), 0};
     const int terms = terms_for(fabs(z.re) + fabs(z.im));
-    td_complex sum = {inverse[terms - 1], 0};
+    td_complex sum = {td_tail_term[terms - 1], 0};
     for (int k = terms - 2; k >= 0; k--) {
         sum = td_times(z, sum);
-        sum.re += inverse[k];
+        sum.re += td_tail_term[k];
     }
     return sum;
 }

@@ -9,10 +9,13 @@
 
 #include "td_exponential.h"
 #include "td_extremes.h"
+#include "td_tail.h"
 #include "td_time_map.h"
 #include "td_wide.h"
 
 #include <math.h>
+
+enum { TD_LIGHT_TAIL = 13 }; /* of the tail, to 1e-13 for rates up to 1 */
 
 #define TD_LIGHT_MOST 60.0 /* log-luminance: an HDR image ends far below e^60 */
 
@@ -71,31 +74,12 @@ TD_WITHIN void td_light_mapped(const double b[4], const double term[TD_TIME_MAP_
     mapped[3] = b[3];
 }
 
-/* 24 phi_4(-rate) to 1e-13, as td_mode_value has it of a tail at 1, for rate <= 1 (modes.c says where the numbers come
- * from). */
-TD_WITHIN double td_light_tail(double rate) {
-    const double z = -rate, square = z * z;
-    double even = 1.0 / 871782912000, odd = 1.0 / 54486432000;
-    even = even * square + 1.0 / 3632428800;
-    odd = odd * square + 1.0 / 259459200;
-    even = even * square + 1.0 / 19958400;
-    odd = odd * square + 1.0 / 1663200;
-    even = even * square + 1.0 / 151200;
-    odd = odd * square + 1.0 / 15120;
-    even = even * square + 1.0 / 1680;
-    odd = odd * square + 1.0 / 210;
-    even = even * square + 1.0 / 30;
-    odd = odd * square + 1.0 / 5;
-    even = even * square + 1;
-    return even + z * odd;
-}
-
 /* S at the substep's end: what td_pole_respond's response is at 1, to 1e-13. */
 TD_WITHIN double td_light_end(double rate, double S, const double b[4]) {
     const double d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2], offset = S - b[0];
     const double l1 = 3 * d0, l2 = 3 * (d1 - d0), l3 = d2 - 2 * d1 + d0;
     const double x1 = -(rate * offset), x2 = rate * (l1 - x1) * (1.0 / 2), x3 = rate * (l2 - x2) * (1.0 / 3);
-    const double slow = S + x1 + x2 + x3 + rate * (l3 - x3) * (1.0 / 4) * td_light_tail(td_lesser(rate, 1));
+    const double slow = S + x1 + x2 + x3 + rate * (l3 - x3) * (1.0 / 4) * td_tail_series(-td_lesser(rate, 1), TD_LIGHT_TAIL);
     const double inverse = 1 / rate, p2 = l2 - l3 * inverse * 3, p1 = l1 - p2 * inverse * 2, size = offset + p1 * inverse;
     const double fast = S - size + p1 + p2 + l3 + size * td_exponential(-rate);
     return rate > 1 ? fast : slow;
