@@ -1,5 +1,5 @@
-/* tides init: a run file to begin with: every key with its default, and a comment that says what it does. Defaults are comments
- * themselves: a value that is given would keep a preset from setting it. */
+/* tides init: a run file to begin with: the keys that most runs set, or with --all every key, with its default and a comment that
+ * explains it. Defaults are comments themselves: a value that is given would keep a preset from setting it. */
 #include "cli.h"
 
 #include <stdio.h>
@@ -12,12 +12,13 @@ typedef struct template {
     const tides_param *rows;
     size_t count;
     const char *scene, *camera; /* file names; no camera: an orbit */
+    int32_t all;                /* every key, not only the common ones */
 }
 template;
 
-/* The next row from `i` on that this version acts on and that lies in the group of `prefix`'s first `length` characters. */
+/* The next row from `i` on that is to be written and lies in the group of `prefix`'s first `length` characters. */
 static size_t next_row(const template *t, size_t i, const char *prefix, size_t length) {
-    while (i < t->count && !(t->rows[i].available && strncmp(t->rows[i].key, prefix, length) == 0)) i++;
+    while (i < t->count && !((t->all || t->rows[i].common) && strncmp(t->rows[i].key, prefix, length) == 0)) i++;
     return i;
 }
 
@@ -80,18 +81,19 @@ static size_t put_group(const template *t, size_t i, size_t length, int indent) 
     return i;
 }
 
-static char *make_template(const char *scene, const char *camera) {
+static char *make_template(const char *scene, const char *camera, int32_t all) {
     char *text = NULL;
     size_t bytes = 0;
-    template t = {.scene = scene, .camera = camera};
+    template t = {.scene = scene, .camera = camera, .all = all};
     t.rows = tides_params(&t.count);
     t.file = open_memstream(&text, &bytes);
     if (!t.file) return NULL;
     fputs("// A run file of TIDES: tides simulate FILE -o events.h5. Paths are relative to this file. What stands "
           "behind // is\n"
-          "// the default: take the // away in front of a key to change it. A sensor: \"preset\": \"dvs128\".\n"
-          "{\n",
+          "// the default: take the // away in front of a key to change it. A sensor: \"preset\": \"dvs128\".\n",
           t.file);
+    if (!all) fputs("// tides init --all writes all keys; tides simulate --help-all explains them.\n", t.file);
+    fputs("{\n", t.file);
     put_group(&t, next_row(&t, 0, "", 0), 0, 2);
     fputs("}", t.file);
     const int32_t whole = !ferror(t.file);
@@ -118,11 +120,12 @@ static tides_status check_output(const char *output, const char *scene, const ch
 int cmd_init(const cli_command *command, int argc, char **argv) {
     cli_common common;
     const char *output = NULL, *scene = NULL, *camera = NULL;
-    int32_t force = 0;
+    int32_t force = 0, all = 0;
     const cli_option options[] = {
         {"--output", 'o', "RUN.json", "the file to write (run.json)", NULL, &output, NULL},
         {"--scene", 0, "FILE", "scene.file (scene.ply)", NULL, &scene, NULL},
         {"--camera", 0, "FILE", "camera.file (with a scene alone: an orbit about it)", NULL, &camera, NULL},
+        {"--all", 0, NULL, "every key, not only those that most runs set", &all, NULL, NULL},
         {"--force", 0, NULL, "replace a file that is there", &force, NULL, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
@@ -133,7 +136,7 @@ int cmd_init(const cli_command *command, int argc, char **argv) {
         return cli_failed("%s: is there already; name another with -o, or replace it with --force", output);
 
     tides_error error = {TIDES_OK, ""};
-    char *text = make_template(scene ? scene : "scene.ply", camera || scene ? camera : "path.json");
+    char *text = make_template(scene ? scene : "scene.ply", camera || scene ? camera : "path.json", all);
     if (!text) return cli_failed("out of memory: %s", output);
     tides_status status = check_output(output, scene, camera, &error);
     if (status == TIDES_OK) status = check(text, &error);

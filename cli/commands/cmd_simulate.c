@@ -51,7 +51,7 @@ int cmd_simulate(const cli_command *command, int argc, char **argv) {
     cli_common common;
     cli_list sets = {.count = 0};
     const char *run = NULL, *output = NULL, *seed = NULL, *stats = NULL, *preview = NULL, *every = NULL, *maps = NULL;
-    int32_t resume = 0, keep = 0;
+    int32_t resume = 0, keep = 0, all_keys = 0;
     const cli_option options[] = {
         {"--output", 'o', "EVENTS.h5", "where events go (required)", NULL, &output, NULL},
         {"--set", 0, "KEY=VALUE", "override a key of the run file; may be repeated", NULL, NULL, &sets},
@@ -65,10 +65,15 @@ int cmd_simulate(const cli_command *command, int argc, char **argv) {
          NULL, NULL},
         {"--checkpoint", 0, "SECONDS", "how often to save what --resume needs (" CLI_TEXT_OF(TIDES_CHECKPOINT_S) "; 0: never)",
          NULL, &every, NULL},
+        {"--help-all", 0, NULL, "this text with every key of the run file", &all_keys, NULL, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
     int code = cli_parse(command, options, argc, argv, &common, &run);
-    if (code == CLI_OK) cli_help_keys();
+    if (code == CLI_GO && all_keys) {
+        cli_help_command(command, options);
+        code = CLI_OK;
+    }
+    if (code == CLI_OK) cli_help_keys(all_keys);
     if (code != CLI_GO) return code;
     int32_t names_scene = 0;
     if (!run && (run = operand_of(&sets, &names_scene)))

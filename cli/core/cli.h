@@ -111,7 +111,7 @@ int cli_help_pages(const cli_command *commands, size_t count, const char *what, 
 
 /* help.c */
 void cli_help_command(const cli_command *command, const cli_option *options);
-void cli_help_keys(void); /* the run file's keys, from the parameter table */
+void cli_help_keys(int32_t all); /* the run file's keys, from the parameter table: those that most runs set, or all */
 
 /* output.c: "tides: ..." on stderr, one line. */
 int cli_fail(const tides_error *error);                                                /* CLI_FAILED */

@@ -56,10 +56,9 @@ void describe_formats(const char *between) {
 }
 
 void describe_keys(const char *after, const char *between) {
-    size_t count, printed = 0;
+    size_t count;
     const tides_param *rows = tides_params(&count);
-    for (size_t i = 0; i < count; i++)
-        if (rows[i].available) printf("%s%s%s", printed++ ? between : "", rows[i].key, after);
+    for (size_t i = 0; i < count; i++) printf("%s%s%s", i ? between : "", rows[i].key, after);
 }
 
 /* How `tides help --KIND` asks each command about its options. */

@@ -149,7 +149,7 @@ static void put_row(const tides_param *row) {
     put(row->fallback ? row->fallback : "required");
     fputs(")\n", stdout);
     put(row->sentence);
-    fputs(row->available ? "\n" : ".\nThis version takes the default only.\n", stdout);
+    putchar('\n');
 }
 
 void describe_man_run(void) {

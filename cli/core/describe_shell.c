@@ -61,7 +61,7 @@ static void bash_choices_of_keys(void) {
     const tides_param *rows = tides_params(&count);
     fputs("_tides_values() {\n    local values=\n    case $1 in\n", stdout);
     for (size_t i = 0; i < count; i++) {
-        if (!rows[i].available || (!rows[i].choices && rows[i].type != TIDES_PARAM_BOOLEAN)) continue;
+        if (!rows[i].choices && rows[i].type != TIDES_PARAM_BOOLEAN) continue;
         printf("    %s) values='", rows[i].key);
         for (const char *at = rows[i].choices ? rows[i].choices : "true|false"; *at; at++) putchar(*at == '|' ? ' ' : *at);
         fputs("' ;;\n", stdout);

@@ -22,17 +22,22 @@ void cli_help_command(const cli_command *command, const cli_option *options) {
     if (command->details) printf("\n%s\n", command->details);
 }
 
-void cli_help_keys(void) {
+static void print_key(const tides_param *row) {
+    char left[96];
+    snprintf(left, sizeof left, "%s [%s]", row->key, row->fallback ? row->fallback : "required");
+    printf("  %-42s %s%s%s%s", left, row->sentence, row->unit[0] ? " [" : "", row->unit, row->unit[0] ? "]" : "");
+    if (row->choices) printf(": %s", row->choices);
+    putchar('\n');
+}
+
+void cli_help_keys(int32_t all) {
     size_t count;
     const tides_param *rows = tides_params(&count);
-    printf("\nkeys of the run file, for --set key=value (default in brackets):\n");
+    printf("\nkeys of the run file, for --set key=value (default in brackets)%s:\n",
+           all ? "" : "; --help-all lists all of them");
     for (size_t i = 0; i < count; i++) {
-        if (!rows[i].available) continue;
-        char left[96];
-        snprintf(left, sizeof left, "%s [%s]", rows[i].key, rows[i].fallback ? rows[i].fallback : "required");
-        printf("  %-42s %s%s%s%s", left, rows[i].sentence, rows[i].unit[0] ? " [" : "", rows[i].unit,
-               rows[i].unit[0] ? "]" : "");
-        if (rows[i].choices) printf(": %s", rows[i].choices);
-        putchar('\n');
+        const size_t group = strcspn(rows[i].key, ".");
+        if (all && (i == 0 || strncmp(rows[i].key, rows[i - 1].key, group + 1) != 0)) putchar('\n');
+        if (all || rows[i].common) print_key(&rows[i]);
     }
 }

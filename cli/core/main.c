@@ -11,7 +11,7 @@
 static const cli_command commands[] = {
     {"demo", "[-o DIR]", "Make a dynamic scene, simulate it, and leave everything in a directory.",
      "Writes the scene, camera path, run file, events.h5, preview.png, frame.exr and stats.json.", 0, cmd_demo, 0},
-    {"init", "[-o RUN.json]", "Write a run file to begin with: every key, its default, and what it does.",
+    {"init", "[-o RUN.json]", "Write a run file to begin with: keys, their defaults, and what they do.",
      "The comments (// to the end of a line) are TIDES's own: JSON has none.", 0, cmd_init, 1},
     {"devices", "", "List OpenCL devices and show which one is used.", NULL, 0, cmd_devices, 0},
     {"presets", "", "List the sensors that sensor.preset names, side by side.",
@@ -30,7 +30,7 @@ static const cli_command commands[] = {
     {"render", "RUN.json --time T -o OUT.exr", "Render one frame with its exact time derivative.",
      "In place of a run file, a scene (.ply, .spz, a model's folder ...) is looked at from an orbit that is found.\n"
      "Channels: Y, L, L_dot, A, A_dot, coverage, contributors; with --rgb R, G, B and with --depth Z, and their _dot.\n"
-     "The keys for --set are listed by tides simulate --help.",
+     "The keys for --set are listed by tides simulate --help-all.",
      1, cmd_render, 0},
     {"frames", "RUN.json -o DIR", "Render exposed frames: blurred, by a global or rolling shutter, with noise.",
      "exposure.* of the run file says how. DIR gets frame_000000.png .., timestamps.txt (the middle of each exposure) and\n"
@@ -39,11 +39,11 @@ static const cli_command commands[] = {
      1, cmd_frames, 0},
     {"imu", "RUN.json -o OUT.csv", "Write what an IMU on the camera measures, with noise and biases.",
      "imu.* of the run file says how; scene.metres_per_unit and imu.down must be known. .csv has EuRoC's columns, .txt ECD's,\n"
-     "each with the true biases in OUT_bias beside; .npz and .h5 have all of it. Keys are listed by tides simulate --help.",
+     "each with the true biases in OUT_bias beside; .npz and .h5 have all of it. Keys are listed by tides simulate --help-all.",
      1, cmd_imu, 0},
     {"tracks", "RUN.json -o OUT.npz", "Follow points on surfaces through the run, with their visibility.",
      "tracks.* of the run file says how many, and how often. .npz has arrays, .csv a line for each time and track.\n"
-     "The keys for --set are listed by tides simulate --help.",
+     "The keys for --set are listed by tides simulate --help-all.",
      1, cmd_tracks, 0},
     {"simulate", "RUN.json -o EVENTS.h5", "Simulate events with continuous-time timestamps.",
      "In place of a run file, a scene (.ply, .spz, a model's folder ...) is seen from an orbit that is found, for 0.1 s, and "
@@ -56,7 +56,7 @@ static const cli_command commands[] = {
      "Make a dataset's folder: events, pictures, depth, flow, poses of every camera.",
      "Cameras are those of rig.cameras, each simulated once; rates are dataset.picture_hz, truth_hz and pose_hz.\n"
      "Flow in files is displacement to the next ground truth [px]. DIR is there whole or not at all; DIR/contact.png\n"
-     "shows what is in it. The keys for --set are listed by tides simulate --help.",
+     "shows what is in it. The keys for --set are listed by tides simulate --help-all.",
      1, cmd_dataset, 0},
     {"batch", "MANIFEST.json -o DIR", "Simulate many runs, several at a time; what is finished is skipped.",
      "MANIFEST.json: {\"base\": \"run.json\", \"set\": {KEY: VALUE}, \"grid\": {KEY: [VALUES], ...},\n"
@@ -121,7 +121,7 @@ static const cli_command commands[] = {
      "thresholds: no noise, spread, latency, low-pass or refractory period. With it, thresholds are the run's where the run\n"
      "file has none for the method. Exact are a scene's events with steps halved until little moves, and between frames\n"
      "those of straight lines in log luminance. A method that fails takes no other with it.\n"
-     "The keys for --set are listed by tides simulate --help.",
+     "The keys for --set are listed by tides simulate --help-all.",
      1, cmd_compare, 0},
     {"bench",
      "accuracy|ablation|blocks|calibrate|determinism|live|stability|all [-o DIR] [--quick] [--scene NAME] [--row NAME]",

@@ -33,7 +33,7 @@ typedef struct tides_param {
     const char *fallback; /* default as JSON text; NULL: required */
     const char *choices;  /* "smooth|inria|gsplat", or NULL */
     const char *sentence; /* what it does */
-    int32_t available;    /* 0: part of the contract, but this version only takes the default */
+    int32_t common;       /* 1: one of the few keys that most runs set, which --help lists and `tides init` writes */
 } tides_param;
 
 /* The table; static storage, `count` (nullable) receives its length. */
@@ -49,8 +49,7 @@ typedef struct tides_run tides_run;
 /* Reads a run file; a splat file or a model's folder in its place is a run of that scene on an orbit (camera.orbit_s = 12),
  * from 0 to 0.1 s; frames (a video, a folder of pictures, an array of three dimensions) are a run of frames.file.
  * `overrides` (nullable, `count` of them) are "key=value" texts, value as JSON or bare text, applied after the file. Unknown
- * keys are errors that name the nearest known key; values out of range name the key, the value and the range; a key that
- * this version doesn't act on is an error unless it holds its default. Relative paths are relative to the file. Beyond JSON,
+ * keys are errors that name the nearest known key; values out of range name the key, the value and the range. Relative paths are relative to the file. Beyond JSON,
  * "//" outside a text begins a comment that ends with the line, and a comma may stand before a closing bracket. A value that
  * an override gives is stronger than a preset (sensor.preset) that an override names, that than the file's own values, and
  * those than a preset that the file names; tides_run_notes says what a preset didn't get to set. */

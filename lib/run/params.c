@@ -77,7 +77,8 @@ static void make(void) {
             text = defaults[i];
         }
         const char *unit = row->unit ? row->unit : "";
-        shown[i] = (tides_param){row->key, row->type, unit, row->lower, row->upper, text, row->choices, row->sentence, 1};
+        shown[i] =
+            (tides_param){row->key, row->type, unit, row->lower, row->upper, text, row->choices, row->sentence, row->common};
     }
 }
 

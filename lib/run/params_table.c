@@ -40,7 +40,7 @@ static const int32_t lens_models[] = {TIDES_LENS_NONE, TIDES_LENS_NONE, TIDES_LE
 
 const td_param td_params[] = {
     {STRING("scene.file", scene_file, "splats, in any format that tides convert --help lists; not needed with scene.objects"),
-     .fallback = "null", .is_file = 1},
+     .fallback = "null", .is_file = 1, .common = 1},
     {STRING("scene.part", scene_options.part,
             "a glTF's scene, an .h5's object, an iteration, a level of detail; null: what a file shows first"),
      .fallback = "null"},
@@ -60,10 +60,10 @@ const td_param td_params[] = {
 
     {STRING("camera.file", camera_file,
             "camera path: TIDES JSON, COLMAP, nerfstudio, INRIA, LLFF, nerfies, TUM, EuRoC, ESIM, KITTI"),
-     .is_file = 1},
+     .is_file = 1, .common = 1},
     {ROW("camera.orbit_s", NUMBER, TD_NO_FIELD,
          "in place of camera.file: an orbit about what the scene holds, a turn in so long"),
-     .unit = "s", .lower = 1e-9, .upper = TD_FURTHEST_TIME, .fallback = "null"},
+     .unit = "s", .lower = 1e-9, .upper = TD_FURTHEST_TIME, .fallback = "null", .common = 1},
     {ROW("camera.up", VECTOR3, TD_NO_FIELD, "what is up for that orbit; null: as the scene says, or guessed, -y or z"),
      .lower = -1e6, .upper = 1e6, .fallback = "null"},
     {ROW("camera.scale", NUMBER, TD_NO_FIELD,
@@ -71,7 +71,7 @@ const td_param td_params[] = {
      .lower = 1e-3, .upper = 1e3, .fallback = "1.0"},
     {INTEGER("camera.width", intrinsics.width, "px", 1, 16384,
              "image width; alone, it scales the path file's view; null takes the path file's"),
-     .fallback = "null"},
+     .fallback = "null", .common = 1},
     {INTEGER("camera.height", intrinsics.height, "px", 1, 16384,
              "image height; alone, it scales the path file's view; null takes the path file's"),
      .fallback = "null"},
@@ -119,12 +119,14 @@ const td_param td_params[] = {
      .fallback = "null"},
 
     {NUMBER("time.start", start, "s", -TD_FURTHEST_TIME, TD_FURTHEST_TIME,
-            "where the run begins; pixels rest at the signal of this moment")},
+            "where the run begins; pixels rest at the signal of this moment"),
+     .common = 1},
     {NUMBER("time.stop", stop, "s", -TD_FURTHEST_TIME, TD_FURTHEST_TIME,
             "where the run ends; of frames, unless given, with the last"),
-     .no_event = 1}, /* of those before it */
+     .no_event = 1, .common = 1}, /* of those before it */
 
-    {CHOICE("image.rules", image.rules, "smooth|inria|gsplat", "whose cutoffs form the image; smooth has no jumps in time")},
+    {CHOICE("image.rules", image.rules, "smooth|inria|gsplat", "whose cutoffs form the image; smooth has no jumps in time"),
+     .common = 1},
     {CHOICE("image.antialias", image.antialias, "file|true|false",
             "compensate opacity for the dilation (mip-splatting); file: where the scene's files say so"),
      .constants = antialiases},
@@ -133,17 +135,20 @@ const td_param td_params[] = {
     {VECTOR3("image.luminance", image.luminance, "", 0, 100, "weights of r, g, b in luminance Y")},
     {CHOICE("image.transfer", image.transfer, "file|linear|srgb|gamma",
             "what composited colours are of light; file: as the scene's files say, else srgb"),
-     .constants = transfers},
+     .constants = transfers, .common = 1},
     {NUMBER("image.gamma", image.gamma, "", 1, 5, "with image.transfer gamma: light = colour^gamma")},
     {NUMBER("image.log_eps", image.log_eps, "", 1e-9, 1e6,
-            "black level: light of the dark and photocurrent's offset, a share of Y = 1; L = ln(Y + log_eps)")},
+            "black level: light of the dark and photocurrent's offset, a share of Y = 1; L = ln(Y + log_eps)"),
+     .common = 1},
 
     {CHOICE("sensor.colour_filter", image.colour_filter, "off|rggb|grbg|gbrg|bggr",
             "what pixels see through: each one channel of light, by its place in cells of 2x2 (R, G / G, B)")},
-    {NUMBER("sensor.threshold_on", sensor.threshold_on, "log units", 1e-4, 100, "C+: rise of L that fires an ON event")},
-    {NUMBER("sensor.threshold_off", sensor.threshold_off, "log units", 1e-4, 100, "C-: fall of L that fires an OFF event")},
+    {NUMBER("sensor.threshold_on", sensor.threshold_on, "log units", 1e-4, 100, "C+: rise of L that fires an ON event"),
+     .common = 1},
+    {NUMBER("sensor.threshold_off", sensor.threshold_off, "log units", 1e-4, 100, "C-: fall of L that fires an OFF event"),
+     .common = 1},
     {TEXT("sensor.preset", "values for keys that aren't given: a sensor's name (~/.config/tides/presets too), or a JSON file"),
-     .fallback = "null", .ideal = "null"},
+     .fallback = "null", .ideal = "null", .common = 1},
     {TEXT("sensor.biases", "a camera's bias settings: thresholds, refractory period, low-pass by its maker's formulas"),
      .fallback = "null", .is_file = 1, .ideal = "null"},
     {STRING("sensor.maps", sensor.maps,
@@ -171,7 +176,8 @@ const td_param td_params[] = {
             "where references begin: at the signal, uniform between the levels, or as at rest for long"),
      .ideal = "rest"},
     {BOOLEAN("sensor.truth", event_truth,
-             "HDF5: beside each event the flow, depth and instance that its pixel saw when it fired")},
+             "HDF5: beside each event the flow, depth and instance that its pixel saw when it fired"),
+     .common = 1},
     {ROW("sensor.truth_columns", STRING, AT(truth_columns), "which of these sensor.truth writes, with commas between"),
      .fallback = "\"flow,depth,alpha,instance\""},
     {BOOLEAN("sensor.truth_metres", truth_metres, "its depths in metres, as scene.metres_per_unit says; else in scene units")},
@@ -229,7 +235,8 @@ const td_param td_params[] = {
     {CHOICE("stepping.mode", stepping.mode, "fixed|risk|error", "fixed: every step_s; else cut where asked for")},
     {CHOICE("stepping.model", stepping.model, "hermite|quadratic|linear|secant", "how L is modelled between two renders"),
      .constants = models},
-    {NUMBER("stepping.step_s", stepping.step_s, "s", 1e-9, 1e3, "time between two renders; unless fixed, the longest")},
+    {NUMBER("stepping.step_s", stepping.step_s, "s", 1e-9, 1e3, "time between two renders; unless fixed, the longest"),
+     .common = 1},
     {NUMBER("stepping.min_step_s", stepping.min_step_s, "s", 1e-9, 1e3, "steps no longer than this aren't cut")},
     {NUMBER("stepping.tolerance", stepping.tolerance, "thresholds", 1e-9, 1e3,
             "error control: error of L that cuts a step; null: 0.1 where events are looked up, else 0.01"),
@@ -247,7 +254,7 @@ const td_param td_params[] = {
     {NUMBER("stepping.risk.w_c", stepping.risk.w_c, "", 0, 1, "weight of contributors in the risk score")},
     {NUMBER("stepping.risk.w_alpha", stepping.risk.w_alpha, "", 0, 1, "weight of |alpha_dot| in the risk score")},
 
-    {BOOLEAN("readout.enabled", readout.enabled, "send events through the readout arbiter"), .ideal = "false"},
+    {BOOLEAN("readout.enabled", readout.enabled, "send events through the readout arbiter"), .ideal = "false", .common = 1},
     {CHOICE("readout.kind", readout.kind, "tiles|rows|bottleneck|requested|scanned",
             "a queue per tile, row or sensor, in turns; rows that ask; the sensor as event frames")},
     {INTEGER("readout.tile_px", readout.tile_px, "px", 1, 4096, "side of an arbiter's tile")},
@@ -300,7 +307,7 @@ const td_param td_params[] = {
 
     {STRING("frames.file", frames_file,
             "in place of a scene: a folder of .png or .exr, .y4m (-: from a pipe), .npy, .npz, .h5, .hdf5"),
-     .fallback = "null", .is_file = 1},
+     .fallback = "null", .is_file = 1, .common = 1},
     {STRING("frames.timestamps", frames.timestamps,
             "text file with a time per frame; null: the rate, else the file's own or timestamps.txt"),
      .fallback = "null", .is_file = 1},
@@ -308,7 +315,7 @@ const td_param td_params[] = {
             "of those times; auto: by header, us in image_timestamps.txt, else that of 1 to 1000 frames a second")},
     {NUMBER("frames.frames_per_second", frames.frames_per_second, "Hz", 1e-6, 1e9,
             "frame k is at k / rate; null where frames have times"),
-     .fallback = "null"},
+     .fallback = "null", .common = 1},
     {CHOICE("frames.transfer", frames.transfer, "linear|srgb", "srgb: values are decoded to linear light first")},
     {NUMBER("frames.full_scale", frames.full_scale, "", 1e-9, 1e19,
             "stored value that is light 1; null: integers' largest, floats' 1, or as values tell"),
@@ -349,7 +356,8 @@ const td_param td_params[] = {
     {NUMBER("tracks.rate_hz", track_rate_hz, "Hz", 1e-6, 1e9, "how often it says where they are")},
 
     {CHOICE("method", baseline.method, "tides|esim|v2e|iebcs|dvs-voltmeter|ldati",
-            "simulator, or the baseline to compare with")},
+            "simulator, or the baseline to compare with"),
+     .common = 1},
     {NUMBER("frames_per_second", frames_per_second, "Hz", 1e-6, 1e9, "baselines: renders per second that they see of a scene")},
 
     {NUMBER("esim.contrast_threshold_pos", baseline.esim.contrast_threshold_pos, "log units", 1e-4, 100,
@@ -446,7 +454,8 @@ const td_param td_params[] = {
     {NUMBER("dataset.pose_hz", dataset_pose_hz, "Hz", 1e-3, 1e6, "tides dataset: poses a second")},
 
     {STRING("device", device, "reference, cpu, gpu, an index or a part of a device's name; auto: TIDES_DEVICE, else the best"),
-     .fallback = "\"auto\"", .no_event = 1}, /* as far as it is as precise */
-    {STRING("seed", seed, "whole number that all randomness comes from; above 2^53 in quotes"), .fallback = "\"0\""},
+     .fallback = "\"auto\"", .no_event = 1, .common = 1}, /* as far as it is as precise */
+    {STRING("seed", seed, "whole number that all randomness comes from; above 2^53 in quotes"), .fallback = "\"0\"",
+     .common = 1},
 };
 const size_t td_params_count = sizeof td_params / sizeof td_params[0];

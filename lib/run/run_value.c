@@ -195,9 +195,6 @@ static tides_status check_objects(const tides_param *row, const cJSON *value, co
 
 tides_status td_param_check(const tides_param *row, const cJSON *value, const char *where, tides_error *error) {
     if (td_param_is_default(row, value)) return TIDES_OK;
-    if (!row->available)
-        return td_fail(error, TIDES_UNSUPPORTED, "%s: %s = %s is not available in this version; leave it at %s", where,
-                       row->key, show(value).text, row->fallback);
     switch (row->type) {
         case TIDES_PARAM_NUMBER:
         case TIDES_PARAM_INTEGER: return check_number(row, value, where, error);

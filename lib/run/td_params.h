@@ -18,6 +18,7 @@ typedef struct td_param {
     const char *choices;
     const int32_t *constants; /* of the choices, where they aren't 0, 1, 2 ... */
     const char *ideal;        /* what an ideal pixel has here, where nothing else is asked for; NULL: nothing is to be set */
+    int32_t common;           /* 1: one of the few that most runs set */
     int32_t no_event; /* 1: changes no event, so that parts of one run may differ in it; else a checkpoint refuses that */
     const char *sentence;
 } td_param;

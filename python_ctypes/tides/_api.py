@@ -2346,7 +2346,7 @@ class tides_param(Structure):
     const char *fallback; /* default as JSON text; NULL: required */
     const char *choices; /* "smooth|inria|gsplat", or NULL */
     const char *sentence; /* what it does */
-    int32_t available; /* 0: part of the contract, but this version only takes the default */
+    int32_t common; /* 1: one of the few keys that most runs set, which --help lists and `tides init` writes */
     """
 
     key: bytes | None
@@ -2357,7 +2357,7 @@ class tides_param(Structure):
     fallback: bytes | None
     choices: bytes | None
     sentence: bytes | None
-    available: int
+    common: int
 
     _fields_ = [
         ("key", c_char_p),
@@ -2368,7 +2368,7 @@ class tides_param(Structure):
         ("fallback", c_char_p),
         ("choices", c_char_p),
         ("sentence", c_char_p),
-        ("available", c_int32),
+        ("common", c_int32),
     ]
 
 

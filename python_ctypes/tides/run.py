@@ -33,7 +33,7 @@ _TYPES = {number: word for word, number in constants("TIDES_PARAM_").items()}
 
 def parameters() -> list[Facts]:
     """The table of a run file's keys: key, type ("number" ...), unit, lower, upper, fallback (the default as JSON text; ""
-    where the key is required), choices (list), sentence, available (False: only the default is taken), path (True: it names files, relative to the run file)."""
+    where the key is required), choices (list), sentence, common (True: most runs set it), path (True: it names files, relative to the run file)."""
     count = c_size_t()
     rows = lib.tides_params(byref(count))
     made = []
@@ -41,7 +41,7 @@ def parameters() -> list[Facts]:
         facts = plain(row)
         choices = facts["choices"].split("|") if facts["choices"] else []
         names_files = bool(lib.tides_param_is_path(row.key))
-        made.append(Facts(facts, type=_TYPES[row.type], choices=choices, available=bool(row.available), path=names_files))
+        made.append(Facts(facts, type=_TYPES[row.type], choices=choices, common=bool(row.common), path=names_files))
     return made
 
 

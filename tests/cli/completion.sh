@@ -45,7 +45,7 @@ offers "events.h5" tides info ev
 offers "folder" tides batch m.json -o f
 for command in $(tides --help | sed -n 's/^  \([a-z]*\) .*/\1/p'); do
     for option in $(tides $command --help | grep -oE '^  (-[a-z], |    )--[a-z-]+' | grep -oE -- '--[a-z-]+'); do
-        offers "$option" tides $command $option
+        [[ " $(complete_words tides $command $option)" == *" $option "* ]] || fail "tides $command doesn't offer $option"
     done
 done
 
@@ -88,7 +88,7 @@ done
 expect 0 tides help --man run
 cp out run.5
 sound run.5
-for key in $(tides simulate --help | grep -oE '^  [a-z_]+(\.[a-z_0-9]+)* \[' | tr -d ' ['); do
+for key in $(tides simulate --help-all | grep -oE '^  [a-z_]+(\.[a-z_0-9]+)* \[' | tr -d ' ['); do
     grep -qF "$key" run.5 || fail "tides-run.5 lacks $key"
 done
 

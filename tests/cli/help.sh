@@ -16,6 +16,10 @@ for command in demo init devices info scene render frames imu tracks simulate ba
     cmp -s first out || fail "help $command isn't --help"
 done
 expect 0 tides simulate --help
+[ "$(grep -cE '^  [a-z_0-9]+(\.[a-z_0-9]+)* \[' out)" -le 20 ] || fail "--help lists more keys than a person reads"
+grep -q "iebcs.tau" out && fail "--help lists what few set"
+expect 0 tides simulate --help-all
+out "^  iebcs.tau "
 out "sensor.threshold_on \[0.2\].*\[log units\]"
 out "image.rules .*smooth\|inria\|gsplat"
 [ -n "$(tail -n 1 out)" ] && [[ $(tail -n 1 out) != *: ]] || fail "help ends with an empty heading"

@@ -1,14 +1,19 @@
-# A run file to begin with: it holds every key with its default and what it does, and runs as it is.
+# A run file to begin with: it holds keys with their defaults and what they do, and runs as it is.
 make_scene
 expect 0 tides init -o new.json --scene scene.ply --camera path.txt
 out "new.json: tides simulate new.json"
 keys=$(tides simulate --help | grep -cE '^  [a-z_0-9]+(\.[a-z_0-9]+)* \[')
 [ "$(grep -c '": .* // ' new.json)" = "$keys" ] || fail "new.json doesn't hold $keys keys with a comment each"
+all=$(tides simulate --help-all | grep -cE '^  [a-z_0-9]+(\.[a-z_0-9]+)* \[')
+expect 0 tides init -qo all.json --all --scene scene.ply --camera path.txt
+[ "$(grep -c '": .* // ' all.json)" = "$all" ] || fail "all.json doesn't hold $all keys with a comment each"
+[ "$all" -gt "$keys" ] || fail "--all has no more keys"
 grep -q '^    // "threshold_on": 0.2, // C+: rise of L that fires an ON event \[log units\]$' new.json || fail "a row is wrong"
 grep -q '^    // "rules": "smooth", // .*: smooth|inria|gsplat$' new.json || fail "the choices are missing"
 size="--set camera.width=48 --set camera.height=36 --set camera.fx=50 --set time.stop=0.04 --set stepping.step_s=0.002"
 expect 0 tides simulate new.json -qo a.h5 $size
 expect 0 tides simulate run.json -qo b.h5
+expect 0 tides simulate all.json -qo a.h5 $size
 cmp a.h5 b.h5 || fail "the template's defaults aren't the defaults"
 
 # A preset acts on it, from the file and from --set; --set wins over both, and what a preset doesn't get to set is said.

@@ -309,21 +309,8 @@ static void spatial_blocks(void **state) {
     REFUSED("{" BASE "}", "frontend.psf_domain=cubic", TIDES_BAD_CONFIG, "psf_domain", "log, linear");
 }
 
-/* Every key of a later version: its default is taken, anything else names the key and the default. */
-static void later_keys_take_their_default_only(void **state) {
+static void numbers_beyond_double_are_refused(void **state) {
     (void)state;
-    size_t count = 0;
-    const tides_param *rows = tides_params(&count);
-    for (size_t i = 0; i < count; i++) {
-        if (rows[i].available) continue;
-        char set[160];
-        const char *text = set;
-        snprintf(set, sizeof set, "%s=%s", rows[i].key, rows[i].fallback);
-        tides_run_destroy(accepted("{" BASE "}", &text, 1));
-        snprintf(set, sizeof set, "%s=%s", rows[i].key, "0.123");
-        REFUSED("{" BASE "}", set, TIDES_UNSUPPORTED, rows[i].key, "not available in this version; leave it at",
-                rows[i].fallback);
-    }
     REFUSED("{" BASE "}", "frontend.noise_rms=1e999", TIDES_BAD_CONFIG, "frontend.noise_rms"); /* isn't "equal" to 0.0 */
 }
 
@@ -487,7 +474,7 @@ int main(void) {
                                        cmocka_unit_test(duplicates_are_refused),
                                        cmocka_unit_test(objects_are_checked),
                                        cmocka_unit_test(spatial_blocks),
-                                       cmocka_unit_test(later_keys_take_their_default_only),
+                                       cmocka_unit_test(numbers_beyond_double_are_refused),
                                        cmocka_unit_test(methods_and_frames),
                                        cmocka_unit_test(baseline_defaults_agree),
                                        cmocka_unit_test(syntax_errors_have_line_and_column),

@@ -202,7 +202,7 @@ def test_run_simulates_and_renders():
 def test_parameters_and_template(tmp_path):
     table = {row.key: row for row in tides.parameters()}
     row = table["sensor.threshold_on"]
-    assert row.type == "number" and row.fallback == "0.2" and row.available and row.sentence
+    assert row.type == "number" and row.fallback == "0.2" and row.common and row.sentence
     assert table["stepping.mode"].choices == ["fixed", "risk", "error"]
     template = json.loads(tides.run_template("room.ply", "path.json"))
     assert template["scene"]["file"] == "room.ply" and template["camera"]["file"] == "path.json"
