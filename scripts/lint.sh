@@ -5,7 +5,7 @@
 set -u
 jobs=${JOBS:-2}
 failed=
-stages=${*:-format clang tidy cppcheck kernels sizes shell top arrows circles oracle cites openings guards types words}
+stages=${*:-format clang tidy cppcheck kernels sizes shell top arrows circles oracle cites openings guards types words prose}
 
 # One process for many files: one for each took minutes on a busy machine.
 stage_format() {
@@ -102,6 +102,7 @@ stage_types() {
         --disable-error-code=import-not-found --disable-error-code=import-untyped python_ctypes/examples/*.py
 }
 
+stage_prose() { ${PYTHON:-python3} scripts/prose.py; }
 stage_words() { ${PYTHON:-python3} scripts/docs/header.py --check include/tides/*.h; }
 
 for stage in $stages; do

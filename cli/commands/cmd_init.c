@@ -1,5 +1,5 @@
-/* tides init: a run file to begin with: the keys that most runs set, or with --all every key, with its default and a comment that
- * explains it. Defaults are comments themselves: a value that is given would keep a preset from setting it. */
+/* tides init: a run file to begin with: the keys that most runs set, or with --all every key, with its default and a comment
+ * that explains it. Defaults are comments themselves: a value that is given would keep a preset from setting it. */
 #include "cli.h"
 
 #include <stdio.h>

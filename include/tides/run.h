@@ -49,10 +49,10 @@ typedef struct tides_run tides_run;
 /* Reads a run file; a splat file or a model's folder in its place is a run of that scene on an orbit (camera.orbit_s = 12),
  * from 0 to 0.1 s; frames (a video, a folder of pictures, an array of three dimensions) are a run of frames.file.
  * `overrides` (nullable, `count` of them) are "key=value" texts, value as JSON or bare text, applied after the file. Unknown
- * keys are errors that name the nearest known key; values out of range name the key, the value and the range. Relative paths are relative to the file. Beyond JSON,
- * "//" outside a text begins a comment that ends with the line, and a comma may stand before a closing bracket. A value that
- * an override gives is stronger than a preset (sensor.preset) that an override names, that than the file's own values, and
- * those than a preset that the file names; tides_run_notes says what a preset didn't get to set. */
+ * keys are errors that name the nearest known key; values out of range name the key, the value and the range. Relative
+ * paths are relative to the file. Beyond JSON, "//" outside a text begins a comment that ends with the line, and a comma may
+ * stand before a closing bracket. Strongest first: a value of an override, a preset (sensor.preset) that an override names, the
+ * file's own values, a preset that the file names. tides_run_notes lists the values that a preset didn't get to set. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_run_load(const char *file, const char *const *overrides, size_t count,
                                                        tides_run **run, tides_error *error);
 

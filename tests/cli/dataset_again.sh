@@ -1,3 +1,4 @@
+#!/bin/bash
 # A dataset that was stopped, or that died, goes on from the events that are there, and ends as one made in one piece.
 make_scene
 awk 'BEGIN { for (i = 0; i <= 600; i++) printf "%g %g 0 0 0 0 0 1\n", i * 0.01, 0.3 * sin(i * 0.3) }' >path.txt

@@ -110,5 +110,20 @@ expect 0 '^$' guards "headers with guards of their own"
 sed -i s/TD_B_H/TD_A_H/ "$work/lib/lower/td_b.h"
 expect 1 "^kernels/a.h: TD_A_H is lib/lower/td_b.h's guard, too" guards "two headers with one guard"
 
+# -- prose -------------------------------------------------------------------------------------------------------------
+prose() { # CODE WORDS WHAT
+    house="${PYTHON:-python3} $PWD/scripts/prose.py"
+    expect "$1" "$2" --check "$3"
+}
+printf '# R\n\nA short one. %s end.\n' "$(printf 'word %.0s' $(seq 29))" >"$work/README.md"
+: >"$work/scripts/prose.txt"
+prose 0 '^$' "a sentence of thirty words"
+printf '# R\n\nA short one. %s end.\n' "$(printf 'word %.0s' $(seq 30))" >"$work/README.md"
+prose 1 '^README.md: 1 of .long., 0 in' "a sentence of 31 words"
+echo 'long README.md 1' >"$work/scripts/prose.txt"
+prose 0 '^$' "a long sentence that is known"
+printf '%s\n/* The same for what follows. */\n' "$opening" >"$work/lib/lower/lower.c"
+prose 1 '^lib: 1 of .opening., 0 in' "a comment that points elsewhere"
+
 echo "$passed passed, $failed failed, 0 skipped"
 [ $failed = 0 ]
