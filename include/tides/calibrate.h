@@ -79,16 +79,16 @@ enum { TIDES_CALIBRATION_SCAN = 25, TIDES_CALIBRATION_HOT = 256 };
 
 /* What came of it. The caller frees what it points to with tides_calibration_free. */
 typedef struct tides_calibration {
-    tides_calibrated values[TIDES_CALIBRATED_VALUES];
-    int32_t law;           /* TIDES_PHOTORECEPTOR_*: whether the pole goes with light */
-    int32_t refused;       /* 1: recording and light don't belong together, or tell nothing: no preset can be written */
-    double transitions[4]; /* medians of changes [thresholds]: ON after ON, ON after OFF, OFF after OFF, OFF after ON */
-    uint64_t transition_pairs[4];
-    double deviation;          /* mean relative deviation of changes from their medians */
-    double agreement;          /* share of changes that have the sign of their event */
-    double correlation;        /* between black level and threshold_on, over random halves of the pixels */
-    double dead_share;         /* of the pixels whose light moved by three thresholds and more: those without an event */
-    int64_t start_ns, stop_ns; /* the stretch */
+    tides_calibrated values[TIDES_CALIBRATED_VALUES]; /* by TIDES_CALIBRATED_* */
+    int32_t law;                                      /* TIDES_PHOTORECEPTOR_*: whether the pole goes with light */
+    int32_t refused;              /* 1: recording and light don't belong together, or tell nothing: no preset can be written */
+    double transitions[4];        /* medians of changes [thresholds]: ON after ON, ON after OFF, OFF after OFF, OFF after ON */
+    uint64_t transition_pairs[4]; /* pairs of events in each of these medians */
+    double deviation;             /* mean relative deviation of changes from their medians */
+    double agreement;             /* share of changes that have the sign of their event */
+    double correlation;           /* between black level and threshold_on, over random halves of the pixels */
+    double dead_share;            /* of the pixels whose light moved by three thresholds and more: those without an event */
+    int64_t start_ns, stop_ns;    /* the stretch */
     uint64_t events, burst_events, pairs;        /* in the stretch; in bursts of frames' readout; pairs that were used */
     uint64_t pixels, still_pixels;               /* whose light was sampled; that rested */
     int32_t bursts, samples;                     /* of frames' readout; times at which light was sampled */

@@ -76,7 +76,7 @@ TIDES_API int32_t tides_filters_any(const tides_filters *filters);
 
 /* What became of the events: in = out + the sum of dropped. */
 typedef struct tides_filter_stats {
-    uint64_t in, out;
+    uint64_t in, out;               /* events given, and passed */
     uint64_t dropped[TIDES_STAGES]; /* by TIDES_STAGE_* */
 } tides_filter_stats;
 

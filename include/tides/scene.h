@@ -122,11 +122,12 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_read(tides_scene *scene, con
 /* How many Gaussians of the scene's files were left out (TIDES_INVALID_DROP). */
 TIDES_API int64_t tides_scene_dropped(const tides_scene *scene);
 
-/* The formats of scene files and of folders in their place: endings, or names of what is in a folder, separated by blanks, and
- * a few words, both static; whether the library writes it; and what a file of it loses (TIDES_LOSES_*, below). */
+/* A format of scene files, or of folders in their place. */
 typedef struct tides_scene_format {
-    const char *endings, *summary;
-    int32_t writes, losses;
+    const char *endings; /* or names of files in a folder, separated by blanks; static */
+    const char *summary; /* a few words; static */
+    int32_t writes;      /* 1: the library writes it */
+    int32_t losses;      /* TIDES_LOSES_* (below) of a file of it */
 } tides_scene_format;
 
 /* Format number `index` from 0 on; 1, or 0 behind the last. Models that trainers left in folders aren't among them. */

@@ -759,7 +759,7 @@ class tides_filters(Structure):
 
 
 class tides_filter_stats(Structure):
-    """uint64_t in, out;
+    """uint64_t in, out; /* events given, and passed */
     uint64_t dropped[TIDES_STAGES]; /* by TIDES_STAGE_* */
     """
 
@@ -1359,8 +1359,10 @@ class tides_scene_options(Structure):
 
 
 class tides_scene_format(Structure):
-    """const char *endings, *summary;
-    int32_t writes, losses;
+    """const char *endings; /* or names of files in a folder, separated by blanks; static */
+    const char *summary; /* a few words; static */
+    int32_t writes; /* 1: the library writes it */
+    int32_t losses; /* TIDES_LOSES_* (below) of a file of it */
     """
 
     endings: bytes | None
@@ -3577,11 +3579,11 @@ class tides_calibrate_options(Structure):
 
 
 class tides_calibration(Structure):
-    """tides_calibrated values[TIDES_CALIBRATED_VALUES];
+    """tides_calibrated values[TIDES_CALIBRATED_VALUES]; /* by TIDES_CALIBRATED_* */
     int32_t law; /* TIDES_PHOTORECEPTOR_*: whether the pole goes with light */
     int32_t refused; /* 1: recording and light don't belong together, or tell nothing: no preset can be written */
     double transitions[4]; /* medians of changes [thresholds]: ON after ON, ON after OFF, OFF after OFF, OFF after ON */
-    uint64_t transition_pairs[4];
+    uint64_t transition_pairs[4]; /* pairs of events in each of these medians */
     double deviation; /* mean relative deviation of changes from their medians */
     double agreement; /* share of changes that have the sign of their event */
     double correlation; /* between black level and threshold_on, over random halves of the pixels */
