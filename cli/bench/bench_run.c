@@ -26,8 +26,6 @@ void bench_say_row(const bench *b, const bench_row *row) {
               row->match.dt_median_us, row->match.dt_p95_us, row->match.mismatch_percent);
 }
 
-const char *bench_rules_name(int32_t rules) { return rules == TIDES_RULES_INRIA ? "inria" : "smooth"; }
-
 void bench_choose_parts(tides_stepping *stepping, int32_t parts) {
     stepping->solve = parts & BENCH_SOLVED ? TIDES_SOLVE_DOUBLE : TIDES_SOLVE_OFF;
     stepping->unit = parts & BENCH_BLOCKS ? TIDES_UNIT_BLOCK : TIDES_UNIT_TILE;

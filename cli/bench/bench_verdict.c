@@ -8,6 +8,8 @@
 /* Errors no longer than the unit of event times are none. */
 #define UNIT_US 1e-3
 
+const char *bench_rules_name(int32_t rules) { return rules == TIDES_RULES_INRIA ? "inria" : "smooth"; }
+
 static int32_t holds(double estimated_s, double measured_us) { return measured_us <= fmax(1e6 * estimated_s, UNIT_US); }
 
 int32_t bench_is_honest(const bench_row *row) {

@@ -100,7 +100,7 @@ const char *cli_seconds(int64_t ns, char text[CLI_SECONDS]);
 void cli_add_ns(cJSON *object, const char *name, int64_t ns);
 void cli_add_seconds(cJSON *object, const char *name, int64_t ns);
 
-/* The options that every command takes, stored to `common`. */
+/* common.c: the options that every command takes, stored to `common`. */
 enum { CLI_COMMON_OPTIONS = 6 };
 void cli_common_options(cli_option options[CLI_COMMON_OPTIONS], cli_common *common);
 

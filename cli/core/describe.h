@@ -15,7 +15,7 @@ enum {
     DESCRIBE_WORDS,
     DESCRIBE_LIST
 };
-int32_t describe_argument(const char *argument);
+int32_t describe_argument(const char *argument); /* this and the words below: describe_words.c */
 /* Prints the words of DESCRIBE_WORDS, a choice ("frame|xyt") or a table's names (LAYOUT), or of DESCRIBE_LIST, with which the
  * option's help begins ("a,b,c: ..."); `between` stands between them. */
 void describe_words(const cli_option *option, const char *between);

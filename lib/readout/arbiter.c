@@ -2,7 +2,6 @@
  *
  * Tick k covers [k tick, (k + 1) tick). What arrives within a tick may leave within it. Ticks in which nothing waits are
  * skipped, whatever their number. Everything is decided by the events' own times, so it doesn't matter how they are pushed. */
-#include "td_random.h"
 #include "td_arbiter.h"
 #include "td_base.h"
 #include "td_struct.h"
@@ -175,32 +174,9 @@ void tides_arbiter_stats(const tides_arbiter *arbiter, tides_readout_stats *stat
 
 /* -- arrivals ------------------------------------------------------------------------------------------------------------ */
 
-/* An event's own number for random draws: a pixel fires at most once per polarity and nanosecond that matters here. */
-static td_random_bits draw(const tides_arbiter *a, const tides_event *event, uint32_t purpose) {
-    uint32_t pixel = (uint32_t)event->y * (uint32_t)a->width + event->x;
-    return td_random(a->seed, pixel, 2 * (uint64_t)event->t + (event->polarity > 0), purpose);
-}
-
-static int is_dropped(const tides_arbiter *a, const tides_event *event, int32_t tile) {
-    if (!a->drops) return 0;
-    double probability = a->readout.p0 + a->readout.eta * a->psi[tile];
-    td_random_bits bits = draw(a, event, TD_RANDOM_DROP);
-    return td_random_uniform(&bits, 0) < probability;
-}
-
 static int32_t queue_of(const tides_arbiter *a, const tides_event *event, int32_t tile) {
     if (a->readout.kind == TIDES_READOUT_ROWS) return event->y;
     return a->readout.kind == TIDES_READOUT_BOTTLENECK ? 0 : tile;
-}
-
-void td_arbiter_jitter(const tides_arbiter *a, tides_event *event, int64_t fired) {
-    const tides_event before = {.t = fired, .x = event->x, .y = event->y, .polarity = event->polarity};
-    double sigma = a->readout.sigma0_s + a->readout.gamma_sigma_s * a->psi[td_arbiter_tile(a, event)], normal[2];
-    td_random_bits bits = draw(a, &before, TD_RANDOM_JITTER);
-    td_random_normals(&bits, normal);
-    if (a->readout.jitter_law == TIDES_JITTER_DELAY) normal[0] = fabs(normal[0]);
-    event->t += (int64_t)llround(sigma * 1e9 * a->wide * normal[0]);
-    if (event->t < a->start_ns) event->t = a->start_ns;
 }
 
 /* Leaves as soon as it comes: an infinite rate. */
@@ -215,7 +191,7 @@ static tides_status arrive(tides_arbiter *a, const tides_event *event, tides_err
     int32_t tile = td_arbiter_tile(a, event);
     int full = 0;
     a->stats.in++;
-    if (is_dropped(a, event, tile)) {
+    if (td_arbiter_drops(a, event, tile)) {
         a->stats.dropped++;
         return TIDES_OK;
     }

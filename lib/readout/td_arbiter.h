@@ -47,7 +47,8 @@ static inline int td_arbiter_hold(tides_arbiter *arbiter, const tides_event *eve
     return held;
 }
 
-/* The time at which the event leaves, with its jitter. */
+/* chance.c: 1 where the event is dropped on its arrival in `tile`; the time at which it leaves, with its jitter. */
+int td_arbiter_drops(const tides_arbiter *arbiter, const tides_event *event, int32_t tile);
 void td_arbiter_jitter(const tides_arbiter *arbiter, tides_event *event, int64_t fired);
 
 static inline int32_t td_arbiter_tile(const tides_arbiter *arbiter, const tides_event *event) {

@@ -293,6 +293,16 @@ static tides_status add_panel(expose_job *job, int tile, int from, int to, tides
     return status;
 }
 
+double td_expose_asked(const tides_renderer *r, const td_expose_band *band, int tile) {
+    double most = 0;
+    for (; r && band->asked; r = r->beside) { /* channels see the same at other places of their lists */
+        const td_candidates *lists = &r->candidates;
+        for (int i = lists->first[tile]; i < lists->first[tile + 1]; i++)
+            if (lists->list[i] != TD_NO_GAUSSIAN) most = td_greater(most, (double)band->asks[lists->list[i]]);
+    }
+    return most;
+}
+
 /* How many panels a tile begins with: as many as what it may see travels through, or as scales of time ask for; a power of two,
  * so that tiles share times. `*unknown`: these would take more. */
 static int first_panels(const expose_job *job, int tile, int *unknown) {

@@ -90,16 +90,6 @@ static tides_status find_asks(tides_renderer *r, td_expose_band *band, tides_err
     return status;
 }
 
-double td_expose_asked(const tides_renderer *r, const td_expose_band *band, int tile) {
-    double most = 0;
-    for (; r && band->asked; r = r->beside) { /* channels see the same at other places of their lists */
-        const td_candidates *lists = &r->candidates;
-        for (int i = lists->first[tile]; i < lists->first[tile + 1]; i++)
-            if (lists->list[i] != TD_NO_GAUSSIAN) most = td_greater(most, (double)band->asks[lists->list[i]]);
-    }
-    return most;
-}
-
 static double middle_of(td_row_window stretch) { return stretch.start + 0.5 * (stretch.stop - stretch.start); }
 
 /* The most panels that any tile of the band asks for. */

@@ -13,28 +13,10 @@
 /* A run file is a page of text; more is another kind of file given by mistake. */
 enum { RUN_FILE_LIMIT = 1 << 22 };
 
-const cJSON *td_run_value(const tides_run *run, const char *key) {
-    const tides_param *row = td_param_find(key);
-    return row ? run->values[row - tides_params(NULL)] : NULL;
-}
-
-double td_run_number(const tides_run *run, const char *key) {
-    const cJSON *value = td_run_value(run, key);
-    return cJSON_IsNumber(value) ? value->valuedouble : 0.0;
-}
-
 /* The text of a row, NULL where it is null. */
 static const char *run_text(const tides_run *run, const char *key) {
     const cJSON *value = td_run_value(run, key);
     return cJSON_IsString(value) ? value->valuestring : NULL;
-}
-
-const char *td_run_file(const tides_run *run, const char *key) { return run->files[td_param_find(key) - tides_params(NULL)]; }
-
-char *td_run_resolve(const tides_run *run, const char *path, tides_error *error) {
-    if (path[0] == '/' || !run->directory[0] || strcmp(path, "-") == 0) return td_strdup(path, error);
-    const char *slash = run->directory[strlen(run->directory) - 1] == '/' ? "" : "/";
-    return td_format(error, "%s%s%s", run->directory, slash, path);
 }
 
 /* What no single row can say. */
@@ -254,12 +236,6 @@ tides_status tides_run_parse(const char *text, const char *directory, const char
     return parse(text, strlen(text), "run", directory ? directory : "", overrides, count, run, error);
 }
 
-tides_status td_run_note(tides_run *run, const char *line, tides_error *error) {
-    return td_note(&run->notes, error, "%s", line);
-}
-
-const char *tides_run_notes(const tides_run *run) { return run && run->notes ? run->notes : ""; }
-
 /* The given values alone: a preset's are found anew, for the overrides may name another one. */
 tides_status tides_run_vary(const tides_run *base, const char *const *overrides, size_t count, tides_run **run,
                             tides_error *error) {
@@ -293,10 +269,4 @@ void tides_run_destroy(tides_run *run) {
     free(run->directory);
     free(run->json);
     free(run);
-}
-
-int32_t tides_run_gives(const tides_run *run, const char *key) {
-    const tides_param *row = run && key ? td_param_find(key) : NULL;
-    const int32_t given = row ? run->given[row - tides_params(NULL)] : 0;
-    return given != 0 && given != TD_GIVEN_PRESET;
 }

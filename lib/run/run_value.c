@@ -203,9 +203,7 @@ tides_status td_param_check(const tides_param *row, const cJSON *value, const ch
         case TIDES_PARAM_CHOICE: return check_choice(row, value, where, error);
         case TIDES_PARAM_VECTOR2:
         case TIDES_PARAM_VECTOR3: return check_vector(row, value, where, error);
-        case TIDES_PARAM_OBJECTS:
-            return strcmp(row->key, "rig.cameras") == 0 ? td_rig_check(value, where, error)
-                                                        : check_objects(row, value, where, error);
+        case TIDES_PARAM_OBJECTS: return check_objects(row, value, where, error);
         default: return check_string(row, value, where, error);
     }
 }

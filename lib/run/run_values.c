@@ -5,28 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-void td_run_values_defaults(tides_run_values *values) {
-    memset(values, 0, sizeof *values);
-    tides_image_params_defaults(&values->image);
-    tides_sensor_defaults(&values->sensor);
-    tides_stepping_defaults(&values->stepping);
-    tides_readout_defaults(&values->readout);
-    tides_filters_defaults(&values->filters);
-    tides_baseline_params_defaults(&values->baseline);
-    tides_frames_options_defaults(&values->frames);
-    tides_path_options_defaults(&values->path);
-    tides_scene_options_defaults(&values->scene_options);
-    tides_exposure_defaults(&values->exposure);
-    tides_imu_defaults(&values->imu);
-    values->track_count = 100;
-    values->track_rate_hz = 100;
-    values->stop = 1.0;
-    values->frames_per_second = 1000.0;
-    values->dataset_picture_hz = 20.0; /* DSEC's cameras and MVSEC's ground truth */
-    values->dataset_truth_hz = 10.0;   /* DSEC's and BlinkFlow's flow */
-    values->dataset_pose_hz = 200.0;   /* motion capture's, as in ECD */
-}
-
 /* The constant of a choice; the table has checked that the name is one of them. */
 static int32_t constant_of(const td_param *row, const char *name) {
     const size_t length = strlen(name);

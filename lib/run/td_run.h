@@ -54,12 +54,14 @@ tides_status td_run_override(tides_run *run, const char *assignment, tides_error
 /* run_json.c: copies `value` to its row's place. */
 tides_status td_run_store(tides_run *run, const tides_param *row, const cJSON *value, tides_error *error);
 
-/* run.c: adds a line to the run's notes. */
-tides_status td_run_note(tides_run *run, const char *line, tides_error *error);
-
-/* rig.c: whether rig.cameras may be `value`; what the camera that rig.camera names has of its own, into the run; and its path,
- * on the body's, which it replaces. All do nothing without a rig. */
+/* rig_check.c: whether rig.cameras may be `value`; a camera's kind, TIDES_RIG_*, -1 where `item` is none; its T_B_C, four rows
+ * of four numbers, the identity where `item` is NULL; 0 where it isn't such a matrix. */
 tides_status td_rig_check(const cJSON *value, const char *where, tides_error *error);
+int32_t td_rig_kind(const cJSON *item);
+int32_t td_rig_transform(const cJSON *item, double transform[16]);
+
+/* rig.c: the camera that rig.camera names: its own keys, into the run; and its path, on the body's, which it replaces. All do
+ * nothing without a rig. */
 tides_status td_rig_apply(tides_run *run, tides_error *error);
 tides_status td_rig_read_file(tides_run *run, tides_error *error); /* rig_file.c: before it, the cameras of rig.file */
 uint64_t td_rig_seed(const tides_run *run, uint64_t seed);         /* of that camera: its own noise */
@@ -94,7 +96,7 @@ cJSON **td_run_defaults(tides_error *error);
 tides_status td_run_print(cJSON *const *values, char **text, tides_error *error);
 void td_run_free_values(cJSON **values);
 
-/* run_values.c: what the values are where a run says nothing; files, texts and intrinsics are NULL and 0. */
+/* params.c: what the values are where a run says nothing; files, texts and intrinsics are NULL and 0. */
 void td_run_values_defaults(tides_run_values *values);
 
 /* What an entry of scene.objects says of its trajectory's file, by the names of td_object_path_keys (run_value.c, ended by
@@ -125,10 +127,12 @@ tides_status td_run_find_frame(const tides_run *run, char **file, tides_error *e
 tides_status td_run_sees(const tides_scene *scene, const tides_trajectory *path, const tides_intrinsics *k, int32_t *sees,
                          tides_error *error);
 
-/* run.c: the value of a row that is known to be in the table; `path` against the run's directory, allocated. */
+/* run_keys.c: the value of a row that is known to be in the table; `path` against the run's directory, allocated; a line more
+ * in the run's notes. */
 const cJSON *td_run_value(const tides_run *run, const char *key);
 double td_run_number(const tides_run *run, const char *key);    /* 0 where null */
 const char *td_run_file(const tides_run *run, const char *key); /* resolved; NULL where null */
 char *td_run_resolve(const tides_run *run, const char *path, tides_error *error);
+tides_status td_run_note(tides_run *run, const char *line, tides_error *error);
 
 #endif

@@ -15,71 +15,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* The file's name without folders and ending. */
-static char *stem_of(const char *path, tides_error *error) {
-    const char *start = td_base_name(path);
-    const char *dot = strrchr(start, '.');
-    return td_format(error, "%.*s", (int)(dot && dot > start ? (size_t)(dot - start) : strlen(start)), start);
-}
-
-/* A format whose files are parsed from memory, or which reads what it needs, perhaps a part; NULLs: td_scene_hdf5_read. */
-typedef struct reader {
-    tides_status (*parse)(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
-    tides_status (*read)(const char *path, td_gaussians *gaussians, tides_error *error);
-    tides_status (*choose)(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
-} reader;
-
-/* As `with` reads, where bad Gaussians are to be left out later. */
-static reader leniently(reader with) {
-    if (with.parse == td_ply_parse) with.parse = td_ply_parse_leniently;
-    if (with.choose == td_gltf_read) with.choose = td_gltf_read_leniently;
-    return with;
-}
-
-static tides_status read_gaussians(const char *file, reader with, const char *part, td_gaussians *gaussians,
-                                   tides_error *error) {
-    if (with.choose) return with.choose(file, part, gaussians, error);
-    if (part)
-        return td_fail(error, TIDES_BAD_ARGUMENT,
-                       "%s: scene.part = \"%.80s\", but this file has no parts: those of glTF, .h5, streamed SOG and trained "
-                       "models "
-                       "have",
-                       file, part);
-    if (with.read) return with.read(file, gaussians, error);
-    char *data = NULL;
-    size_t size = 0;
-    tides_status status = td_read_file(file, SIZE_MAX - 1, &data, &size, error);
-    if (!status) status = with.parse(file, data, size, gaussians, error);
-    free(data);
-    return status;
-}
-
-/* A NULL name: the file's. */
-static tides_status add_gaussians(tides_scene *scene, const char *file, reader with, const char *name,
-                                  const tides_trajectory *trajectory, double scale, tides_error *error) {
-    char *stem = NULL;
-    td_gaussians gaussians;
-    memset(&gaussians, 0, sizeof gaussians);
-    tides_status status = read_gaussians(file, scene->drop > 0 ? leniently(with) : with, scene->part, &gaussians, error);
-    if (status) goto done;
-    status = (stem = stem_of(file, error)) ? TIDES_OK : TIDES_NO_MEMORY;
-    if (!status) status = td_scene_take(scene, &gaussians, trajectory, scale, name ? name : stem, file, NULL, error);
-    if (status) td_fail_within(error, status, "%s", file);
-done:
-    free(stem);
-    td_gaussians_free(&gaussians);
-    return status;
-}
-
-tides_status td_scene_add_ply(tides_scene *scene, const char *file, const char *name, const tides_trajectory *trajectory,
-                              double scale, tides_error *error) {
-    const char *part = scene->part; /* the model's, which this is of */
-    scene->part = NULL;
-    const tides_status status = add_gaussians(scene, file, (reader){.parse = td_ply_parse}, name, trajectory, scale, error);
-    scene->part = part;
-    return status;
-}
-
 static tides_status add_model(tides_scene *scene, const char *path, const tides_trajectory *trajectory, double scale,
                               tides_error *error) {
     td_model_dir dir;
@@ -154,7 +89,7 @@ typedef tides_status (*writer)(const char *path, const td_gaussians *gaussians, 
  * place of all of them; without a reader it is TIDES's own, which holds everything. */
 static const struct format {
     int (*is)(const beginning *b);
-    reader with;
+    td_scene_reader with;
     writer write;
     const char *endings, *summary;
     int32_t losses; /* TIDES_LOSES_* */
@@ -259,7 +194,7 @@ static tides_status add_file(tides_scene *scene, const char *file, const tides_t
     if (format == FORMATS)
         return td_fail(error, TIDES_BAD_FILE, "%s: is no scene, neither %s: convert it to a 3DGS .ply first", file,
                        list_formats(0, list));
-    if (!is_own(&formats[format])) return add_gaussians(scene, file, formats[format].with, NULL, trajectory, scale, error);
+    if (!is_own(&formats[format])) return td_scene_read_one(scene, file, formats[format].with, NULL, trajectory, scale, error);
     return td_scene_hdf5_read(scene, file, trajectory, scale, error);
 }
 

@@ -168,7 +168,16 @@ tides_status td_ply_parse(const char *path, const void *data, size_t size, td_ga
 tides_status td_ply_parse_leniently(const char *path, const void *data, size_t size, td_gaussians *gaussians,
                                     tides_error *error);
 
-/* Reads a .ply as one object; a NULL `name` is the file's (scene_file.c). */
+/* A format whose files are parsed from memory, or which reads what it needs, perhaps a part; NULLs: td_scene_hdf5_read. */
+typedef struct td_scene_reader {
+    tides_status (*parse)(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
+    tides_status (*read)(const char *path, td_gaussians *gaussians, tides_error *error);
+    tides_status (*choose)(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
+} td_scene_reader;
+
+/* Reads a file as one object, and a .ply so; a NULL `name` is the file's (scene_read.c). */
+tides_status td_scene_read_one(tides_scene *scene, const char *file, td_scene_reader with, const char *name,
+                               const tides_trajectory *trajectory, double scale, tides_error *error);
 tides_status td_scene_add_ply(tides_scene *scene, const char *file, const char *name, const tides_trajectory *trajectory,
                               double scale, tides_error *error);
 
