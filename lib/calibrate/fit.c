@@ -1,13 +1,12 @@
 /* The front end by which changes agree best, found without a place to begin: a grid over black level and pole, the clocks'
  * offset over +-60 ms, and a simplex (Nelder and Mead 1965) from there. */
 #include "td_calibrate.h"
-#include "td_random.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { PARAMETERS = 4, POINTS = PARAMETERS + 1, STEPS = 80, STEPS_OF_PART = 30, PURPOSE = 201 };
+enum { PARAMETERS = 4, POINTS = PARAMETERS + 1, STEPS = 80, STEPS_OF_PART = 30 };
 #define CLIP 1.5
 #define EPS_SHIFT 0.004 /* in whose logarithm black levels are moved: below it they are alike */
 #define POLE_SHIFT 1e-3 /* [s] the same of poles */
@@ -17,16 +16,6 @@ enum { PARAMETERS = 4, POINTS = PARAMETERS + 1, STEPS = 80, STEPS_OF_PART = 30, 
 #define CLOSE_OF_PART 1e-3
 #define OFFSET_GAIN 1.05 /* by how much an offset must better the misfit, */
 #define LAW_GAIN 0.98    /* and a pole that goes with light */
-
-int32_t td_in_part(const td_pair *pair, uint32_t pixel, const td_part *part) {
-    if (!part || part->what == TD_ALL) return 1;
-    if (part->what == TD_EARLY) return pair->to < part->middle;
-    if (part->what == TD_LATE) return pair->to >= part->middle;
-    if (part->what == TD_LEFT) return pixel % (uint32_t)part->width < (uint32_t)part->middle;
-    if (part->what == TD_RIGHT) return pixel % (uint32_t)part->width >= (uint32_t)part->middle;
-    const td_random_bits bits = td_random(part->seed, pixel, 0, PURPOSE);
-    return bits.word[0] & 1;
-}
 
 /* -- how well changes agree ------------------------------------------------------------------------------------------------ */
 
