@@ -156,20 +156,6 @@ void td_event_close_state(td_event_stream *stream) { free(stream->state); }
 
 void td_event_discard_state(td_event_sink *sink) { free(sink->state); }
 
-tides_status td_event_bad(const td_event_stream *stream, uint64_t number, const char *what, tides_error *error) {
-    return td_fail(error, TIDES_BAD_FILE, "%s: event %llu %s", stream->input.path, (unsigned long long)number, what);
-}
-
-tides_status td_event_invalid(td_event_stream *stream, tides_status status, tides_error *error) {
-    if (status != TIDES_BAD_FILE) return status;
-    if (!stream->reading.drop_invalid) {
-        const tides_error told = error ? *error : (tides_error){TIDES_BAD_FILE, ""};
-        return td_fail(error, status, "%s; --drop-invalid (drop_invalid) leaves such events out, and counts them", told.text);
-    }
-    stream->facts.dropped++;
-    return TIDES_OK;
-}
-
 /* "1589163150.007461", or "-0.25": seconds of whole nanoseconds, without zeros at the end. */
 static const char *seconds(int64_t ns, char text[40]) {
     const uint64_t size = ns < 0 ? 0 - (uint64_t)ns : (uint64_t)ns;

@@ -53,17 +53,6 @@ static int is_dsec(const layout *found) { return strcmp(found->name, layouts[DSE
 
 /* ---- files and datasets ---- */
 
-int td_h5_exists(hid_t file, const char *path) {
-    char part[128];
-    for (size_t length = 1; path[length - 1];) {
-        length += strcspn(path + length, "/");
-        snprintf(part, sizeof part, "%.*s", (int)length, path);
-        if (H5Lexists(file, part, H5P_DEFAULT) <= 0) return 0;
-        length++;
-    }
-    return 1;
-}
-
 tides_status td_h5_open_file(const char *path, hid_t *file, tides_error *error) {
     if (access(path, R_OK) != 0) return td_fail(error, TIDES_FILE_NOT_FOUND, "%s: can't be opened: %s", path, strerror(errno));
     hid_t properties = td_h5_read_access();

@@ -46,18 +46,6 @@ static tides_status check_facts(const td_event_store *store, const char *path, c
     return TIDES_OK;
 }
 
-/* Rows of a one-dimensional dataset with chunks of `chunk`; -1 where it is none. */
-static hssize_t rows_of(hid_t dataset, hsize_t chunk) {
-    hsize_t found = 0;
-    hid_t creation = H5Dget_create_plist(dataset), space = H5Dget_space(dataset);
-    int fits = creation >= 0 && space >= 0 && H5Pget_layout(creation) == H5D_CHUNKED &&
-               H5Pget_chunk(creation, 1, &found) == 1 && found == chunk && H5Sget_simple_extent_ndims(space) == 1;
-    hssize_t rows = fits ? H5Sget_simple_extent_npoints(space) : -1;
-    td_h5_close(space);
-    td_h5_close(creation);
-    return rows;
-}
-
 static herr_t read_offset(td_event_store *store) {
     hid_t dataset = H5Dopen2(store->file, "/t_offset", H5P_DEFAULT), space = dataset < 0 ? -1 : H5Dget_space(dataset);
     herr_t failed = -1;
@@ -81,14 +69,14 @@ static tides_status open_all(td_event_store *store, const char *path, uint64_t r
     int64_t count = 0;
     for (int c = 0; c < TD_COLUMNS; c++) {
         store->columns[c] = H5Dopen2(store->file, td_event_column_name(c), H5P_DEFAULT);
-        if (store->columns[c] < 0 || rows_of(store->columns[c], TD_EVENT_CHUNK) < (hssize_t)rows)
+        if (store->columns[c] < 0 || td_event_rows_of(store->columns[c], TD_EVENT_CHUNK) < (hssize_t)rows)
             return td_fail(error, TIDES_BAD_FILE, "%s: %s is damaged, or lacks some of its %" PRIu64 " events: start anew",
                            path, td_event_column_name(c), rows);
     }
     store->index = H5Dopen2(store->file, "/ms_to_idx", H5P_DEFAULT);
     store->count = H5Aopen(store->file, "count", H5P_DEFAULT);
     store->stop = H5Aopen(store->file, "stop_ns", H5P_DEFAULT);
-    if (store->index < 0 || store->count < 0 || store->stop < 0 || rows_of(store->index, TD_INDEX_CHUNK) < 0 ||
+    if (store->index < 0 || store->count < 0 || store->stop < 0 || td_event_rows_of(store->index, TD_INDEX_CHUNK) < 0 ||
         read_offset(store) < 0)
         return fail_reopen(store, path, "is damaged", error);
     if (!td_h5_read_int(store->file, "count", &count) || count < (int64_t)rows)
@@ -98,29 +86,6 @@ static tides_status open_all(td_event_store *store, const char *path, uint64_t r
 }
 
 /* ---- the cut ---- */
-
-/* Rows up to the end of the last chunk. A death while a cut was put on the disk may have left more of them than rows. */
-static hsize_t rows_of_chunks(hid_t dataset, hsize_t chunk) {
-    hsize_t rows = 0;
-#if H5_VERSION_GE(1, 10, 5)
-    hsize_t chunks = 0, last = 0;
-    hid_t space = H5Dget_space(dataset);
-    if (H5Dget_num_chunks(dataset, space, &chunks) >= 0 && chunks > 0 &&
-        H5Dget_chunk_info(dataset, space, chunks - 1, &last, NULL, NULL, NULL) >= 0)
-        rows = last + chunk;
-    td_h5_close(space);
-#else
-    (void)dataset, (void)chunk;
-#endif
-    return rows;
-}
-
-/* HDF5 gives up the chunks between what is and what shall be: all that are beyond `rows` come to lie there first. */
-herr_t td_event_cut_rows(hid_t dataset, hsize_t rows, hsize_t chunk) {
-    const hsize_t there = rows_of_chunks(dataset, chunk);
-    if ((hssize_t)there > rows_of(dataset, chunk) && H5Dset_extent(dataset, &there) < 0) return -1;
-    return H5Dset_extent(dataset, &rows);
-}
 
 enum { GAP = 4096 }; /* bytes */
 
@@ -207,7 +172,8 @@ static herr_t choose_index(td_event_store *store, uint64_t rows) {
     int64_t last = 0, after = 0;
     if (td_h5_read_rows(store->columns[TD_COLUMN_NS], H5T_NATIVE_INT64, rows - 1, 1, &last) < 0) return -1;
     if (!td_event_after(last, store->offset, &after)) return -1;
-    uint64_t entries = td_milliseconds_begun(last, store->offset), there = (uint64_t)rows_of(store->index, TD_INDEX_CHUNK);
+    uint64_t entries = td_milliseconds_begun(last, store->offset),
+             there = (uint64_t)td_event_rows_of(store->index, TD_INDEX_CHUNK);
     if (there < entries) entries = there;
     store->index_rows = store->next_ms = entries / TD_INDEX_CHUNK * TD_INDEX_CHUNK;
     return 0;

@@ -88,7 +88,9 @@ tides_status td_event_store_reopen(td_event_store *store, const char *path, cons
  * can't claim are taken at their word. */
 int td_event_claim_space(hid_t file, uint64_t bytes);
 
-/* Cuts a dataset of chunks of `chunk` rows back to `rows`, with all that lies beyond (event_reopen.c). */
+/* event_cut.c: rows of a dataset of chunks of `chunk` rows, -1 where it is no such; and the dataset cut back to `rows`, with
+ * all that lies beyond. */
+hssize_t td_event_rows_of(hid_t dataset, hsize_t chunk);
 herr_t td_event_cut_rows(hid_t dataset, hsize_t rows, hsize_t chunk);
 
 /* Milliseconds that have no entry yet and begin at or before `t`, which td_event_after takes, start at event `row`, which is at
