@@ -4,8 +4,8 @@
 usage: house.py arrows|circles|cites|openings|guards [ROOT]     ROOT: a tree like this repository's (default: this repository)
 
 arrows     every #include goes to a folder that scripts/arrows.txt allows
-circles    in folders that it lists below another no files use one another's functions in a circle, and those of the folders
-           beside them as it allows
+circles    no files of a folder of lib or cli use one another's functions in a circle, but for those of its `circle` lines; files
+           of folders within another use those of the folders beside them as it allows
 cites      comments and pages cite files that are in the repository, and sections that docs/DESIGN.md has
 openings   every file of lib begins with a comment of a sentence or more
 guards     no two headers hide each other
@@ -53,6 +53,8 @@ def read_order(path):
             everyone = targets
         elif name == "due":
             due.add(tuple(targets))
+        elif name == "circle":
+            continue  # read_circles
         else:
             late = [t for t in targets if t not in allowed]
             wrong += [f"{path.name}:{number}: {name} may include {t}, which doesn't stand above it" for t in late]
@@ -111,23 +113,42 @@ def circle_through(uses, start):
     return []
 
 
+def read_circles(path):
+    """The files of each circle that is still there."""
+    lines = (line.split("#")[0] for line in path.read_text().splitlines())
+    return [set(line.split()[1:]) for line in lines if line.startswith("circle:")]
+
+
+def uses_of(code):
+    """What files use of one another, by their code."""
+    home = {name: path for path, text in code.items() for name in HEAD.findall(text)}
+    return {path: {home[word] for word in set(re.findall(r"\w+", text)) if word in home} - {path} for path, text in code.items()}
+
+
 def check_circles(root):
     allowed, _, _ = read_order(root / "scripts/arrows.txt")
-    inner = [folder for folder in allowed if folder.count("/") == 2]
-    code = {path: code_of(path) for folder in inner for path in files(root, (folder,), {".c"})}
-    home = {name: path for path, text in code.items() for name in HEAD.findall(text)}
-    uses, found, told = {}, [], set()
-    for path, text in code.items():
-        uses[path] = {home[w] for w in set(re.findall(r"\w+", text)) if w in home} - {path}
+    code = {path: code_of(path) for path in files(root, ("lib", "cli"), {".c"})}
+    found, told, uses = [], set(), {}
+    inner = {path: text for path, text in code.items() if folder_of(root, path, allowed).count("/") == 2}
+    groups = [inner] + [{p: code[p] for p in code if p.parent == folder} for folder in {p.parent for p in code if p not in inner}]
+    for group in groups:
+        uses.update(uses_of(group))
+    for path in inner:
         folder = folder_of(root, path, allowed)
         for target in sorted(uses[path]):
             if folder_of(root, target, allowed) not in allowed[folder]:
                 found.append(f"{path.relative_to(root)}: uses {target.relative_to(root)}, which {folder} may not")
-    for path in uses:
+    known = read_circles(root / "scripts/arrows.txt")
+    circling = set()
+    for path in sorted(uses):
         way = circle_through(uses, path)
-        if way and frozenset(way) not in told:
+        names = {str(p.relative_to(root)) for p in way}
+        circling |= names
+        if way and frozenset(way) not in told and not any(names <= circle for circle in known):
             told.add(frozenset(way))
             found.append("a circle: " + " -> ".join(str(p.relative_to(root)) for p in [*way, path]))
+    for circle in known:
+        found += [f"arrows.txt: {name} is in no circle any more: take it out" for name in sorted(circle - circling)]
     return found
 
 

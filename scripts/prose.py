@@ -71,7 +71,7 @@ def main():
     known = {tuple(line.split()[:2]): int(line.split()[2]) for line in file.read_text().splitlines()}
     grown = {key: texts for key, texts in found.items() if len(texts) > known.get(key, 0)}
     for (kind, name), texts in grown.items():
-        print(f"{name}: {len(texts)} of '{kind}', {known.get((kind, name), 0)} in scripts/prose.txt (docs/STYLE.md):", *texts, sep="\n  ")
+        print(f"{name}: {len(texts)} of '{kind}', {known.get((kind, name), 0)} in scripts/prose.txt: docs/STYLE.md; prose.py --list")
     return 1 if grown else 0
 
 

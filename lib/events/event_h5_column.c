@@ -1,4 +1,4 @@
-/* What an HDF5 file of events holds: whether there is an object of that name, and rows of a column. */
+/* Objects of an HDF5 file of events: their existence, and the rows of a column. */
 #include "td_event_h5_source.h"
 
 #include <stdio.h>

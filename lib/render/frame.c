@@ -1,38 +1,7 @@
-/* Whole images: all tiles at one time, put together. One path with tiles of a run, not two. Also what the channels are
- * called. */
+/* Whole images: all tiles at one time, put together. One path with tiles of a run, not two. */
 #include "td_renderer.h"
 
 #include <stdlib.h>
-
-/* Each channel's name, and where it is among a backend's planes: the one table of both, so that they can't part. */
-static const struct channel {
-    const char *name;
-    int plane;
-} channels[TIDES_CHANNELS] = {{"Y", TD_OUT_Y},
-                              {"L", TD_OUT_L},
-                              {"L_dot", TD_OUT_L_DOT},
-                              {"A", TD_OUT_ALPHA},
-                              {"A_dot", TD_OUT_ALPHA_DOT},
-                              {"coverage", TD_OUT_COVERAGE},
-                              {"contributors", TD_OUT_CONTRIBUTORS},
-                              {"R", TD_OUT_R},
-                              {"G", TD_OUT_G},
-                              {"B", TD_OUT_B},
-                              {"R_dot", TD_OUT_R_DOT},
-                              {"G_dot", TD_OUT_G_DOT},
-                              {"B_dot", TD_OUT_B_DOT},
-                              {"Z", TD_OUT_Z},
-                              {"Z_dot", TD_OUT_Z_DOT}};
-
-const char *tides_channel_name(int32_t channel) {
-    return channel >= 0 && channel < TIDES_CHANNELS ? channels[channel].name : NULL;
-}
-
-const char *td_plane_name(int plane) {
-    for (int c = 0; c < TIDES_CHANNELS; c++)
-        if (channels[c].plane == plane) return channels[c].name;
-    return NULL;
-}
 
 /* Row y of a tile's plane, `width` pixels of it. */
 static void copy_row(const double *plane, int y, int width, double *to) {
@@ -68,7 +37,7 @@ static int outputs_for(const tides_renderer *renderer, const tides_frame *frame)
 }
 
 /* Where a channel is among so many planes. */
-static int plane_of(int channel, int outputs) { return outputs == TD_OUT_LUMINANCE ? 0 : channels[channel].plane; }
+static int plane_of(int channel, int outputs) { return outputs == TD_OUT_LUMINANCE ? 0 : td_plane_of_channel(channel); }
 
 tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera, double time,
                                   const tides_frame *frame, tides_error *error) {

@@ -158,15 +158,6 @@ static void to_linear(td_psf *psf, int count, int outputs) {
     }
 }
 
-void td_psf_line(const td_psf *psf, const double *line, size_t stride, int count, double *out) {
-    const double *centre = line + (size_t)psf->radius * stride;
-    for (int c = 0; c < count; c++) out[c] = psf->weight[0] * centre[c];
-    for (int k = 1; k <= psf->radius; k++) {
-        const double *before = centre - (size_t)k * stride, *after = centre + (size_t)k * stride;
-        for (int c = 0; c < count; c++) out[c] += psf->weight[k] * (before[c] + after[c]);
-    }
-}
-
 static void gather_tiles(const td_psf_source *s, int x, int y, int count, double *line) {
     int row = clamp(y, s->height - 1), tiles = row / TD_TILE * s->tiles_x;
     for (int i = 0; i < count; i++) {

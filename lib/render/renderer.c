@@ -193,43 +193,11 @@ void td_renderer_set_heed(tides_renderer *renderer, td_heed heed, void *user) {
     }
 }
 
-tides_status tides_renderer_set_progress(tides_renderer *renderer, tides_progress progress, void *user, tides_error *error) {
-    if (!renderer) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_renderer_set_progress: renderer must be given");
-    renderer->told.progress = progress;
-    renderer->told.user = user;
-    return renderer->beside ? tides_renderer_set_progress(renderer->beside, progress, user, error) : TIDES_OK;
-}
-
-/* Channels of a colour filter are rendered one after the other. */
-void td_renderer_set_part(tides_renderer *renderer, double from, double width) {
-    const double each = renderer->colour_filter ? width / 3 : width;
-    for (tides_renderer *one = renderer; one; one = one->beside, from += each) {
-        one->told.from = from;
-        one->told.width = each;
-    }
-}
-
-int td_renderer_record_limit(const tides_renderer *renderer) {
-    const int waited_for = renderer->told.progress || renderer->heed, told = renderer->record_limit_told;
-    return waited_for && told < renderer->record_limit ? told : renderer->record_limit;
-}
-
-tides_status td_renderer_heed(const tides_renderer *renderer, double done, tides_error *error) {
-    td_share told = renderer->told;
-    const int stop = (renderer->heed && renderer->heed(renderer->heed_user)) || td_share_step(&told, done, NULL);
-    return stop ? td_fail(error, TIDES_CANCELLED, "stopped on request") : TIDES_OK;
-}
-
 void td_renderer_set_epoch(tides_renderer *renderer, double epoch) {
     for (; renderer; renderer = renderer->beside) {
         renderer->epoch = epoch;
         td_dynamic_set_epoch(&renderer->dynamic, epoch);
     }
-}
-
-const double *td_renderer_knots(const tides_renderer *renderer, size_t *count) {
-    *count = renderer->dynamic.knot_count;
-    return renderer->dynamic.knots;
 }
 
 tides_status td_renderer_prepare(tides_renderer *renderer, int outputs, tides_error *error) {
@@ -246,44 +214,6 @@ tides_status td_renderer_interpolate(tides_renderer *renderer, double tolerance,
     return status;
 }
 
-int td_renderer_is_double(const tides_renderer *renderer) { return td_device_is_double(renderer->device); }
-
-int td_renderer_tile_moves(const tides_renderer *renderer, int tile) { return renderer->candidates.moving[tile]; }
-
-/* Of a colour filter's channels the most: travel is of their colours too, what moves is of their places alone. */
-double td_renderer_tile_travel(const tides_renderer *renderer, int tile) {
-    double most = 0;
-    for (; renderer; renderer = renderer->beside) most = fmax(most, (double)renderer->candidates.travel[tile]);
-    return most;
-}
-
 void td_renderer_by_blocks(tides_renderer *renderer) {
     for (; renderer; renderer = renderer->beside) renderer->candidates.by_blocks = 1;
-}
-
-int td_renderer_block_moves(const tides_renderer *renderer, int tile, int block) {
-    return renderer->candidates.moving_blocks[tile] >> block & 1;
-}
-
-double td_renderer_block_travel(const tides_renderer *renderer, int tile, int block) {
-    const int at = tile * TD_TILE_BLOCKS + block;
-    double most = 0;
-    for (; renderer; renderer = renderer->beside) most = fmax(most, (double)renderer->candidates.block_travel[at]);
-    return most;
-}
-
-int td_renderer_tiles_across(const tides_renderer *renderer) { return renderer->candidates.tiles_x; }
-
-typedef char td_image_facts_are_these[TD_IMAGE_FACTS == TD_IMAGE_REALS + TD_IMAGE_INTS + 6 ? 1 : -1];
-
-void td_renderer_image_facts(const tides_renderer *renderer, double facts[TD_IMAGE_FACTS]) {
-    const td_image_numbers image = td_image_pack(&renderer->image);
-    const td_psf *psf = &renderer->psf;
-    int at = 0;
-    for (int i = 0; i < TD_IMAGE_REALS; i++) facts[at++] = image.real[i];
-    for (int i = 0; i < TD_IMAGE_INTS; i++) facts[at++] = image.whole[i];
-    facts[at++] = psf->radius ? psf->sigma : 0;
-    facts[at++] = psf->radius ? psf->domain : 0;
-    for (int c = 0; c < 3; c++) facts[at++] = renderer->backdrops[0].colour[c];
-    facts[at++] = renderer->colour_filter;
 }

@@ -129,8 +129,8 @@ int td_candidates_hint_count(const td_candidates *candidates);
 void td_candidates_give_hint(td_candidates *candidates, int tile, td_job *job);
 void td_candidates_take_hints(td_candidates *candidates, const td_job *jobs, int count, const uint8_t *in_order);
 
-/* TIDES_CANCELLED where who is to be heeded, or told, wants to stop: before each launch, with the share of the work in hand
- * that is done. What share of a call of the user's that work is: from there on, so much. */
+/* progress.c: TIDES_CANCELLED where the user or the solver wants to stop: asked before each launch, with the share of the work in
+ * hand that is done. And the share of a call of the user's that the work from there on is. */
 tides_status td_renderer_heed(const tides_renderer *renderer, double done, tides_error *error);
 void td_renderer_set_part(tides_renderer *renderer, double from, double width);
 
@@ -236,19 +236,20 @@ tides_status td_renderer_sweep_views(tides_renderer *renderer, const tides_traje
 tides_status td_dynamic_sweep_pieces(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                      tides_error *error);
 
-/* The name of a backend's plane (TD_OUT_L ..), which is that of its channel; NULL where there is none (frame.c). */
+/* planes.c: where a channel or a ground truth is among a backend's planes; and the name of a plane of the image (TD_OUT_L ..),
+ * NULL where it is no channel's, and of ground truth (TD_TRUTH_U ..). */
+int td_plane_of_channel(int channel);
+int td_plane_of_truth(int truth);
 const char *td_plane_name(int plane);
+const char *td_truth_name(int plane);
+/* Ground truth of a pixel that shows nothing: (TD_OUT_TRUTH) planes. */
+void td_truth_of_nothing(double *planes);
 
 /* All tiles at one time, swept for it: planes (tiles x outputs x TD_TILE_PIXELS), lent until the next such call; sharp where
  * they are ground truth. Then one plane of theirs as an image (height x width) (frame.c). */
 tides_status td_renderer_all_tiles(tides_renderer *renderer, const tides_trajectory *camera, double time, int outputs,
                                    const double **planes, tides_error *error);
 void td_renderer_assemble(const tides_renderer *renderer, const double *planes, int plane, int outputs, double *image);
-
-/* The name of a plane of ground truth (TD_TRUTH_U ..), and such planes of a pixel that shows nothing: (TD_OUT_TRUTH)
- * (truth.c). */
-const char *td_truth_name(int plane);
-void td_truth_of_nothing(double *planes);
 
 /* What Gaussians of the store are at a time: (count x TD_GEOMETRY_STRIDE), of those below 0 nothing (gaussian_rows.c). */
 tides_status td_renderer_rows_at(tides_renderer *renderer, const int *gaussians, size_t count, double time, double *geometry,

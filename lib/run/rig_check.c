@@ -1,4 +1,4 @@
-/* Whether rig.cameras may be a value: cameras with names, kinds, places, and keys of the run of their own (rig.c has an example). */
+/* The check of rig.cameras: cameras with names, kinds, places, and keys of the run of their own (rig.c has an example). */
 #include "camera/td_rotation.h"
 #include "td_run.h"
 
