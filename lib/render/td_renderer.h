@@ -129,8 +129,8 @@ int td_candidates_hint_count(const td_candidates *candidates);
 void td_candidates_give_hint(td_candidates *candidates, int tile, td_job *job);
 void td_candidates_take_hints(td_candidates *candidates, const td_job *jobs, int count, const uint8_t *in_order);
 
-/* progress.c: TIDES_CANCELLED where the user or the solver wants to stop: asked before each launch, with the share of the work in
- * hand that is done. And the share of a call of the user's that the work from there on is. */
+/* progress.c: TIDES_CANCELLED where the user or the solver wants to stop: asked before each launch, with the share of the work
+ * in hand that is done. And the share of a call of the user's that the work from there on is. */
 tides_status td_renderer_heed(const tides_renderer *renderer, double done, tides_error *error);
 void td_renderer_set_part(tides_renderer *renderer, double from, double width);
 
