@@ -30,7 +30,7 @@ const determinism_run determinism_runs[] =
        "readout.p0=0.01", "readout.sigma0_s=0.000002"},
       0},
      {"inria", "an image that jumps", {"image.rules=inria", "stepping.mode=fixed"}, 0},
-     {"esim", "straight lines between frames", {"method=esim", "frames_per_second=500"}, 1},
+     {"esim", "straight lines between frames", {"method=esim", "frames_per_second=4000"}, 1},
      {.name = NULL}};
 
 /* The device's twin in C comes with the rows that it must equal to the bit; its double precision is another run. */

@@ -124,7 +124,7 @@ static const cli_command commands[] = {
      "The keys for --set are listed by tides simulate --help-all.",
      1, cmd_compare, 0},
     {"bench",
-     "accuracy|ablation|blocks|calibrate|determinism|live|stability|all [-o DIR] [--quick] [--scene NAME] [--row NAME]",
+     "accuracy|ablation|blocks|calibrate|determinism|live|sensors|stability|all [-o DIR] [--quick] [--scene NAME] [--row NAME]",
      "Measure run time against the error of event times, and try to break it.",
      "accuracy: methods and settings against each image's exact events; accuracy.json, .csv and two plots.\n"
      "ablation: what each part of the method is worth, what masking and the readout change; ablation.json, .csv and a plot.\n"
@@ -136,6 +136,7 @@ static const cli_command commands[] = {
      "again;\n"
      "calibrate.json and .csv.\n"
      "blocks: what each block of sensor and readout costs; blocks.json, .csv and a plot.\n"
+     "sensors: run time with each preset and block, over the ideal sensor's; sensors.json and .csv.\n"
      "live: latency of a run that is told a pose every millisecond, at 346x260; live.json, .csv and a plot.\n"
      "all: each of them. index.html is a page of all results in the folder.\n"
      "Scenes: fan, handheld, occluder, nearly_static, vibration, flicker; trained and playbot where $TIDES_SHARED/data has "
