@@ -75,8 +75,8 @@ void oracle_find_doubts(const oracle_shown *a, const oracle_shown *b, double fro
     add_kinks(a, b, from, to, order, count, doubts);
 }
 
-double oracle_doubt_size(const oracle_doubt *d, const oracle_shown *i, const oracle_shown *j, double x, double y,
-                         double shown, double growth) {
+double oracle_doubt_size(const oracle_doubt *d, const oracle_shown *i, const oracle_shown *j, double x, double y, double shown,
+                         double growth) {
     const double first = i->visible ? oracle_tau(i, x, y) : 0;
     if (!(first > 0)) return 0;
     if (d->j < 0) return growth * first * d->change / shown;

@@ -17,13 +17,13 @@ typedef struct oracle_view {
 
 /* A Gaussian on the screen. */
 typedef struct oracle_shown {
-    int id, visible;         /* 0: not beyond the near plane, or below the taper; the rest means nothing */
-    double u, v;             /* its middle [px] */
-    double xx, xy, yy;       /* the inverse covariance [1/px^2] */
-    double opacity;          /* at the middle */
-    double across, down;     /* variances [px^2] */
-    double reach_x, reach_y; /* half-widths of the box around it [px] */
-    double place;            /* ln z / soft_depth */
+    int id, visible;          /* 0: not beyond the near plane, or below the taper; the rest means nothing */
+    double u, v;              /* its middle [px] */
+    double xx, xy, yy;        /* the inverse covariance [1/px^2] */
+    double opacity;           /* at the middle */
+    double across, down;      /* variances [px^2] */
+    double reach_x, reach_y;  /* half-widths of the box around it [px] */
+    double place;             /* ln z / soft_depth */
     double colour[3], raw[3]; /* by channel, and before the clamp at 0 */
 } oracle_shown;
 
