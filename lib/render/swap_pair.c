@@ -4,9 +4,6 @@
 
 #include <math.h>
 
-/* Swaps that take a larger share of the interval than this, to either side, are seen by its samples. A choice. */
-static const double slow = 0.25;
-
 /* -- what a pair is to a block --------------------------------------------------------------------------------------------- */
 
 /* -ln of what a splat lets a pixel see of it: half the form about (u, v), and that of its opacity. */
@@ -91,7 +88,7 @@ typedef struct pair {
     td_swap_tile *tile;
     const td_swap_splat *a, *b;
     unsigned blocks;
-    double contrast;
+    double contrast, slow;
 } pair;
 
 /* What it is worth to a block of the tile where both are these forms; NULL: where isn't known, and it may be anywhere. */
@@ -115,7 +112,7 @@ static void note_time(const pair *of, int k, double s, double wide) {
     const double per_part = (double)TD_SWAP_PARTS / at->parts;
     const long part = lround((k + s) * per_part);
     const int lens = td_lens_model(of->tile->image);
-    if (part < 1 || part >= TD_SWAP_PARTS || !(wide < slow * at->parts)) return;
+    if (part < 1 || part >= TD_SWAP_PARTS || !(wide < of->slow * at->parts)) return;
     if (!lens && (!find_form(of->tile->image, at, of->a, k, s, &f) || !find_form(of->tile->image, at, of->b, k, s, &g))) return;
     for (int i = 0; i < TD_TILE_BLOCKS && of->tile->status == TIDES_OK; i++) {
         if (!(of->blocks >> i & 1)) continue;
@@ -197,10 +194,10 @@ static int are_apart(const td_swap_splat *a, const td_swap_splat *b) {
     return a->box[0] > b->box[2] || b->box[0] > a->box[2] || a->box[1] > b->box[3] || b->box[1] > a->box[3];
 }
 
-void td_swaps_look_at(td_swap_tile *tile, const td_swap_splat *a, const td_swap_splat *b) {
+void td_swaps_look_at(td_swap_tile *tile, const td_swap_splat *a, const td_swap_splat *b, double slow) {
     const double contrast = fabs(a->luminance - b->luminance) + tile->contrast * (a->luminance + b->luminance);
     if (a->opacity * b->opacity * contrast < TD_SWAP_LEAST_LIGHT || are_apart(a, b)) return;
-    const pair of = {tile, a, b, blocks_of(a, b, tile->corner), contrast};
+    const pair of = {tile, a, b, blocks_of(a, b, tile->corner), contrast, slow};
     const double near = TD_SWAP_REACH * tile->image->soft_depth;
     for (int k = 0; k < tile->at->parts && of.blocks; k++) note_part(&of, near, k);
 }

@@ -1,10 +1,11 @@
 /* Swaps of depth (td_swaps.h): which splats that a tile may see come within reach of one another's depth in the interval swept
  * last, and when. On the host, in double, from the views of a few samples and the cubics between them.
  *
- * Most scenes have none that samples could miss. A swap of two splats of one rigid body that is seen to turn evenly happens
- * once and lasts, and steps are cut for it as for any jump that is seen; to come back within the interval its splats must be so
- * large, or the turn so uneven, that depth strays by the reach from going straight. Splats of different bodies are looked at
- * wherever their depths meet. What motion models move isn't looked for: of it nobody knows a path. */
+ * Most scenes have none that samples could miss. A swap of two splats of one rigid body that is seen to turn lasts long where
+ * the turn is slow and the splats are small: what takes more than a share of the interval shows in its samples. One that is
+ * shorter needs splats so large that the turn takes their depths past each other fast, and one that comes back within the
+ * interval needs depths that stray by the reach from going straight. Splats of different bodies are looked at wherever their
+ * depths meet. What motion models move isn't looked for: of it nobody knows a path. */
 #include "scene/td_scene.h"
 #include "td_extremes.h"
 #include "td_swaps.h"
@@ -20,13 +21,18 @@ static const double steady = 0.2;
 /* Of the ellipsoid's standard deviations: out to there a splat of opacity 1 has 1/255 left. */
 static const double sigmas = 3.4;
 
-/* Pairs of a tile that are looked at: 10 ms of a processor. What a denser tile has beyond isn't looked for. */
+/* Pairs of a tile that are looked at, of bodies and within them: 10 ms of a processor each. What a denser tile has beyond isn't
+ * looked for. */
 enum { MOST_PAIRS = 1 << 20 };
+
+/* Centres of splats that overlap in the image at one depth are apart by the sum of their extents, and by more off the axis. */
+static const double askew = 1.5;
 
 /* The share of their light by which splats that show another colour from each side may differ beside their constant terms. */
 static const double by_view = 0.1;
 
-enum { MAY_NOT, MAY_SWAP, MAY_ALONE }; /* with splats of other bodies only; within its own body, too */
+/* With splats of other bodies only; with its own body's, if shortly; with its own body's. */
+enum { MAY_NOT, MAY_SWAP, MAY_SHORTLY, MAY_ALONE };
 
 /* -- making it ------------------------------------------------------------------------------------------------------------- */
 
@@ -44,8 +50,9 @@ tides_status td_swaps_create(const td_store *store, int tiles, struct td_swaps *
     made->may = td_alloc((size_t)store->count, sizeof *made->may, error);
     made->group = td_alloc((size_t)store->objects, sizeof *made->group, error);
     made->turning = td_alloc((size_t)store->objects, sizeof *made->turning, error);
+    made->turned = td_alloc((size_t)store->objects, sizeof *made->turned, error);
     made->first = td_alloc((size_t)tiles * TD_TILE_BLOCKS + 1, sizeof *made->first, error);
-    if (!made->extent || !made->may || !made->group || !made->turning || !made->first) {
+    if (!made->extent || !made->may || !made->group || !made->turning || !made->turned || !made->first) {
         td_swaps_destroy(made);
         return TIDES_NO_MEMORY;
     }
@@ -60,6 +67,7 @@ void td_swaps_destroy(struct td_swaps *swaps) {
     free(swaps->may);
     free(swaps->group);
     free(swaps->turning);
+    free(swaps->turned);
     free(swaps->view);
     free(swaps->first);
     free(swaps->swap);
@@ -83,7 +91,7 @@ static tides_status find_groups(const tides_renderer *renderer, struct td_swaps 
 
 /* How far apart two rows of views are. */
 static double apart(const double *a, const double *b) {
-    return sqrt(pow(a[0] - b[0], 2) + pow(a[1] - b[1], 2) + pow(a[2] - b[2], 2));
+    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
 }
 
 /* Views at the ends of so many parts of the interval: renderer->views. */
@@ -138,12 +146,27 @@ static double turning_of(const td_swap_samples *at, int object) {
     return most;
 }
 
+/* How far the row that makes depths would go in the interval at the greatest rate that its samples have. */
+static double turned_by(const td_swap_samples *at, int object) {
+    static const double nothing[3] = {0, 0, 0};
+    double most = 0;
+    for (int k = 0; k <= at->parts; k++)
+        most = td_greater(most, apart(at->view[(size_t)k * (size_t)at->objects + (size_t)object].r_dot + 6, nothing));
+    return most * at->h * at->parts;
+}
+
 static double depth_at(const td_view *view, const double *mean) {
     return view->r[6] * mean[0] + view->r[7] * mean[1] + view->r[8] * mean[2] + view->t[2];
 }
 
 static double depth_rate_at(const td_view *view, const double *mean) {
     return view->r_dot[6] * mean[0] + view->r_dot[7] * mean[1] + view->r_dot[8] * mean[2] + view->t_dot[2];
+}
+
+/* How far a splat may be in its object's units from what it shares a pixel with at its depth: half of that. */
+static double reach_of(const tides_renderer *renderer, const struct td_swaps *swaps, int g, double z) {
+    const td_image *image = &renderer->image;
+    return askew * ((double)swaps->extent[g] + sigmas * sqrt(image->dilation) * fabs(z) / image->fx);
 }
 
 /* Which Gaussians may swap at all; whether any may. */
@@ -153,6 +176,7 @@ static int find_who_may(const tides_renderer *renderer, struct td_swaps *swaps, 
     int moving = 0, rests = 0, any = 0;
     for (int i = 0; i < store->objects; i++) {
         swaps->turning[i] = swaps->group[i] >= 0 ? turning_of(at, i) : 0;
+        swaps->turned[i] = swaps->group[i] >= 0 ? turned_by(at, i) : 0;
         moving += swaps->group[i] > 0;
         rests += swaps->group[i] == 0;
     }
@@ -165,8 +189,9 @@ static int find_who_may(const tides_renderer *renderer, struct td_swaps *swaps, 
         if (alone && !(swaps->turning[object] > 0)) continue;
         const double z = depth_at(&at->view[object], store->geometry + (size_t)g * TD_GEOMETRY_STRIDE + TD_G_MEAN);
         const int strays_far = swaps->turning[object] * (double)swaps->extent[g] >= share * fabs(z);
-        swaps->may[g] = (uint8_t)(strays_far ? MAY_ALONE : MAY_SWAP);
-        any |= strays_far || !alone;
+        const int is_short = TD_SWAP_SLOW_WITHIN * swaps->turned[object] * reach_of(renderer, swaps, g, z) >= share * fabs(z);
+        swaps->may[g] = (uint8_t)(strays_far ? MAY_ALONE : is_short ? MAY_SHORTLY : MAY_SWAP);
+        any |= strays_far || is_short || !alone;
     }
     return any;
 }
@@ -176,6 +201,14 @@ static int find_who_may(const tides_renderer *renderer, struct td_swaps *swaps, 
 static int by_depth(const void *a, const void *b) {
     const td_swap_splat *x = a, *y = b;
     if (x->least != y->least) return x->least < y->least ? -1 : 1;
+    return (x->box > y->box) - (x->box < y->box);
+}
+
+/* Bodies, and within each by depth at the start. */
+static int by_start(const void *a, const void *b) {
+    const td_swap_splat *x = a, *y = b;
+    if (x->group != y->group) return x->group < y->group ? -1 : 1;
+    if (x->z[0] != y->z[0]) return x->z[0] < y->z[0] ? -1 : 1;
     return (x->box > y->box) - (x->box < y->box);
 }
 
@@ -212,11 +245,12 @@ static void take_splat(const tides_renderer *renderer, const struct td_swaps *sw
         to->least = td_lesser(to->least, z[k] - bow);
         to->most = td_greater(to->most, z[k] + bow);
     }
+    to->sway = swaps->turned[object] * reach_of(renderer, swaps, g, z[0]);
     to->z = z;
     to->z_dot = z_dot;
 }
 
-/* Those of a tile's list that may swap, by their least depths; none where they are of one body and none of them may alone. */
+/* Those of a tile's list that may swap; none where they are of one body and none of them may alone. */
 static tides_status take_splats(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at, int tile,
                                 int *count, int *bodies, tides_error *error) {
     const int *first = renderer->candidates.first, *list = renderer->candidates.list;
@@ -226,7 +260,7 @@ static tides_status take_splats(const tides_renderer *renderer, struct td_swaps 
         const int g = list[i];
         if (g < 0 || swaps->may[g] == MAY_NOT) continue;
         const int own = swaps->group[renderer->store.object[g]];
-        any |= swaps->may[g] == MAY_ALONE;
+        any |= swaps->may[g] >= MAY_SHORTLY;
         *bodies |= group >= 0 && own != group;
         group = own;
         some++;
@@ -241,36 +275,56 @@ static tides_status take_splats(const tides_renderer *renderer, struct td_swaps 
         take_splat(renderer, swaps, at, list[i], swaps->depth + (size_t)*count * each, &swaps->splat[*count]);
         ++*count;
     }
-    if (*count > 0) qsort(swaps->splat, (size_t)*count, sizeof *swaps->splat, by_depth);
     return status;
 }
 
 /* -------------------------------------------------------------------------------------------------------------------------- */
 
-/* The first of those, by their least depths, that one may reach which goes no further than `longest`. */
-static int find_from(const td_swap_splat *all, int count, double least) {
-    int low = 0, high = count;
-    while (low < high) {
-        const int middle = (low + high) / 2;
-        if (all[middle].least < least)
-            low = middle + 1;
-        else
-            high = middle;
+/* Pairs of splats of different bodies. */
+static void look_across(td_swap_tile *of, const td_swap_splat *all, int count, double near) {
+    int pairs = 0;
+    for (int i = 0; i < count && of->status == TIDES_OK; i++) {
+        const td_swap_splat *a = &all[i];
+        const double far = a->most + near * fabs(a->most);
+        for (int j = i + 1; j < count && all[j].least <= far && pairs < MOST_PAIRS; j++, pairs++)
+            if (a->group != all[j].group) td_swaps_look_at(of, a, &all[j], TD_SWAP_SLOW);
     }
-    return low;
 }
 
-static double depths_of(const td_swap_splat *all, int count) {
-    double longest = 0;
-    for (int i = 0; i < count; i++) longest = td_greater(longest, all[i].most - all[i].least);
-    return longest;
+/* Is there no short swap of two splats of one object? Their depths' difference strays from going straight by their distance
+ * times what the depth of a unit does: they are out of reach throughout, or within it for long. */
+static int is_none(const td_swap_tile *of, const td_swap_splat *a, const td_swap_splat *b, double near, double slow) {
+    const double from = b->z[0] - a->z[0], to = b->z[of->at->parts] - a->z[of->at->parts];
+    const double within = near * td_greater(fabs(a->z[0]), fabs(a->z[of->at->parts]));
+    if (a->object != b->object) return 0;
+    const double strays = askew * of->swaps->turning[a->object] * apart(a->geometry + TD_G_MEAN, b->geometry + TD_G_MEAN);
+    const double most = fabs(to - from) + 4 * strays; /* of a parabola, at the ends */
+    return (from * to > 0 && td_lesser(fabs(from), fabs(to)) > within + strays) || slow * most < within;
 }
 
-/* Pairs of a tile's splats: those that may swap within their body with all others; the rest with those of other bodies. */
+/* Pairs of one body's, sorted by_start: those that may swap within it with all of them that their own turn brings within reach.
+ * A pair is looked at from whichever may sway further. */
+static void look_within(td_swap_tile *of, const td_swap_splat *all, int count, double near) {
+    int pairs = 0;
+    for (int i = 0; i < count && of->status == TIDES_OK; i++) {
+        const td_swap_splat *a = &all[i];
+        if (a->may < MAY_SHORTLY) continue;
+        const double reach = 2 * a->sway + near * fabs(a->z[0]);
+        for (int side = -1; side <= 1; side += 2)
+            for (int j = i + side; j >= 0 && j < count && pairs < MOST_PAIRS; j += side, pairs++) {
+                const td_swap_splat *b = &all[j];
+                if (b->group != a->group || fabs(b->z[0] - a->z[0]) > reach) break;
+                if (b->may >= MAY_SHORTLY && (b->sway > a->sway || (b->sway == a->sway && j < i))) continue;
+                const double slow = a->may == MAY_ALONE || b->may == MAY_ALONE ? TD_SWAP_SLOW : TD_SWAP_SLOW_WITHIN;
+                if (!is_none(of, a, b, near, slow)) td_swaps_look_at(of, a, b, slow);
+            }
+    }
+}
+
 static tides_status look_in(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at, int tile,
                             tides_error *error) {
     const double near = TD_SWAP_REACH * renderer->image.soft_depth;
-    int count, bodies, pairs = 0;
+    int count, bodies;
     tides_status status = take_splats(renderer, swaps, at, tile, &count, &bodies, error);
     const int across = renderer->candidates.tiles_x;
     td_swap_tile of = {.swaps = swaps,
@@ -281,20 +335,13 @@ static tides_status look_in(const tides_renderer *renderer, struct td_swaps *swa
                        .contrast = renderer->store.sh_stride > 3 ? by_view : 0,
                        .status = status,
                        .error = error};
-    const td_swap_splat *all = swaps->splat;
-    const double longest = depths_of(all, count);
-    for (int i = 0; i < count && of.status == TIDES_OK; i++) {
-        const td_swap_splat *a = &all[i];
-        const int alone = a->may == MAY_ALONE;
-        if (!alone && !bodies) continue;
-        const double far = a->most + near * fabs(a->most);
-        for (int j = alone ? find_from(all, count, a->least - longest - near * fabs(a->least)) : i + 1;
-             j < count && all[j].least <= far && pairs < MOST_PAIRS; j++, pairs++) {
-            const int same = a->group == all[j].group, other_alone = all[j].may == MAY_ALONE;
-            if (alone ? j == i || (other_alone && j < i) : same || other_alone) continue;
-            td_swaps_look_at(&of, a, &all[j]);
-        }
+    if (count == 0) return status;
+    if (bodies) {
+        qsort(swaps->splat, (size_t)count, sizeof *swaps->splat, by_depth);
+        look_across(&of, swaps->splat, count, near);
     }
+    qsort(swaps->splat, (size_t)count, sizeof *swaps->splat, by_start);
+    look_within(&of, swaps->splat, count, near);
     return of.status;
 }
 

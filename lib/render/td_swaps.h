@@ -13,10 +13,15 @@
 /* Swaps that move Y by less than this are nothing, whatever is seen. */
 #define TD_SWAP_LEAST_LIGHT 1e-5
 
+/* Swaps that take a larger share of the interval than this, to either side, are seen by its samples; of splats of one body that
+ * is seen to turn evenly, a larger one than the other. Choices: demo's 50 ms took 15 % longer with 0.25, 7 with 0.1, 0 so. */
+#define TD_SWAP_SLOW 0.25
+#define TD_SWAP_SLOW_WITHIN 0.05
+
 /* A Gaussian of a tile's list: its box, depths within the interval, and these and their rates at the samples (parts + 1). */
 typedef struct td_swap_splat {
     const float *box;
-    double least, most;
+    double least, most, sway; /* sway: half of how far a turn takes its depth against that of what overlaps it */
     const double *geometry;
     double opacity, luminance; /* of the constant term */
     int object, group, may;
@@ -33,7 +38,8 @@ typedef struct td_swap_samples {
 struct td_swaps {
     float *extent;   /* (store.count) half-axis of the ellipsoid that may be seen, in the object's units */
     int *group;      /* (objects) of those that are one rigid body; -1: they have no path of their own to know */
-    double *turning; /* (objects) how far a unit's depth strays from going straight within the interval */
+    double *turning; /* (objects) how far a unit's depth strays from going straight within the interval, */
+    double *turned;  /* (objects) and how far its depth goes, at the greatest rate */
     uint8_t *may;    /* (store.count) whether one may swap with splats of other bodies, or of its own, too */
     td_view *view;   /* (samples x objects) */
     size_t view_capacity;
@@ -56,8 +62,8 @@ typedef struct td_swap_tile {
     tides_error *error;
 } td_swap_tile;
 
-/* Adds all swaps of two splats to those of the tile's blocks (swap_pair.c). */
-void td_swaps_look_at(td_swap_tile *tile, const td_swap_splat *a, const td_swap_splat *b);
+/* Adds all swaps of two splats that take no more than this share to those of the tile's blocks (swap_pair.c). */
+void td_swaps_look_at(td_swap_tile *tile, const td_swap_splat *a, const td_swap_splat *b, double slow);
 
 tides_status td_swaps_create(const td_store *store, int tiles, struct td_swaps **swaps, tides_error *error);
 void td_swaps_destroy(struct td_swaps *swaps);

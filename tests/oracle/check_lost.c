@@ -6,7 +6,8 @@
  *   --seed N      the first one's seed (TIDES_SEED, 1)       --images N the oracle's L against the library's, at N times
  *   --device NAME the library's device (cpu)                 --share X  images X times as wide (1)
  *   --solve off|float, --tolerance X, --step S  settings of the library's run
- *   --jobs N      processes (2)                              --brute N  the oracle against 50 ns samples of N pixels */
+ *   --jobs N      processes (2)                              --brute N  the oracle against 50 ns samples of N pixels
+ *   --transfer linear|srgb  what colours are of light (TIDES_TRANSFER, linear) */
 #include "tests/oracle/trial.h"
 #include "tests/oracle/worlds.h"
 
@@ -28,8 +29,8 @@ static unsigned long long number_of(const char *variable, unsigned long long fal
 }
 
 static int kind_named(const char *name) {
-    for (int k = 0; k < oracle_world_kinds(); k++)
-        if (strcmp(oracle_world_name(k), name) == 0) return k;
+    const int kind = oracle_world_named(name);
+    if (kind >= 0) return kind;
     fprintf(stderr, "check_lost: no kind '%s': --list names them\n", name);
     exit(2);
 }
@@ -40,6 +41,12 @@ static int list_kinds(void) {
 }
 
 static int32_t solve_named(const char *name) { return strcmp(name, "off") == 0 ? TIDES_SOLVE_OFF : TIDES_SOLVE_AUTO; }
+
+static int is_srgb(const char *transfer) {
+    if (strcmp(transfer, "srgb") == 0 || strcmp(transfer, "linear") == 0) return strcmp(transfer, "srgb") == 0;
+    fprintf(stderr, "check_lost: no transfer '%s': linear and srgb are there\n", transfer);
+    exit(2);
+}
 
 /* An option with a value; 0 where there's none of that name. */
 static int read_option(options *o, const char *name, const char *value) {
@@ -68,6 +75,8 @@ static int read_option(options *o, const char *name, const char *value) {
         o->trial.stepping.solve = solve_named(value);
     else if (strcmp(name, "--tolerance") == 0)
         o->trial.stepping.tolerance = atof(value);
+    else if (strcmp(name, "--transfer") == 0)
+        o->trial.coded = is_srgb(value);
     else if (strcmp(name, "--step") == 0)
         o->trial.stepping.step_s = atof(value);
     else
@@ -78,6 +87,8 @@ static int read_option(options *o, const char *name, const char *value) {
 static void read_options(options *o, int argc, char **argv) {
     const char *kind = getenv("TIDES_KIND");
     if (kind && *kind) o->kind = kind_named(kind);
+    const char *transfer = getenv("TIDES_TRANSFER");
+    if (transfer && *transfer) o->trial.coded = is_srgb(transfer);
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--list") == 0) exit(list_kinds());
         if (strcmp(argv[i], "--dump") == 0)

@@ -63,7 +63,7 @@ static void add_kinks(const oracle_shown *a, const oracle_shown *b, double from,
             const double before = a[i].raw[c], after = b[i].raw[c];
             if (!b[i].visible || (before > 0) == (after > 0)) continue;
             const double at = from + (to - from) * before / (before - after), slack = 0.1 * (to - from);
-            const oracle_doubt d = {i, -1, at - slack, at + slack, 0, fabs(after - before)};
+            const oracle_doubt d = {i, -1, at - slack, at + slack, 0, oracle_share_of(c) * fabs(after - before)};
             append(all, &d);
         }
     }
@@ -75,13 +75,15 @@ void oracle_find_doubts(const oracle_shown *a, const oracle_shown *b, double fro
     add_kinks(a, b, from, to, order, count, doubts);
 }
 
-double oracle_doubt_size(const oracle_doubt *d, const oracle_shown *i, const oracle_shown *j, double x, double y,
-                         double shown) {
+double oracle_doubt_size(const oracle_doubt *d, const oracle_shown *i, const oracle_shown *j, double x, double y, double shown,
+                         double growth) {
     const double first = i->visible ? oracle_tau(i, x, y) : 0;
     if (!(first > 0)) return 0;
-    if (d->j < 0) return first * d->change / shown;
+    if (d->j < 0) return growth * first * d->change / shown;
     const double second = j->visible ? oracle_tau(j, x, y) : 0;
-    return first * second * fabs(i->light - j->light) / shown;
+    double apart = 0;
+    for (int c = 0; c < 3; c++) apart += oracle_share_of(c) * fabs(i->colour[c] - j->colour[c]);
+    return growth * first * second * apart / shown;
 }
 
 double oracle_doubt_share(const oracle_doubt *d, double a, double b, double whole) {

@@ -22,9 +22,10 @@ typedef struct oracle_doubts {
 void oracle_find_doubts(const oracle_shown *a, const oracle_shown *b, double from, double to, const int *order, int count,
                         oracle_doubts *doubts);
 
-/* The most of L that a doubt may hide at a pixel if it came all at once, in a pixel that shows Y + log_eps = `shown`. */
+/* The most of L that a doubt may hide at a pixel if it came all at once, in a pixel that shows Y + log_eps = `shown`, where
+ * light grows `growth` times as fast as colours (oracle_growth). */
 double oracle_doubt_size(const oracle_doubt *doubt, const oracle_shown *i, const oracle_shown *j, double x, double y,
-                         double shown);
+                         double shown, double growth);
 /* The share of that which an interval [a, b] of `width` (from its parent's whole) may hide. */
 double oracle_doubt_share(const oracle_doubt *doubt, double a, double b, double whole);
 

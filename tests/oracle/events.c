@@ -26,6 +26,7 @@ typedef struct finder {
     oracle_events *found;
     double *time;          /* (count) */
     double *image;         /* (count x pixels) L */
+    double *growth;        /* (pixels) oracle_growth at the interval's start */
     box *boxes;            /* (count x splats); rx below 0 where it isn't visible */
     oracle_doubts *doubts; /* (count - 1) */
     float *hidden;         /* ((count - 1) x pixels) what doubts may hide, all together */
@@ -115,6 +116,7 @@ static void hide(const finder *f, int k, const oracle_shown *all) {
     const oracle_scene *s = f->scene;
     const double *image = f->image + (size_t)k * (size_t)f->pixels;
     float *hidden = f->hidden + (size_t)k * (size_t)f->pixels;
+    for (int i = 0; i < f->pixels; i++) f->growth[i] = oracle_growth(s, exp(image[i]));
     for (int n = 0; n < f->doubts[k].count; n++) {
         const oracle_doubt *d = &f->doubts[k].doubt[n];
         const oracle_shown *i = &all[d->i], *j = &all[d->j < 0 ? d->i : d->j];
@@ -127,7 +129,7 @@ static void hide(const finder *f, int k, const oracle_shown *all) {
             for (int x = x0; x <= x1; x++) {
                 const int at = y * s->width + x;
                 /* Twice: splats move on within the interval. */
-                hidden[at] += (float)(2 * share * oracle_doubt_size(d, i, j, x + 0.5, y + 0.5, exp(image[at])));
+                hidden[at] += (float)(2 * share * oracle_doubt_size(d, i, j, x + 0.5, y + 0.5, exp(image[at]), f->growth[at]));
             }
     }
 }
@@ -197,6 +199,7 @@ static void own_doubts(finder *f) {
     const oracle_doubts *all = &f->doubts[f->interval];
     oracle_view view;
     f->owns = 0;
+    const double growth = oracle_growth(s, exp(f->image[at]));
     if (!(f->hidden[at] > 0)) return;
     if (all->count > f->own_room) {
         free(f->own);
@@ -210,7 +213,7 @@ static void own_doubts(finder *f) {
         const double x = f->pixel % s->width + 0.5, y = f->pixel / s->width + 0.5;
         if (!i.visible || !(oracle_tau(&i, x, y) > 0)) continue;
         if (all->doubt[n].j >= 0) oracle_project(s, &view, all->doubt[n].j, &j);
-        const double size = 2 * oracle_doubt_size(&all->doubt[n], &i, &j, x, y, exp(f->image[at]));
+        const double size = 2 * oracle_doubt_size(&all->doubt[n], &i, &j, x, y, exp(f->image[at]), growth);
         if (!(size > 1e-7 * s->threshold_on)) continue;
         f->own[f->owns++] = (struct own_doubt){&all->doubt[n], size};
     }
@@ -346,6 +349,7 @@ oracle_events oracle_find_events(const oracle_scene *scene, int finer) {
     f->image = oracle_alloc(times * pixels, sizeof *f->image);
     f->hidden = oracle_alloc(times * pixels, sizeof *f->hidden);
     f->boxes = oracle_alloc(times * (size_t)scene->splats, sizeof *f->boxes);
+    f->growth = oracle_alloc(pixels, sizeof *f->growth);
     f->doubts = oracle_alloc(times, sizeof *f->doubts);
     f->list = oracle_alloc((size_t)scene->splats, sizeof *f->list);
     found.first = oracle_alloc(pixels + 1, sizeof *found.first);
@@ -358,6 +362,7 @@ oracle_events oracle_find_events(const oracle_scene *scene, int finer) {
     for (size_t k = 0; k < times; k++) free(f->doubts[k].doubt);
     free(f->time);
     free(f->image);
+    free(f->growth);
     free(f->hidden);
     free(f->boxes);
     free(f->doubts);

@@ -23,6 +23,22 @@ static double smootherstep(double x) {
     return s * s * s * (10 + s * (6 * s - 15));
 }
 
+/* -- light of colours (IEC 61966-2-1) ---------------------------------------------------------------------------------- */
+
+#define JOINT 0.04045 /* of colours: a straight line below */
+
+static double decoded(double colour) { return colour <= JOINT ? colour / 12.92 : pow((colour + 0.055) / 1.055, 2.4); }
+
+static double coded_of(double light) { return light <= JOINT / 12.92 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055; }
+
+double oracle_share_of(int channel) { return luminance[channel]; }
+
+double oracle_growth(const oracle_scene *s, double shown) {
+    if (!s->coded) return 1;
+    const double most = coded_of(shown / luminance[2]); /* all light may be the channel's that is worth least */
+    return fmax(1 / 12.92, 2.4 / 1.055 * pow((most + 0.055) / 1.055, 1.4));
+}
+
 /* -- where things are --------------------------------------------------------------------------------------------------- */
 
 static void rotation_of(const double given[4], double r[9]) {
@@ -100,12 +116,11 @@ static void colour_of(const double mean[3], const double (*sh)[3], const double 
         for (int k = 0; k < 3; k++) d[k] /= length;
     }
     harmonics(d, degree, basis);
-    out->light = 0;
     for (int c = 0; c < 3; c++) {
         double sum = 0.5;
         for (int k = 0; k < (degree + 1) * (degree + 1); k++) sum += basis[k] * sh[k][c];
-        out->raw[c] = luminance[c] * sum;
-        if (sum > 0) out->light += out->raw[c];
+        out->raw[c] = sum;
+        out->colour[c] = sum > 0 ? sum : 0;
     }
 }
 
@@ -242,41 +257,47 @@ void oracle_light_start(oracle_light *l) {
 /* Light goes a way of x on through what is open (docs/soft_order.md, "One step for each splat"). */
 static void pass(oracle_light *l, double x) {
     if (l->open == 1 && x >= FAR) { /* alone: hard order */
-        l->shown += l->left * l->tau * l->light;
+        for (int c = 0; c < 3; c++) l->shown[c] += l->left * l->tau * l->colour[c];
         l->left *= 1 - l->tau;
         l->open = 0;
         return;
     }
     if (l->open == 1) {
         l->a = -log1p(-l->tau);
-        l->b = l->a * l->light;
+        for (int c = 0; c < 3; c++) l->b[c] = l->a * l->colour[c];
         l->open = 2;
     }
     const double fall = expm1(-x), taken = -l->left * expm1(l->a * fall);
-    if (l->a > 0) l->shown += l->b / l->a * taken;
+    for (int c = 0; c < 3 && l->a > 0; c++) l->shown[c] += l->b[c] / l->a * taken;
     l->left -= taken;
     l->a *= 1 + fall;
-    l->b *= 1 + fall;
+    for (int c = 0; c < 3; c++) l->b[c] *= 1 + fall;
     if (x >= FAR) l->open = 0;
 }
 
-void oracle_light_add(oracle_light *l, double place, double tau, double light) {
+void oracle_light_add(oracle_light *l, double place, double tau, const double colour[3]) {
     if (l->open) pass(l, place - l->place);
     l->place = place;
     if (!l->open) {
         l->tau = tau;
-        l->light = light;
+        memcpy(l->colour, colour, sizeof l->colour);
         l->open = 1;
         return;
     }
     const double a = -log1p(-tau);
     l->a += a;
-    l->b += a * light;
+    for (int c = 0; c < 3; c++) l->b[c] += a * colour[c];
 }
 
 double oracle_light_end(const oracle_scene *s, oracle_light *l) {
     if (l->open) pass(l, 10 * FAR);
-    return log(l->shown + l->left * s->background + s->log_eps);
+    const double behind = s->coded ? coded_of(s->background) : s->background;
+    double sum = 0;
+    for (int c = 0; c < 3; c++) {
+        const double colour = l->shown[c] + l->left * behind;
+        sum += luminance[c] * (s->coded ? decoded(colour) : colour);
+    }
+    return log(sum + s->log_eps);
 }
 
 /* -- images --------------------------------------------------------------------------------------------------------------- */
@@ -314,14 +335,14 @@ void oracle_image(const oracle_scene *s, const oracle_shown *shown, int count, o
         for (int y = y0; y <= y1; y++)
             for (int x = x0; x <= x1; x++) {
                 const double tau = oracle_tau(&shown[k], x + 0.5, y + 0.5);
-                if (tau > 0) oracle_light_add(&lights[y * s->width + x], shown[k].place, tau, shown[k].light);
+                if (tau > 0) oracle_light_add(&lights[y * s->width + x], shown[k].place, tau, shown[k].colour);
             }
     }
     for (int i = 0; i < pixels; i++) image[i] = oracle_light_end(s, &lights[i]);
 }
 
 typedef struct taker {
-    double place, tau, light;
+    double place, tau, colour[3];
 } taker;
 
 double oracle_point(const oracle_scene *s, const int *ids, int count, int x, int y, double time) {
@@ -338,9 +359,9 @@ double oracle_point(const oracle_scene *s, const int *ids, int count, int x, int
         if (n == MOST) abort();
         int at = n++;
         for (; at > 0 && list[at - 1].place > shown.place; at--) list[at] = list[at - 1];
-        list[at] = (taker){shown.place, tau, shown.light};
+        list[at] = (taker){shown.place, tau, {shown.colour[0], shown.colour[1], shown.colour[2]}};
     }
     oracle_light_start(&light);
-    for (int k = 0; k < n; k++) oracle_light_add(&light, list[k].place, list[k].tau, list[k].light);
+    for (int k = 0; k < n; k++) oracle_light_add(&light, list[k].place, list[k].tau, list[k].colour);
     return oracle_light_end(s, &light);
 }

@@ -115,6 +115,7 @@ static tides_status make_world(const oracle_scene *s, const char *device, librar
     w->intrinsics = (tides_intrinsics){s->width, s->height, s->focal, s->focal, 0.5 * s->width, 0.5 * s->height, {0}};
     tides_image_params_defaults(&w->image);
     w->image.log_eps = s->log_eps;
+    w->image.transfer = s->coded ? TIDES_TRANSFER_SRGB : TIDES_TRANSFER_LINEAR;
     for (int c = 0; c < 3; c++) w->image.background[c] = s->background;
     return status;
 }

@@ -42,6 +42,7 @@ typedef struct oracle_scene {
     unsigned long long seed;
     double share; /* of a kind's width: 1, or less for small images */
     int width, height;
+    int coded; /* colours are display-referred, coded as sRGB: composited as they are, and decoded then */
     double focal, background, log_eps, threshold_on, threshold_off, leak_hz, stop;
     oracle_curve camera; /* (7) camera to world, OpenCV axes; no samples: in the origin */
     oracle_object object[ORACLE_OBJECTS];

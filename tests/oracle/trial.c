@@ -106,6 +106,7 @@ static trial_result run_one(const trial_options *o, int kind, unsigned long long
     result.kind = kind;
     result.seed = seed;
     oracle_scene scene = oracle_world_make(kind, seed, o->share);
+    scene.coded = o->coded;
     if (run_other(o, &scene)) {
         oracle_scene_free(&scene);
         return result;

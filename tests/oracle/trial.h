@@ -8,6 +8,7 @@ typedef struct trial_options {
     const char *device;
     tides_stepping stepping;
     int dump, finer, images, brute; /* brute: so many pixels */
+    int coded;                      /* colours are sRGB's */
     double share;                   /* of a kind's width */
 } trial_options;
 

@@ -202,6 +202,12 @@ enum { KINDS = sizeof kinds / sizeof *kinds };
 int oracle_world_kinds(void) { return KINDS; }
 const char *oracle_world_name(int kind) { return kinds[kind % KINDS].name; }
 
+int oracle_world_named(const char *name) {
+    for (int k = 0; k < KINDS; k++)
+        if (strcmp(kinds[k].name, name) == 0) return k;
+    return -1;
+}
+
 oracle_scene oracle_world_make(int kind, unsigned long long seed, double share) {
     const struct kind *k = &kinds[kind % KINDS];
     parts_seed draws = seed * 0x2545f4914f6cdd1du + (unsigned)(kind % KINDS) * 0x9e3779b97f4a7c15u;

@@ -7,6 +7,8 @@
 
 int oracle_world_kinds(void);
 const char *oracle_world_name(int kind);
+/* Below 0: none of that name. */
+int oracle_world_named(const char *name);
 /* The scene of a kind and a seed, its image `share` as wide as it is by itself. Owned: oracle_scene_free. */
 oracle_scene oracle_world_make(int kind, unsigned long long seed, double share);
 
