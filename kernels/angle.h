@@ -4,14 +4,11 @@
 
 #include "dual.h"
 
-/* sin x and cos x, error < 2e-7 for |x| < 8192. x = k pi/2 + r, pi/2 in three parts (Cody and Waite); on |r| <= pi/4 Taylor's
- * series up to r^9 and r^10. */
+/* sin x and cos x, in single precision: error < 2e-7 for |x| < 8192. x = k pi/2 + r, pi/2 in three parts (Cody and Waite); on
+ * |r| <= pi/4 Taylor's series up to r^9 and r^10. */
 TD_INLINE void td_sin_cos(td_lanes x, td_lanes *sine, td_lanes *cosine) {
-#if defined(TD_LIBM)
-    *sine = sin(x);
-    *cosine = cos(x);
-#elif defined(TD_REAL_DOUBLE)
-#error "motion models run in single precision on devices, and in the reference"
+#ifdef TD_REAL_DOUBLE
+    td_exact_sin_cos(x, sine, cosine);
 #else
     td_lanes shifted = td_fma(x, 6.36619772e-1f, 12582912.0f); /* 2/pi; 1.5 * 2^23 rounds */
     td_lanes k = shifted - 12582912.0f;

@@ -1,12 +1,12 @@
-/* exp2, log and 1 - exp(-x) in double precision, made of basic operations: what OpenCL computes with in double, and its twin in
- * C (TD_EXACT), to the bit. Polynomials are minimax (Remez, in 50 digits), their coefficients rounded; errors below are on a
- * million numbers against long double (tests/kernels/test_exact.c). */
+/* exp2, log, 1 - exp(-x), sine and cosine in double precision, made of basic operations: what OpenCL and C compute with in
+ * double, to the bit. Polynomials are minimax (Remez, in 50 digits), their coefficients rounded, but for sine and cosine;
+ * errors below are on a million numbers against long double (tests/kernels/test_exact.c). */
 #ifndef TD_EXACT_H
 #define TD_EXACT_H
 
 #include "lanes.h"
 
-#if defined(TD_EXACT) && defined(TD_REAL_DOUBLE)
+#ifdef TD_REAL_DOUBLE
 
 #define TD_EXACT_ROUNDS 6755399441055744.0 /* 1.5 * 2^52: added it rounds, and the number is in the low bits */
 
@@ -45,6 +45,36 @@ TD_INLINE td_lanes td_exact_taken(td_lanes x) {
     td_lanes shifted = y + TD_EXACT_ROUNDS, r = y - (shifted - TD_EXACT_ROUNDS);
     td_lanes scale = td_from_bits((td_bits(shifted) + (td_word)(1023)) << 52);
     return td_fma(-scale, td_exact_slope(r) * r, 1.0 - scale);
+}
+
+/* sin x and cos x, error < 3e-16 for |x| < 2^20, as td_sin_cos in single precision (angle.h): Taylor's series up to r^17 and
+ * r^16. */
+TD_INLINE void td_exact_sin_cos(td_lanes x, td_lanes *sine, td_lanes *cosine) {
+    td_lanes shifted = td_fma(x, 0.63661977236758134308, td_splat(TD_EXACT_ROUNDS)), k = shifted - TD_EXACT_ROUNDS;
+    td_lanes r = td_fma(-k, 1.5707963267948966, x);
+    r = td_fma(-k, 6.123233995736766e-17, r);
+    r = td_fma(-k, -1.4973849048591698e-33, r);
+    td_lanes z = r * r;
+    td_lanes s = td_fma(2.8114572543455206e-15, z, -7.647163731819816e-13);
+    s = td_fma(s, z, 1.6059043836821613e-10);
+    s = td_fma(s, z, -2.505210838544172e-08);
+    s = td_fma(s, z, 2.7557319223985893e-06);
+    s = td_fma(s, z, -0.0001984126984126984);
+    s = td_fma(s, z, 0.008333333333333333);
+    s = td_fma(s, z, -0.16666666666666666);
+    td_lanes c = td_fma(4.779477332387385e-14, z, -1.1470745597729725e-11);
+    c = td_fma(c, z, 2.08767569878681e-09);
+    c = td_fma(c, z, -2.755731922398589e-07);
+    c = td_fma(c, z, 2.48015873015873e-05);
+    c = td_fma(c, z, -0.001388888888888889);
+    c = td_fma(c, z, 0.041666666666666664);
+    s = td_fma(s, z * r, r);
+    c = td_fma(td_fma(c, z, -0.5), z, 1.0);
+    td_word quadrant = td_bits(shifted);
+    td_mask swapped = (quadrant & 1) != 0, below = (quadrant & 2) != 0, left = ((quadrant + 1) & 2) != 0;
+    td_lanes a = td_select(s, c, swapped), b = td_select(c, s, swapped);
+    *sine = td_select(a, -a, below);
+    *cosine = td_select(b, -b, left);
 }
 
 /* x = m 2^e with m in [sqrt(1/2), sqrt(2)); returns f = m - 1. */

@@ -3,21 +3,13 @@
  * A td_lanes is TD_LANES reals that go through the same arithmetic: sixteen pixels (or Gaussians) on a CPU, eight or four in
  * double precision, one on a GPU, one in the scalar reference. Whoever includes this has declared the dialect:
  *   TD_OPENCL         set by the program's prelude, together with TD_LANES = 1, 4, 8 or 16
- *   TD_REAL_DOUBLE    double precision; in C with libm's functions (the reference), in OpenCL with those of exact.h
+ *   TD_REAL_DOUBLE    double precision, with the functions of exact.h
  *   TD_UNFUSED        in OpenCL, on devices whose fma() is a long function: multiplies and adds, near the reference's bits
- *   TD_EXACT          with TD_REAL_DOUBLE in C: with those of exact.h, the same bits as OpenCL in double
  * Masks are what comparisons give: as wide as the reals, so that in double an index, which masks are joined with, is as well.
  * Rules for everything above it: no contraction (the prelude's first line, -ffp-contract=off on the host), fma() is written
  * where it is wanted; no rint, floor, convert_*_rte, fmin, fmax, any, all (slow in PoCL: DESIGN 3.5). */
 #ifndef TD_LANES_H
 #define TD_LANES_H
-
-#if defined(TD_OPENCL) && defined(TD_REAL_DOUBLE)
-#define TD_EXACT
-#endif
-#if defined(TD_REAL_DOUBLE) && !defined(TD_EXACT)
-#define TD_LIBM /* functions are libm's */
-#endif
 
 #ifdef TD_OPENCL
 

@@ -1,5 +1,5 @@
 /* Functions for every dialect (lanes.h): exp and log made of basic operations, so that host and device agree to the bit. In
- * double precision those of exact.h; in the double reference, the arbiter of truth, libm's. */
+ * double precision those of exact.h. */
 #ifndef TD_NUMERICS_H
 #define TD_NUMERICS_H
 
@@ -8,9 +8,7 @@
 
 /* 2^-e for x in [2^e, 2^(e + 1)), 1 <= x < 2^127 (2^1023 in double). */
 TD_INLINE td_lanes td_inverse_power(td_lanes x) {
-#if defined(TD_LIBM)
-    return exp2(-floor(log2(x)));
-#elif defined(TD_REAL_DOUBLE)
+#ifdef TD_REAL_DOUBLE
     return td_exact_inverse_power(x);
 #else
     return td_from_bits(0x7f000000 - (td_bits(x) & 0x7f800000));
@@ -19,9 +17,7 @@ TD_INLINE td_lanes td_inverse_power(td_lanes x) {
 
 /* Not a number, in the same bits everywhere. */
 TD_INLINE td_lanes td_not_a_number(void) {
-#if defined(TD_LIBM)
-    return NAN;
-#elif defined(TD_REAL_DOUBLE)
+#ifdef TD_REAL_DOUBLE
     return td_exact_not_a_number();
 #else
     return td_from_bits((td_mask)(0x7fc00000));
@@ -35,9 +31,7 @@ TD_INLINE td_mask td_is_broken(td_lanes x) { return x - x != 0.0f; }
  * [-1/2, 1/2] through 1 at 0, its coefficients searched as floats for the least error in ulp as evaluated here (a rounded
  * minimax polynomial is at 2.6); the magic constant 1.5 * 2^23 rounds. */
 TD_INLINE td_lanes td_exp2(td_lanes x) {
-#if defined(TD_LIBM)
-    return exp2(x);
-#elif defined(TD_REAL_DOUBLE)
+#ifdef TD_REAL_DOUBLE
     return td_exact_exp2(x);
 #else
     td_lanes clamped = td_larger(x, td_splat(-126.0f));
@@ -91,9 +85,7 @@ TD_INLINE td_lanes td_log_from(td_lanes s, td_lanes e) {
 #endif
 
 TD_INLINE td_lanes td_log(td_lanes x) {
-#if defined(TD_LIBM)
-    return log(x);
-#elif defined(TD_REAL_DOUBLE)
+#ifdef TD_REAL_DOUBLE
     return td_exact_log(x);
 #else
     td_lanes e, m = td_mantissa(x, &e);
@@ -103,10 +95,7 @@ TD_INLINE td_lanes td_log(td_lanes x) {
 
 /* The same to some more ulp, and 1/x, with one division for both; x above 1e-18. */
 TD_INLINE td_lanes td_log_inverse(td_lanes x, td_lanes *inverse) {
-#if defined(TD_LIBM)
-    *inverse = 1 / x;
-    return log(x);
-#elif defined(TD_REAL_DOUBLE)
+#ifdef TD_REAL_DOUBLE
     return td_exact_log_inverse(x, inverse);
 #else
     td_lanes e, m = td_mantissa(x, &e), above = m + 1.0f;

@@ -52,9 +52,7 @@ typedef struct td_soft {
 /* 1 - exp(-x), to some ulp of itself, for x up to a little above TD_SOFT_REACH: by Taylor's series at x/16, and four times
  * 1 - exp(-2 h) = m (2 - m). What the series leaves out, h^6/5040, shrinks with the slope: below 5e-9 in the end. */
 TD_INLINE td_lanes td_soft_taken(td_lanes x) {
-#if defined(TD_LIBM)
-    return -expm1(-x);
-#elif defined(TD_REAL_DOUBLE)
+#ifdef TD_REAL_DOUBLE
     return td_exact_taken(x);
 #else
     td_lanes h = 0.0625f * x, s = h * h;

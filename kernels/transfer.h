@@ -13,11 +13,7 @@
 
 /* The power's base above the joint, 1 below; and by how much more f grows there than a straight line: base^(gamma - 1). */
 TD_INLINE td_lanes td_transfer_power(const td_image *image, td_lanes base) {
-#if defined(TD_LIBM)
-    return pow(base, image->transfer.gamma - 1);
-#else
     return td_exp2((image->transfer.gamma - 1) * TD_REAL(1.44269504088896340736) * td_log(base));
-#endif
 }
 
 /* Light of a channel's colour, and by how much light grows with it. */

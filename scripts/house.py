@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What `make lint` checks of the house as a whole. Prints findings, one line each, and exits 1 where there are any.
 
-usage: house.py arrows|circles|cites|openings|guards [ROOT]     ROOT: a tree like this repository's (default: this repository)
+usage: house.py arrows|circles|cites|openings|guards|libm [ROOT]     ROOT: a tree like this repository's (default: this repository)
 
 arrows     every #include goes to a folder that scripts/arrows.txt allows
 circles    no files of a folder of lib or cli use one another's functions in a circle, but for those of its `circle` lines; files
@@ -9,6 +9,7 @@ circles    no files of a folder of lib or cli use one another's functions in a c
 cites      comments and pages cite files that are in the repository, and sections that docs/DESIGN.md has
 openings   every file of lib begins with a comment of a sentence or more
 guards     no two headers hide each other
+libm       lib and kernels call no function of <math.h> whose last bits differ from one C library to another
 """
 import re
 import sys
@@ -262,12 +263,40 @@ def check_guards(root):
     return found
 
 
+# -- libm --------------------------------------------------------------------------------------------------------------
+
+# Of C99's <math.h>, what has one result whatever computes it, and so may be called where events are made.
+EXACT = {
+    "IEEE 754 defines the result to the bit": "sqrt fma fabs copysign nextafter fmod remainder",
+    "a whole number or a part of one, exactly": "floor ceil trunc round lround llround rint lrint llrint nearbyint modf",
+    "powers of two alone": "ldexp frexp scalbn scalbln ilogb logb",
+    "one of the two; of zeros with two signs either, and no event has the sign of a zero": "fmin fmax",
+}
+# All others: td_math.h, or exact.h and numerics.h in kernels, have such functions of ours.
+INEXACT = """acos acosh asin asinh atan atan2 atanh cbrt cos cosh erf erfc exp exp2 expm1 fdim hypot lgamma log log10 log1p log2 pow remquo
+    sin sinh tan tanh tgamma exp10 pow10 pown powr rootn sincos cospi sinpi native_exp native_log mad""".split()
+CALL = re.compile(rf"(?<![\w.>])((?:{'|'.join(INEXACT)})[fl]?)\(")
+
+
+def check_libm(root):
+    """A comment or a text may name one, and a member of a structure may have such a name."""
+    assert not set(INEXACT) & set(" ".join(EXACT.values()).split())
+    found = []
+    for path in files(root, ("lib", "kernels"), {".c", ".h", ".cl"}):
+        text = re.sub(r"/\*.*?\*/", lambda m: "\n" * m[0].count("\n"), path.read_text(), flags=re.S)
+        for number, line in enumerate(text.splitlines(), 1):
+            for name in CALL.findall(re.sub(r'"(?:\\.|[^"\\])*"', "", line)):
+                found.append(f"{path.relative_to(root)}:{number}: {name}(): libm's last bits differ (lib/base/td_math.h)")
+    return found
+
+
 CHECKS = {
     "arrows": check_arrows,
     "circles": check_circles,
     "cites": check_cites,
     "openings": check_openings,
     "guards": check_guards,
+    "libm": check_libm,
 }
 
 

@@ -5,7 +5,7 @@
 set -u
 jobs=${JOBS:-2}
 failed=
-stages=${*:-format clang tidy cppcheck kernels sizes shell top arrows circles oracle cites openings guards types words prose}
+stages=${*:-format clang tidy cppcheck kernels sizes shell top arrows circles oracle cites openings guards libm types words prose}
 
 # One process for many files: one for each took minutes on a busy machine.
 stage_format() {
@@ -95,6 +95,7 @@ stage_oracle() {
 stage_cites() { ${PYTHON:-python3} scripts/house.py cites; }
 stage_openings() { ${PYTHON:-python3} scripts/house.py openings; }
 stage_guards() { ${PYTHON:-python3} scripts/house.py guards; }
+stage_libm() { ${PYTHON:-python3} scripts/house.py libm; }
 # Whoever imports the package has checkers that read its types: its examples are such users. Without mypy only that is said.
 stage_types() {
     ${PYTHON:-python3} -m mypy --version >/dev/null 2>&1 || { echo "no mypy: not checked (make deps-lint)"; return 0; }

@@ -2,6 +2,7 @@
  *
  * Each is written once, for one number and for lanes of several alike: straight-line code without tables or calls of libm, that
  * compilers vectorise, and whose numbers are the same with every C library. */
+#include "td_exponential.h"
 #include "td_random.h"
 #include "td_wide.h"
 
@@ -60,60 +61,26 @@ void td_random_many(uint64_t seed, const uint32_t *pixel, const uint64_t *index,
 
 /* -- uniforms -------------------------------------------------------------------------------------------------------------- */
 
-static inline double double_of(uint64_t bits) {
-    double x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
-static inline uint64_t bits_of(double x) {
-    uint64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
-
 enum { MANTISSA = 52, BIAS = 1023 };
 static const uint64_t bits_of_1 = (uint64_t)BIAS << MANTISSA;
 
 /* (whole + 1/2) / 2^52 of the 52 highest bits: neither 0 nor 1. They are the mantissa of a number in [1, 2). */
 static inline double uniform(uint32_t high, uint32_t low) {
     const uint64_t whole = ((uint64_t)high << 32 | low) >> (64 - MANTISSA);
-    return double_of(whole | bits_of_1) - (1 - 0x1p-53);
+    return td_double_of(whole | bits_of_1) - (1 - 0x1p-53);
 }
 
 double td_random_uniform(const td_random_bits *bits, int half) {
     return uniform(bits->word[2 * half], bits->word[2 * half + 1]);
 }
 
-double td_random_exponential(const td_random_bits *bits, int half) { return -log(td_random_uniform(bits, half)); }
+double td_random_exponential(const td_random_bits *bits, int half) { return -td_logarithm(td_random_uniform(bits, half)); }
 
 void td_random_uniforms_many(const td_random_lanes *bits, double *value) {
     for (int i = 0; i < TD_RANDOM_LANES; i++) value[i] = uniform(bits->word[0][i], bits->word[1][i]);
 }
 
 /* -- normals --------------------------------------------------------------------------------------------------------------- */
-
-/* log u, u in (0, 1), to 2 units in the last place: u = 2^e m with m from sqrt(1/2) to sqrt(2), and log m = 2 atanh(s) with
- * s = (m - 1) / (m + 1), |s| < 0.172, whose series' first term left out is below 2^-56 of it. */
-static inline double log_of(double u) {
-    const double ln_2 = 0.69314718055994530942, root = 0.70710678118654752440;
-    const uint64_t whole = ((uint64_t)1 << MANTISSA) - 1, bits_of_2_52 = (uint64_t)(BIAS + MANTISSA) << MANTISSA;
-    const uint64_t shifted = bits_of(u) + (bits_of_1 - bits_of(root)); /* its exponent is e: no branch, but a carry */
-    const double e = double_of(shifted >> MANTISSA | bits_of_2_52) - (0x1p52 + BIAS);
-    const double m = double_of((shifted & whole) + bits_of(root));
-    const double s = (m - 1) / (m + 1), z = s * s;
-    double sum = 1.0 / 21;
-    sum = sum * z + 1.0 / 19;
-    sum = sum * z + 1.0 / 17;
-    sum = sum * z + 1.0 / 15;
-    sum = sum * z + 1.0 / 13;
-    sum = sum * z + 1.0 / 11;
-    sum = sum * z + 1.0 / 9;
-    sum = sum * z + 1.0 / 7;
-    sum = sum * z + 1.0 / 5;
-    sum = sum * z + 1.0 / 3;
-    return e * ln_2 + 2 * (s + s * (z * sum));
-}
 
 /* sin(2 pi v), |v| <= 1/4: its series, whose first term left out is below 2^-59. */
 static inline double sine_of(double v) {
@@ -133,7 +100,7 @@ static inline double sine_of(double v) {
 
 /* Box and Muller: radius from one uniform, angle from the other, which is folded to a quarter turn without rounding. */
 static inline void normals(double u, double turn, double *cosine, double *sine) {
-    const double radius = sqrt(-2 * log_of(u)), v = turn - 0.5, beyond = fabs(v) - 0.25;
+    const double radius = sqrt(-2 * td_logarithm(u)), v = turn - 0.5, beyond = fabs(v) - 0.25;
     *cosine = radius * sine_of(beyond);
     *sine = -copysign(radius * sine_of(0.25 - fabs(beyond)), v);
 }

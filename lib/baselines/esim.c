@@ -2,6 +2,7 @@
  * frames, one polarity per pixel and interval, and a crossing counts only within its interval. */
 #include "td_baseline.h"
 
+#include "td_math.h"
 #include "td_random.h"
 
 #include <math.h>
@@ -55,7 +56,7 @@ static tides_status create(tides_baseline *b, tides_error *error) {
     return s->reference && s->last && s->fired ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
-static double signal(const tides_esim *p, double Y) { return p->use_log_image ? log(p->log_eps + Y) : Y; }
+static double signal(const tides_esim *p, double Y) { return p->use_log_image ? td_ln(p->log_eps + Y) : Y; }
 
 static tides_status first(tides_baseline *b, const double *Y, tides_error *error) {
     (void)error;

@@ -2,6 +2,7 @@
  * follows with a time constant; latency and jitter come on top. Its times are whole microseconds. */
 #include "td_iebcs.h"
 
+#include "td_math.h"
 #include "td_random.h"
 
 #include <math.h>
@@ -88,7 +89,7 @@ static tides_status first(tides_baseline *b, const double *Y, tides_error *error
     iebcs_state *s = b->state;
     double now_us = round(1e6 * b->now);
     for (size_t i = 0; i < b->pixels; i++) {
-        s->pixels[i].v = s->pixels[i].reference = log(b->params.iebcs.scale * Y[i] + 1);
+        s->pixels[i].v = s->pixels[i].reference = td_ln(b->params.iebcs.scale * Y[i] + 1);
         s->noise[0].next[i] += now_us;
         s->noise[1].next[i] += now_us;
     }
@@ -105,7 +106,7 @@ typedef struct cursor {
 } cursor;
 
 static double relaxed(const cursor *c, double v, double until_us) {
-    return v + (c->light - v) * (1 - exp(-(until_us - c->at_us) / c->tau_us));
+    return v + (c->light - v) * (1 - td_exp(-(until_us - c->at_us) / c->tau_us));
 }
 
 /* The reference is taken at the end of the refractory period. */
@@ -136,8 +137,8 @@ static tides_status fire_noise(tides_baseline *b, size_t i, cursor *c, tides_err
 /* Microseconds from where the cursor is to the event, whole: the time to reach the level, latency and its spread. */
 static double event_delay(const tides_baseline *b, size_t i, pixel *at, const cursor *c, double level) {
     const tides_iebcs *p = &b->params.iebcs;
-    double rest = c->light - at->v, delay = p->lat - c->tau_us * log(1 - (level - at->v) / rest);
-    double spread = hypot(p->jit, p->th_noise * c->tau_us / rest);
+    double rest = c->light - at->v, delay = p->lat - c->tau_us * td_ln(1 - (level - at->v) / rest);
+    double spread = td_hypot(p->jit, p->th_noise * c->tau_us / rest);
     if (spread > 0) delay += spread * td_baseline_normal(b, i, at->draws++, TD_RANDOM_IEBCS_LATENCY);
     return floor(fmin(fmax(delay, 0.0), LATENCY_MAX_US));
 }
@@ -177,7 +178,7 @@ static tides_status step(tides_baseline *b, const double *Y, tides_error *error)
     tides_status status = TIDES_OK;
     for (size_t i = 0; status == TIDES_OK && i < b->pixels; i++) {
         double lux = p->scale * Y[i];
-        cursor c = {start_us, stop_us, log(lux + 1), p->tau * TAU_LUX / (lux + 1)};
+        cursor c = {start_us, stop_us, td_ln(lux + 1), p->tau * TAU_LUX / (lux + 1)};
         status = step_pixel(b, i, &c, error);
     }
     return status == TIDES_OK && p->arbiter ? td_arbiter_run(b, &s->arbiter, made, start_us, stop_us, error) : status;

@@ -3,6 +3,7 @@
 
 #include "archive/td_npy.h"
 #include "td_random.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,7 +17,7 @@ void td_iebcs_noise_free(td_iebcs_noise *noise) {
 /* The rate that a bin stands for [Hz]. */
 static double bin_rate(int bin) {
     int decade = bin / 9 - 3;
-    return (bin % 9 + 1) * pow(10.0, decade);
+    return (bin % 9 + 1) * td_pow(10.0, decade);
 }
 
 /* Counts to cumulative chances, row by row; a row without counts stays 0: a pixel without noise. */

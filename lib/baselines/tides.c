@@ -1,6 +1,7 @@
 /* TIDES's own sensor on frames: the logarithm goes in a straight line from one frame to the next. */
 #include "render/td_psf.h"
 #include "td_baseline.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -58,9 +59,9 @@ static tides_status create(tides_baseline *b, tides_error *error) {
 static tides_status take_signal(const tides_baseline *b, const double *Y, double *S, tides_error *error) {
     tides_state *s = b->state;
     const int linear = s->psf.domain == TIDES_PSF_LINEAR;
-    for (size_t i = 0; i < b->pixels; i++) S[i] = linear ? Y[i] + b->params.log_eps : log(Y[i] + b->params.log_eps);
+    for (size_t i = 0; i < b->pixels; i++) S[i] = linear ? Y[i] + b->params.log_eps : td_ln(Y[i] + b->params.log_eps);
     tides_status status = td_psf_image(&s->psf, b->width, b->height, S, error);
-    for (size_t i = 0; linear && i < b->pixels; i++) S[i] = log(S[i]);
+    for (size_t i = 0; linear && i < b->pixels; i++) S[i] = td_ln(S[i]);
     return status;
 }
 

@@ -5,6 +5,7 @@
  * method: where v2e's own rounding decides, ours decides alike. */
 #include "td_v2e.h"
 
+#include "td_math.h"
 #include "td_random.h"
 
 #include <math.h>
@@ -98,7 +99,7 @@ static void draw_pixels(tides_baseline *b, td_v2e_state *s) {
             s->off[i] = fmaxf(s->off[i], LEAST_THRESHOLD);
         }
         double decades = p->noise_rate_cov_decades * td_baseline_normal(b, i, 0, TD_RANDOM_V2E_LEAK);
-        s->leak_factor[i] = (float)pow(10.0, decades);
+        s->leak_factor[i] = (float)td_pow(10.0, decades);
         s->fired[i] = -p->refractory_period;
     }
 }
@@ -122,7 +123,7 @@ static double rounded(const tides_v2e *p, double value) { return p->cutoff_hz > 
 static float signal(const tides_v2e *p, double Y) {
     if (p->hdr) return (float)Y;
     double DN = 255.0 * Y;
-    double L = DN <= LINEAR_DN ? DN * (log(LINEAR_DN) / LINEAR_DN) : log(DN);
+    double L = DN <= LINEAR_DN ? DN * (td_ln(LINEAR_DN) / LINEAR_DN) : td_ln(DN);
     return (float)(round(L * 1e8) / 1e8);
 }
 

@@ -1,6 +1,7 @@
 /* v2e's two models of temporal noise: shot noise events, or photoreceptor noise before the comparator. */
 #include "td_v2e.h"
 
+#include "td_math.h"
 #include "td_random.h"
 
 #include <math.h>
@@ -13,8 +14,8 @@ enum { LEVEL_DRAWS = 300 };
 /* Fit of threshold over noise RMS that gives `rate` events per second at corner frequency `cutoff` (v2e's polynomial in
  * log10). */
 static double threshold_over_rms(double rate, double cutoff) {
-    double x = log10(rate / cutoff / 2.0);
-    return pow(10.0, -0.0026 * x * x * x - 0.036 * x * x - 0.1949 * x + 0.321);
+    double x = td_ln(rate / cutoff / 2.0) * 0.43429448190325182765;
+    return td_pow(10.0, -0.0026 * x * x * x - 0.036 * x * x - 0.1949 * x + 0.321);
 }
 
 /* Mean of the smaller threshold of a pixel, over pixels. */

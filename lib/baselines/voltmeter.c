@@ -7,6 +7,7 @@
  * without noise there are events (NaN there). */
 #include "td_baseline.h"
 
+#include "td_math.h"
 #include "td_random.h"
 
 #include <math.h>
@@ -71,9 +72,21 @@ static motion motion_of(const tides_voltmeter *p, double L0, double L1, double l
  * sigma^2, written so that nothing overflows. */
 static double chance_up(const motion *at, double up, double down) {
     double m = 2 * at->drift / (at->sigma * at->sigma);
-    if (at->drift > 0) return expm1(-m * down) / expm1(-m * (up + down));
-    if (at->drift < 0) return exp(m * up) * expm1(m * down) / expm1(m * (up + down));
+    if (at->drift > 0) return td_expm1(-m * down) / td_expm1(-m * (up + down));
+    if (at->drift < 0) return td_exp(m * up) * td_expm1(m * down) / td_expm1(m * (up + down));
     return down / (up + down);
+}
+
+/* Chance that a normal number is below x, to 1e-15: its density times a series of x (Marsaglia, Journal of Statistical Software
+ * 11(4), 2004). */
+static double chance_below(double x) {
+    if (fabs(x) > 8.5) return x > 0;
+    double term = x, sum = 0;
+    for (int n = 3; sum + term != sum; n += 2) {
+        sum += term;
+        term *= x * x / n;
+    }
+    return 0.5 + 0.39894228040143267794 * td_exp(-0.5 * x * x) * sum;
 }
 
 /* Time until a barrier `away` is reached, given that it is: inverse Gaussian of mean away / |drift| and shape (away / sigma)^2,
@@ -86,7 +99,7 @@ static double hitting_time(const motion *at, double away, const td_random_bits *
     double w = isinf(shape) ? 0.0 : mean * chi / (2 * shape);
     double small = mean / (1 + w + sqrt(w * (2 + w)));
     /* The uniform comes from the other normal: its own distribution function. */
-    return 0.5 * erfc(normal[1] * -0.70710678118654752440) <= mean / (mean + small) ? small : mean * (mean / small);
+    return chance_below(normal[1]) <= mean / (mean + small) ? small : mean * (mean / small);
 }
 
 static tides_status too_many(const tides_baseline *b, size_t i, tides_error *error) {

@@ -2,6 +2,8 @@
  * x = x0 + m t from a sample on, y' = (x - y) / tau has y = x - m tau + (y0 - x0 + m tau) e^(-t / tau). */
 #include "td_calibrate.h"
 
+#include "td_math.h"
+
 #include <math.h>
 
 #define SETTLES 8.0 /* time constants that a filter has before its first event */
@@ -41,7 +43,7 @@ static walk begin(td_light *light, size_t place, const td_front *front, double f
     const size_t last = sample_before(light, to) + 1;
     const float eps = (float)front->log_eps;
     w.at = sample_before(light, from - SETTLES * settled_for(front));
-    for (size_t k = w.at; k <= last; k++) light->line[k] = logf(w.Y[k] + eps);
+    for (size_t k = w.at; k <= last; k++) light->line[k] = (float)td_ln((double)(w.Y[k] + eps));
     w.signal = w.L[w.at];
     return w;
 }
@@ -61,17 +63,17 @@ static double walk_to(walk *w, double time) {
     if (time < light->time[0] || time >= light->time[light->samples - 1]) return NAN;
     while (light->time[w->at + 1] <= time) {
         const double dt = light->time[w->at + 1] - light->time[w->at], tau = tau_here(w);
-        const double decay = !w->front->law ? light->decay[w->at] : tau > 0 ? exp(-dt / tau) : 0;
+        const double decay = !w->front->law ? light->decay[w->at] : tau > 0 ? td_exp(-dt / tau) : 0;
         w->signal = within(w, dt, decay, tau);
         w->at++;
     }
     const double dt = time - light->time[w->at], tau = tau_here(w);
-    return within(w, dt, tau > 0 ? exp(-dt / tau) : 0, tau);
+    return within(w, dt, tau > 0 ? td_exp(-dt / tau) : 0, tau);
 }
 
 static void prepare(td_light *light, const td_front *front) {
     for (size_t i = 0; i + 1 < light->samples; i++)
-        light->decay[i] = front->pole_s > 0 ? exp(-(light->time[i + 1] - light->time[i]) / front->pole_s) : 0;
+        light->decay[i] = front->pole_s > 0 ? td_exp(-(light->time[i + 1] - light->time[i]) / front->pole_s) : 0;
 }
 
 /* When the last of the pairs of this one's pixel ends. */

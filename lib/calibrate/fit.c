@@ -1,6 +1,7 @@
 /* The front end by which changes agree best, found without a place to begin: a grid over black level and pole, the clocks'
  * offset over +-60 ms, and a simplex (Nelder and Mead 1965) from there. */
 #include "td_calibrate.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -96,15 +97,15 @@ typedef struct search {
 } search;
 
 static void to_place(const td_front *f, double x[PARAMETERS]) {
-    x[0] = log(f->log_eps + EPS_SHIFT);
-    x[1] = log(f->pole_s + POLE_SHIFT);
+    x[0] = td_ln(f->log_eps + EPS_SHIFT);
+    x[1] = td_ln(f->pole_s + POLE_SHIFT);
     x[2] = f->offset_s / 2e-3;
     x[3] = f->refractory_s / 1e-3;
 }
 
 static td_front from_place(const search *s, const double x[PARAMETERS]) {
-    return (td_front){.log_eps = fmin(fmax(exp(x[0]) - EPS_SHIFT, 1e-6), 10),
-                      .pole_s = fmax(exp(x[1]) - POLE_SHIFT, 0),
+    return (td_front){.log_eps = fmin(fmax(td_exp(x[0]) - EPS_SHIFT, 1e-6), 10),
+                      .pole_s = fmax(td_exp(x[1]) - POLE_SHIFT, 0),
                       .offset_s = 2e-3 * x[2],
                       .refractory_s = fmin(fabs(1e-3 * x[3]), s->longest),
                       .law = s->law};

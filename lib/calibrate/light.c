@@ -1,6 +1,7 @@
 /* Light of the pixels that have events, at times between which ln(Y) is near enough to straight: rendered where the run has a
  * scene, else the frames. */
 #include "td_calibrate.h"
+#include "td_math.h"
 #include "td_random.h"
 
 #include <math.h>
@@ -76,7 +77,7 @@ static int32_t is_bent(const rows *r, const float *a, const float *mid, const fl
     size_t bent = 0;
     for (size_t i = 0; i < n; i++) {
         const float off = (a[i] + (float)DARK) * (b[i] + (float)DARK) / ((mid[i] + (float)DARK) * (mid[i] + (float)DARK));
-        bent += fabs(0.5 * (double)logf(off)) > BENT; /* mean of the ends' logarithms, less the middle's */
+        bent += fabs(0.5 * td_ln((double)off)) > BENT; /* mean of the ends' logarithms, less the middle's */
     }
     return (double)bent > SHARE * (double)n;
 }

@@ -2,6 +2,8 @@
  * scene. Leak makes ON events; shot noise both, 0.736 fewer at Y = 1 than in the dark (tides/sensor.h). */
 #include "td_calibrate.h"
 
+#include "td_math.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,7 +30,7 @@ static int32_t is_still(const td_calibration *c, int32_t x, int32_t y) {
             high = fmax(high, c->light.highest[p]);
         }
     }
-    return high >= low && log((high + eps) / (low + eps)) < STILL;
+    return high >= low && td_ln((high + eps) / (low + eps)) < STILL;
 }
 
 static int32_t counts(const tides_calibrate_options *o, int32_t x, int32_t y) {

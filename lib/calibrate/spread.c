@@ -1,6 +1,7 @@
 /* What pairs say beyond their medians: by transition, from pixel to pixel, over the image; and pixels that don't do as light
  * does. */
 #include "td_calibrate.h"
+#include "td_math.h"
 #include "td_sort.h"
 
 #include <math.h>
@@ -119,7 +120,7 @@ static tides_status map(const td_calibration *c, tides_calibration *found, tides
 static double way_of(const td_light *light, size_t place, double log_eps) {
     const float *Y = light->Y + place * light->samples;
     double way = 0;
-    for (size_t k = 1; k < light->samples; k++) way += fabs(log((Y[k] + log_eps) / (Y[k - 1] + log_eps)));
+    for (size_t k = 1; k < light->samples; k++) way += fabs(td_ln((Y[k] + log_eps) / (Y[k - 1] + log_eps)));
     return way;
 }
 
@@ -148,7 +149,7 @@ static void dead(const td_calibration *c, tides_calibration *found) {
     const double eps = c->fit.front.log_eps, change = DEAD_CHANGE * fmax(c->fit.on, c->fit.off);
     size_t moved = 0, silent = 0;
     for (size_t p = 0; p < pixels; p++) {
-        if (!(log((c->light.highest[p] + eps) / (c->light.lowest[p] + eps)) > change)) continue;
+        if (!(td_ln((c->light.highest[p] + eps) / (c->light.lowest[p] + eps)) > change)) continue;
         moved++;
         silent += c->taken.first[p + 1] == c->taken.first[p];
     }

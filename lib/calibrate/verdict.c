@@ -1,6 +1,8 @@
 /* What is wrong with a calibration, and which of its values are known. */
 #include "td_calibrate.h"
 
+#include "td_math.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,10 +41,10 @@ static tides_status look(const td_calibration *c, activity *a, double *moving, t
         for (int32_t x = 0; x < t->width; x++) {
             const size_t p = (size_t)y * (size_t)t->width + (size_t)x,
                          tile = (size_t)(y / TILE) * (size_t)a->width + (size_t)(x / TILE);
-            const double range = log((c->light.highest[p] + 0.02) / (c->light.lowest[p] + 0.02));
+            const double range = td_ln((c->light.highest[p] + 0.02) / (c->light.lowest[p] + 0.02));
             if (range == range && range > 0) a->light[tile] += range;
             moved += range > MOVES;
-            a->events[tile] += log(1 + (double)(t->first[p + 1] - t->first[p]));
+            a->events[tile] += td_ln(1 + (double)(t->first[p + 1] - t->first[p]));
         }
     }
     *moving = (double)moved / ((double)t->width * (double)t->height);

@@ -7,6 +7,7 @@
 
 #include "camera/td_rotation.h"
 #include "td_base.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -77,8 +78,8 @@ static int orbit_at(const void *parameters, tides_pose_sample *sample) {
     const tides_orbit *orbit = frame->orbit;
     double angle = orbit->start_angle + orbit->angular_speed * (sample->time - orbit->start), rotation[9];
     for (int k = 0; k < 3; k++) {
-        double out = cos(angle) * frame->ahead[k] + sin(angle) * frame->aside[k];
-        double along = cos(angle) * frame->aside[k] - sin(angle) * frame->ahead[k];
+        double out = td_cos(angle) * frame->ahead[k] + td_sin(angle) * frame->aside[k];
+        double along = td_cos(angle) * frame->aside[k] - td_sin(angle) * frame->ahead[k];
         sample->position[k] = orbit->target[k] + orbit->radius * out + orbit->height * frame->up[k];
         sample->velocity[k] = orbit->radius * orbit->angular_speed * along;
     }
@@ -182,8 +183,8 @@ static void shake_axis(const shake *s, int axis, double time, double *value, dou
     *value = *rate = 0.0;
     for (int i = 0; i < TD_SINES; i++) {
         double angle = s->pulsation[i] * time + s->phase[axis][i];
-        *value += s->amplitude[i] * sin(angle);
-        *rate += s->amplitude[i] * s->pulsation[i] * cos(angle);
+        *value += s->amplitude[i] * td_sin(angle);
+        *rate += s->amplitude[i] * s->pulsation[i] * td_cos(angle);
     }
 }
 
@@ -192,12 +193,12 @@ static void shake_axis(const shake *s, int axis, double time, double *value, dou
 static void exponential(const double v[3], const double v_dot[3], double q[4], double omega[3]) {
     double a = td_length3(v), square = a * a, once[3], twice[3];
     int small = a < 1e-3; /* series: the next terms are below 1e-13 */
-    double half_sinc = small ? 0.5 - square / 48.0 : sin(0.5 * a) / a;
-    double first = small ? 0.5 - square / 24.0 : (1.0 - cos(a)) / square;
-    double second = small ? 1.0 / 6.0 - square / 120.0 : (a - sin(a)) / (square * a);
+    double half_sinc = small ? 0.5 - square / 48.0 : td_sin(0.5 * a) / a;
+    double first = small ? 0.5 - square / 24.0 : (1.0 - td_cos(a)) / square;
+    double second = small ? 1.0 / 6.0 - square / 120.0 : (a - td_sin(a)) / (square * a);
     td_cross3(v, v_dot, once);
     td_cross3(v, once, twice);
-    q[0] = cos(0.5 * a);
+    q[0] = td_cos(0.5 * a);
     for (int k = 0; k < 3; k++) {
         q[k + 1] = half_sinc * v[k];
         omega[k] = v_dot[k] - first * once[k] + second * twice[k];
@@ -231,7 +232,7 @@ static int handheld_at(const void *parameters, tides_pose_sample *sample) {
 static void prepare_shake(const tides_handheld *handheld, shake *s) {
     double power = 0.0;
     for (int i = 0; i < TD_SINES; i++) {
-        double ratio = pow(5.0, (double)i / (TD_SINES - 1));
+        double ratio = td_pow(5.0, (double)i / (TD_SINES - 1));
         s->pulsation[i] = 2.0 * TD_PI * handheld->frequency * ratio;
         s->amplitude[i] = 1.0 / ratio;
         power += 0.5 * s->amplitude[i] * s->amplitude[i];

@@ -6,6 +6,7 @@
  * half way to it (kernels/lens.h). */
 #include "camera/td_lens.h"
 #include "camera/td_lens_models.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <string.h>
@@ -80,8 +81,8 @@ static double along_straight(const td_lens *lens, double s1, double s, double *s
 static double corner_of(const td_image *image) {
     double most = 0;
     for (int k = 0; k < 4; k++)
-        most = fmax(most, hypot(((k & 1 ? image->width : 0) - image->cx) / image->fx,
-                                ((k & 2 ? image->height : 0) - image->cy) / image->fy));
+        most = fmax(most, td_hypot(((k & 1 ? image->width : 0) - image->cx) / image->fx,
+                                   ((k & 2 ? image->height : 0) - image->cy) / image->fy));
     return most;
 }
 
@@ -126,7 +127,7 @@ static bounds bounds_of(const td_image *image, const radius *r) {
     bounds b = {1, 1, angle ? 0 : image->lens.straight_slope};
     for (int i = 1; i <= STEPS; i++) {
         double s = last * i / STEPS, slope, g = along_straight(&image->lens, end, s, &slope);
-        b.most = fmax(b.most, fmax(slope, angle ? g / sin(s) : g / s));
+        b.most = fmax(b.most, fmax(slope, angle ? g / td_sin(s) : g / s));
         b.least = fmin(b.least, g / s);
         if (s >= r->corner && !angle) b.outer = fmin(b.outer, slope);
     }
@@ -135,7 +136,7 @@ static bounds bounds_of(const td_image *image, const radius *r) {
 
 static void set_bounds(td_image *image, const radius *r) {
     td_lens *lens = &image->lens;
-    const double tangential = hypot(lens->p1, lens->p2);
+    const double tangential = td_hypot(lens->p1, lens->p2);
     const bounds b = bounds_of(image, r);
     if (image->lens_model == TD_LENS_EQUIDISTANT) {
         lens->stretch = lens->sideways = b.most;
@@ -148,7 +149,10 @@ static void set_bounds(td_image *image, const radius *r) {
     lens->stretch = fmax(b.most, lens->straight_slope) + slack;
     lens->slope = 1 / least;
     td_camera_range(image, range);
-    for (int k = 0; k < 2; k++) tilt += pow(1.3 * fmax(fabs(range[2 * k]), fabs(range[2 * k + 1])), 2);
+    for (int k = 0; k < 2; k++) {
+        const double farthest = 1.3 * fmax(fabs(range[2 * k]), fabs(range[2 * k + 1]));
+        tilt += farthest * farthest;
+    }
     lens->reach = 2 * lens->stretch * sqrt(1 + tilt) / outer; /* 2: whatever side of its clamps the Jacobian is on */
     lens->tangential = tangential_size * tangential;
 }
@@ -174,9 +178,9 @@ static tides_status check_undone(const td_image *image, tides_error *error) {
             double a, b;
             td_ray_of(image, u, v, &a, &b);
             const td_bent bent = td_bend(image, td_still(a), td_still(b));
-            const double off = hypot(bent.x.v * image->fx + image->cx - u, bent.y.v * image->fy + image->cy - v);
+            const double off = td_hypot(bent.x.v * image->fx + image->cx - u, bent.y.v * image->fy + image->cy - v);
             const double det = bent.xx.v * bent.yy.v - bent.xy.v * bent.yx.v;
-            if (image->lens_model == TD_LENS_EQUIDISTANT && hypot(a, b) > tan(widest)) continue;
+            if (image->lens_model == TD_LENS_EQUIDISTANT && td_hypot(a, b) > td_tan(widest)) continue;
             if (!(off < undone_px && det > 0))
                 return td_fail(error, TIDES_BAD_ARGUMENT,
                                "camera.lens: %s can't be undone at (%.1f, %.1f) px: its coefficients fold the image over there",
@@ -204,9 +208,9 @@ tides_status td_camera_resolve(const tides_intrinsics *camera, td_image *image, 
     if (status != TIDES_OK) return status;
     if (r.end > 0) {
         double slope, g = along(lens, r.end, &slope), floor = least_slope;
-        lens->straight_radius = image->lens_model == TD_LENS_EQUIDISTANT ? tan(r.end) : r.end;
+        lens->straight_radius = image->lens_model == TD_LENS_EQUIDISTANT ? td_tan(r.end) : r.end;
         lens->straight_from = lens->straight_radius * lens->straight_radius;
-        if (image->lens_model == TD_LENS_RADTAN) floor += tangential_slope * hypot(lens->p1, lens->p2) * r.end;
+        if (image->lens_model == TD_LENS_RADTAN) floor += tangential_slope * td_hypot(lens->p1, lens->p2) * r.end;
         lens->straight_slope = fmax(slope, floor);
         lens->straight_offset = g - lens->straight_slope * r.end;
     }

@@ -11,6 +11,7 @@
 #include "camera/td_path_reader.h"
 
 #include "td_base.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <string.h>
@@ -55,7 +56,7 @@ static tides_status read_pose(td_path_reader *reader, const cJSON *item, const c
     if (status == TIDES_OK) status = td_json_number(reader, item, where, "fov", &angle);
     if (status != TIDES_OK) return status;
     if (!(angle > 0 && angle < 180)) return td_json_fail(reader, where, "fov", "must be between 0 and 180 degrees");
-    view.intrinsics.fx = view.intrinsics.fy = 0.5 * camera->height / tan(0.5 * degree * angle);
+    view.intrinsics.fx = view.intrinsics.fy = 0.5 * camera->height / td_tan(0.5 * degree * angle);
     return td_path_set_view(reader, sample, &view);
 }
 

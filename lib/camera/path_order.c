@@ -2,6 +2,7 @@
 #include "camera/td_path_reader.h"
 
 #include "camera/td_rotation.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -93,12 +94,15 @@ static void measure_step(const td_path_sample *from, const td_path_sample *to, d
     double square = 0, dot = 0, p[4], q[4];
     memcpy(p, from->pose.quaternion, sizeof p);
     memcpy(q, to->pose.quaternion, sizeof q);
-    for (int k = 0; k < 3; k++) square += pow(to->pose.position[k] - from->pose.position[k], 2);
+    for (int k = 0; k < 3; k++) {
+        const double way = to->pose.position[k] - from->pose.position[k];
+        square += way * way;
+    }
     step[0] = sqrt(square);
     step[1] = 0;
     if (!td_normalise_quaternion(p) || !td_normalise_quaternion(q)) return;
     for (int k = 0; k < 4; k++) dot += p[k] * q[k];
-    step[1] = 2 * acos(fmin(1, fabs(dot)));
+    step[1] = 2 * td_acos(fmin(1, fabs(dot)));
 }
 
 static int by_value(const void *left, const void *right) {

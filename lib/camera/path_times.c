@@ -4,6 +4,7 @@
 #include "camera/td_path_reader.h"
 
 #include "td_columns.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -62,7 +63,7 @@ static tides_status refuse(td_path_reader *reader, const char *what) {
 
 /* As `n` looks in a unit. */
 static int is_plausible(const numbers *n, int digits) {
-    const double second = pow(10, 9 - digits);
+    const double second = td_pow(10, 9 - digits);
     const double last = n->last / second, step = n->step / second;
     return last < TD_LARGEST_TIME && (n->step <= 0 || (step >= TD_SHORTEST_STEP && step <= TD_LONGEST_STEP));
 }
@@ -71,7 +72,7 @@ static int is_plausible(const numbers *n, int digits) {
 static int is_usual(const numbers *n, int usual) {
     const int likely = td_likely_digits(n->last, n->step);
     if (!is_plausible(n, usual)) return 0;
-    return likely == usual || n->step / pow(10, 9 - usual) >= 1e-3 || !td_counts_from_1970(n->last / pow(10, 9 - likely));
+    return likely == usual || n->step / td_pow(10, 9 - usual) >= 1e-3 || !td_counts_from_1970(n->last / td_pow(10, 9 - likely));
 }
 
 /* Without a word of the file. */

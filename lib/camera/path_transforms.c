@@ -12,6 +12,7 @@
 #include "camera/td_path_reader.h"
 
 #include "td_base.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <string.h>
@@ -30,7 +31,7 @@ static tides_status inherited(td_path_reader *reader, const cJSON *frame, const 
 }
 
 /* Focal length [px] of a field of view across `pixels`. */
-static double focal_length(double angle, double pixels) { return 0.5 * pixels / tan(0.5 * angle); }
+static double focal_length(double angle, double pixels) { return 0.5 * pixels / td_tan(0.5 * angle); }
 
 static tides_status read_intrinsics(td_path_reader *reader, const cJSON *frame, const cJSON *root, const char *where,
                                     tides_intrinsics *out, double *angle_x) {
@@ -120,7 +121,7 @@ static tides_status settle_times(td_path_reader *reader, size_t timed) {
     tides_status status = td_path_find_unit(reader, -1, 9, &digits);
     if (status == TIDES_OK && digits < 0) td_path_spread(reader);
     for (size_t i = 0; status == TIDES_OK && digits >= 0 && i < reader->count; i++)
-        reader->samples[i].time /= pow(10, 9 - digits);
+        reader->samples[i].time /= td_pow(10, 9 - digits);
     return status;
 }
 

@@ -1,6 +1,7 @@
 /* Rectification maps: where the rays of a camera's pixels are in the image of a pinhole. */
 #include "archive/td_npy.h"
 #include "camera/td_lens.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -38,7 +39,7 @@ static void place(const td_image *image, const tides_intrinsics *to, const doubl
     double a, b;
     td_ray_of(image, u, v, &a, &b);
     const td_bent bent = td_bend(image, td_still(a), td_still(b));
-    const double off = hypot(bent.x.v * image->fx + image->cx - u, bent.y.v * image->fy + image->cy - v);
+    const double off = td_hypot(bent.x.v * image->fx + image->cx - u, bent.y.v * image->fy + image->cy - v);
     const double x = r[0] * a + r[1] * b + r[2], y = r[3] * a + r[4] * b + r[5], z = r[6] * a + r[7] * b + r[8];
     const int seen = (image->lens_model == TD_LENS_NONE || off < missed_px) && z > 0;
     out[0] = seen ? (float)(to->fx * x / z + to->cx - 0.5) : NAN;

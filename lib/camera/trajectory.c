@@ -12,6 +12,7 @@
 #include "camera/td_trajectory.h"
 #include "camera/td_trajectory_parts.h"
 #include "td_base.h"
+#include "td_math.h"
 
 #include <float.h>
 #include <math.h>
@@ -58,7 +59,7 @@ tides_status td_samples_align(tides_pose_sample *samples, size_t from, size_t co
         if (i == 0) continue;
         for (int k = 0; k < 4; k++) dot += q[k] * samples[i - 1].quaternion[k];
         for (int k = 0; k < 4; k++) q[k] = dot < 0.0 ? -q[k] : q[k];
-        double turn = 2.0 * acos(fmin(fabs(dot), 1.0));
+        double turn = 2.0 * td_acos(fmin(fabs(dot), 1.0));
         if (turn >= TD_MOST_TURN)
             return td_fail(error, TIDES_BAD_ARGUMENT,
                            "samples %zu and %zu (%s s and %s s) are turned by %.1f degrees against each other; which way "

@@ -11,6 +11,7 @@
 #include "td_evimo.h"
 
 #include "camera/td_rotation.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <string.h>
@@ -33,7 +34,7 @@ static void put_vector(td_pickler *p, const char *key, const double v[3]) {
 /* Angles about x, y and z in that order, as tf's getRPY has them. */
 static void put_angles(td_pickler *p, const double r[9]) {
     static const char *const names[] = {"r", "p", "y"};
-    const double angles[3] = {atan2(r[7], r[8]), atan2(-r[6], hypot(r[7], r[8])), atan2(r[3], r[0])};
+    const double angles[3] = {td_atan2(r[7], r[8]), td_atan2(-r[6], td_hypot(r[7], r[8])), td_atan2(r[3], r[0])};
     td_pickler_text(p, "rpy");
     put_named(p, names, angles, 3);
 }

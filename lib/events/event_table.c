@@ -9,6 +9,7 @@
 #include "td_event_table.h"
 
 #include "td_base.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <string.h>
@@ -177,7 +178,7 @@ tides_status td_table_guess(const td_table_column *columns, int count, td_table_
 
 /* Events a second of times in a unit; 0: too few to show it. */
 static double rate_in(const td_table_column *times, int digits) {
-    const double span = (times->most - times->least) / pow(10, 9 - digits);
+    const double span = (times->most - times->least) / td_pow(10, 9 - digits);
     return times->rows >= ENOUGH && span > 0 ? (double)times->rows / span : 0;
 }
 
@@ -197,7 +198,7 @@ void td_table_tell_falls(const td_table_column *times, int digits, char *told, s
     const size_t used = strlen(told);
     if (times->rows < ENOUGH || 2 * times->fall <= times->most - times->least || used + 1 >= size) return;
     snprintf(told + used, size - used, "%stimes go back by %.3g s, as of a clock that begins again", used ? "; " : "",
-             times->fall / pow(10, 9 - digits));
+             times->fall / td_pow(10, 9 - digits));
 }
 
 tides_status td_table_unit(const td_table_column *times, int whole, int *digits, tides_error *error) {

@@ -1,6 +1,7 @@
 /* Light to a camera's values: electrons with their noise, clipped at full scale, coded and rounded. Each value's noise is drawn
  * by (seed, pixel and plane, frame), so that it doesn't depend on what else is drawn. */
 #include "td_base.h"
+#include "td_math.h"
 #include "td_random.h"
 #include "td_struct.h"
 #include "tides/exposure.h"
@@ -14,7 +15,7 @@ static const double normal_from = 100;
 
 /* The k at which Poisson's cumulative distribution passes u, walked to from 0. */
 static double poisson_at(double mean, double u) {
-    double term = exp(-mean), sum = term, k = 0;
+    double term = td_exp(-mean), sum = term, k = 0;
     while (sum < u && term > 0) { /* rounding may leave the sum below u for ever */
         k++;
         term *= mean / k;
@@ -42,7 +43,7 @@ static double electrons(const tides_exposure *e, double mean, uint32_t pixel, ui
 }
 
 /* IEC 61966-2-1. */
-static double to_srgb(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1 / 2.4) - 0.055; }
+static double to_srgb(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * td_pow(v, 1 / 2.4) - 0.055; }
 
 static uint16_t value_of(const tides_exposure *e, double light, uint32_t pixel, uint64_t index) {
     double v = light > 0 ? light * e->gain : 0;
@@ -51,7 +52,7 @@ static uint16_t value_of(const tides_exposure *e, double light, uint32_t pixel, 
     if (e->transfer == TIDES_TRANSFER_SRGB)
         v = to_srgb(v);
     else if (e->gamma != 1)
-        v = pow(v, 1 / e->gamma);
+        v = td_pow(v, 1 / e->gamma);
     return (uint16_t)(v * (e->bits == 16 ? 65535 : 255) + 0.5);
 }
 

@@ -4,6 +4,7 @@
 #include "td_columns.h"
 #include "td_folder.h"
 #include "td_kinds.h"
+#include "td_math.h"
 #include "td_text.h"
 
 #include <math.h>
@@ -212,7 +213,7 @@ static int unit_digits(const tides_frames *frames) {
 
 /* A number divided by a power of ten where it is whole: 1e-6 itself isn't a double, 1e6 is. */
 static void to_seconds(tides_frames *frames) {
-    const double per_second = round(pow(10, 9 - unit_digits(frames)));
+    const double per_second = round(td_pow(10, 9 - unit_digits(frames)));
     for (size_t k = 0; k < frames->count; k++) frames->times[k] /= per_second;
 }
 

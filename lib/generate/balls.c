@@ -2,6 +2,8 @@
  * 15 ms, as a rubber ball's, and takes some of the speed (Hunt and Crossley's damping, which begins and ends at nothing). */
 #include "generate/td_generate.h"
 
+#include "td_math.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -30,8 +32,8 @@ static void pose_at(void *shape, tides_pose_sample *sample) {
     b->time = sample->time;
     const double angle = DRIFT_RATE * sample->time + b->phase;
     for (int k = 0; k < 3; k++) {
-        sample->position[k] = b->place[k] + b->drift[k] * sin(angle);
-        sample->velocity[k] = b->drift[k] * DRIFT_RATE * cos(angle);
+        sample->position[k] = b->place[k] + b->drift[k] * td_sin(angle);
+        sample->velocity[k] = b->drift[k] * DRIFT_RATE * td_cos(angle);
     }
     sample->position[1] += b->height;
     sample->velocity[1] += b->height_dot;
@@ -58,8 +60,8 @@ static void throw_ball(const tides_generate_options *options, int32_t number, bo
     b->drift[0] = 0.35 * (chance(options, number, 5) - 0.5);
     b->drift[2] = 0.2 * (chance(options, number, 6) - 0.5);
     b->phase = 2 * PI * chance(options, number, 7);
-    b->spin.axis[0] = cos(tilt);
-    b->spin.axis[1] = sin(tilt);
+    b->spin.axis[0] = td_cos(tilt);
+    b->spin.axis[1] = td_sin(tilt);
     b->spin.rate = 3 + 9 * chance(options, number, 8);
     td_quaternion_about(z_axis, 2 * PI * chance(options, number, 9), b->spin.rest);
 }

@@ -2,6 +2,7 @@
  * each; those of a model share one object and one motion, as in scenes that were trained. */
 #include "generate/td_generate.h"
 #include "td_base.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -29,7 +30,7 @@ static double chance(const tides_generate_options *options, int32_t number, int3
 
 /* Each in a cell of its own of the space before the wall, roughly. */
 static member member_of(const tides_generate_options *options, int32_t number) {
-    const double crowding = cbrt(200.0 / options->count), polar = acos(2 * chance(options, number, 3) - 1);
+    const double crowding = td_pow(200.0 / options->count, 1.0 / 3), polar = td_acos(2 * chance(options, number, 3) - 1);
     member m = {.number = number};
     const double low[3] = {-1.75, -1.15, -0.6}, span[3] = {3.5, 2.4, 1.7};
     for (int k = 0; k < 3; k++) {
@@ -39,9 +40,9 @@ static member member_of(const tides_generate_options *options, int32_t number) {
         m.phase[k] = 2 * PI * chance(options, number, 16 + k);
     }
     m.radius = fmin(0.22, (0.07 + 0.08 * chance(options, number, 4)) * crowding);
-    m.axis[0] = sin(polar) * cos(2 * PI * chance(options, number, 5));
-    m.axis[1] = sin(polar) * sin(2 * PI * chance(options, number, 5));
-    m.axis[2] = cos(polar);
+    m.axis[0] = td_sin(polar) * td_cos(2 * PI * chance(options, number, 5));
+    m.axis[1] = td_sin(polar) * td_sin(2 * PI * chance(options, number, 5));
+    m.axis[2] = td_cos(polar);
     m.spin = 12 * (chance(options, number, 6) - 0.5);
     td_quaternion_about(m.axis, 2 * PI * chance(options, number, 7), m.rest);
     return m;
@@ -52,8 +53,8 @@ static void pose_at(void *shape, tides_pose_sample *sample) {
     double turn[4];
     for (int k = 0; k < 3; k++) {
         const double angle = m->rate[k] * sample->time + m->phase[k];
-        sample->position[k] = m->centre[k] + m->reach[k] * sin(angle);
-        sample->velocity[k] = m->reach[k] * m->rate[k] * cos(angle);
+        sample->position[k] = m->centre[k] + m->reach[k] * td_sin(angle);
+        sample->velocity[k] = m->reach[k] * m->rate[k] * td_cos(angle);
         sample->angular_velocity[k] = m->spin * m->axis[k];
     }
     td_quaternion_about(m->axis, m->spin * sample->time, turn);
@@ -185,7 +186,7 @@ static void throw_all(const herd *h, const polynomial_arrays *arrays) {
         const member *thing = &h->member[m];
         const double heading = 2 * PI * chance(h->options, thing->number, 20);
         const double way = fmin(FLIGHT_MOST, 1.6 * h->options->speed * h->options->duration_s);
-        const float flight[9] = {(float)(way * cos(heading)), (float)(way * sin(heading)), 0, 0, (float)(-0.8 * way), 0};
+        const float flight[9] = {(float)(way * td_cos(heading)), (float)(way * td_sin(heading)), 0, 0, (float)(-0.8 * way), 0};
         const int fades = m % 3 == 2;
         for (int64_t i = h->first[m]; i < h->first[m + 1]; i++) {
             arrays->centre[i] = fades ? (float)chance(h->options, thing->number, 21) : 0.5f;

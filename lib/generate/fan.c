@@ -2,6 +2,8 @@
  * built in the fan's own axes: x and y in its plane, z along the shaft towards the viewer. */
 #include "generate/td_generate.h"
 
+#include "td_math.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -16,7 +18,7 @@ enum { BLADES = 5 };
 
 /* The fan's rotation at rest, Ry(TURN) Rx(TILT); its columns are the fan's axes in the world. */
 static void fan_axes(double rotation[9]) {
-    const double cy = cos(TURN), sy = sin(TURN), cx = cos(TILT), sx = sin(TILT);
+    const double cy = td_cos(TURN), sy = td_sin(TURN), cx = td_cos(TILT), sx = td_sin(TILT);
     const double made[9] = {cy, sy * sx, sy * cx, 0, cx, -sx, -sy, cy * sx, cy * cx};
     memcpy(rotation, made, sizeof made);
 }
@@ -42,16 +44,16 @@ static void blade_surface(const void *shape, double u, double v, double point[3]
     static const double white[3] = {0.97, 0.96, 0.93};
     const int32_t blade = *(const int32_t *)shape;
     const double radius = 0.13 + (FAN_RADIUS - 0.13) * u;
-    const double half_width =
-        0.33 * pow(sin(PI * (0.18 + 0.72 * u)), 0.6) * (u > 0.9 ? sqrt(1.0 - pow((u - 0.9) / 0.105, 2)) : 1.0);
+    const double past = fmax(u - 0.9, 0) / 0.105; /* where it is rounded off */
+    const double half_width = 0.33 * td_pow(td_sin(PI * (0.18 + 0.72 * u)), 0.6) * sqrt(1 - past * past);
     const double angle = 2 * PI * blade / BLADES - 0.55 * u + (2 * v - 1) * half_width;
-    point[0] = radius * cos(angle);
-    point[1] = radius * sin(angle);
+    point[0] = radius * td_cos(angle);
+    point[1] = radius * td_sin(angle);
     point[2] = 0.14 * (2 * v - 1) * half_width * (1.3 - 0.6 * u);
     memcpy(colour, hues[blade], sizeof white);
     /* Bands, chevrons, dots, stripes, rings of diamonds: each blade its own pattern. */
     const double a = 5 * u, b = 3 * v;
-    const double cell = hypot(a - floor(a) - 0.5, b - floor(b) - 0.5),
+    const double cell = td_hypot(a - floor(a) - 0.5, b - floor(b) - 0.5),
                  diamond = fabs(a - floor(a) - 0.5) + fabs(b - floor(b) - 0.5);
     const int32_t patterns[BLADES] = {(int32_t)floor(a) % 2, (int32_t)floor(a + 3 * fabs(v - 0.5)) % 2, cell < 0.3,
                                       (int32_t)floor(b) % 2, diamond < 0.34};
@@ -64,9 +66,9 @@ static void hub_surface(const void *shape, double u, double v, double point[3], 
     static const double gold[3] = {0.95, 0.78, 0.25}, black[3] = {0.08, 0.08, 0.10};
     (void)shape;
     const double polar = 0.5 * PI * v, angle = -2 * PI * u;
-    point[0] = 0.15 * sin(polar) * cos(angle);
-    point[1] = 0.15 * sin(polar) * sin(angle);
-    point[2] = 0.03 + 0.09 * cos(polar);
+    point[0] = 0.15 * td_sin(polar) * td_cos(angle);
+    point[1] = 0.15 * td_sin(polar) * td_sin(angle);
+    point[2] = 0.03 + 0.09 * td_cos(polar);
     memcpy(colour, (int32_t)floor(6 * (u + 0.35 * v) + 12) % 2 ? gold : black, sizeof gold);
 }
 
@@ -81,9 +83,9 @@ static void build_blades(td_splats *splats, const void *shape) {
 static void foot_surface(const void *shape, double u, double v, double point[3], double colour[3]) {
     static const double steel[3] = {0.30, 0.33, 0.38}, rim[3] = {0.72, 0.74, 0.78};
     (void)shape;
-    point[0] = FAN_X + 0.36 * v * cos(2 * PI * u);
+    point[0] = FAN_X + 0.36 * v * td_cos(2 * PI * u);
     point[1] = TD_TABLE_Y + 0.03 + 0.05 * (1 - v * v);
-    point[2] = -0.2 + 0.30 * v * sin(2 * PI * u);
+    point[2] = -0.2 + 0.30 * v * td_sin(2 * PI * u);
     memcpy(colour, v > 0.88 ? rim : steel, sizeof steel);
 }
 
@@ -107,15 +109,15 @@ static void build_guard(td_splats *splats, const void *shape) {
     for (size_t ring = 0; ring < sizeof radii / sizeof radii[0]; ring++)
         for (int32_t i = 0; i < PIECES; i++) {
             double a[3], b[3];
-            place(radii[ring] * cos(2 * PI * i / PIECES), radii[ring] * sin(2 * PI * i / PIECES), 0.15, a);
-            place(radii[ring] * cos(2 * PI * (i + 1) / PIECES), radii[ring] * sin(2 * PI * (i + 1) / PIECES), 0.15, b);
+            place(radii[ring] * td_cos(2 * PI * i / PIECES), radii[ring] * td_sin(2 * PI * i / PIECES), 0.15, a);
+            place(radii[ring] * td_cos(2 * PI * (i + 1) / PIECES), radii[ring] * td_sin(2 * PI * (i + 1) / PIECES), 0.15, b);
             td_splats_line(splats, a, b, 1, widths[ring], chrome);
         }
     for (int32_t i = 0; i < SPOKES; i++) {
         double a[3], b[3];
         const double angle = 2 * PI * (i + 0.5) / SPOKES;
-        place(0.14 * cos(angle), 0.14 * sin(angle), 0.17, a);
-        place(0.86 * cos(angle), 0.86 * sin(angle), 0.15, b);
+        place(0.14 * td_cos(angle), 0.14 * td_sin(angle), 0.17, a);
+        place(0.86 * td_cos(angle), 0.86 * td_sin(angle), 0.15, b);
         td_splats_line(splats, a, b, 14, 0.0045, chrome);
     }
 }

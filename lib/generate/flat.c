@@ -1,6 +1,8 @@
 /* The flat worlds: a textured plane with a camera that slides past it, and discs that turn. */
 #include "generate/td_generate.h"
 
+#include "td_math.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -15,7 +17,7 @@ enum { CELLS_X = 16, CELLS_Y = 12, PATTERNS = 7 };
 
 /* Whether (a, b), in [-1, 1]^2 of a cell, is in the pattern's light part. */
 static int lit(int32_t pattern, double a, double b) {
-    const double r = hypot(a, b);
+    const double r = td_hypot(a, b);
     switch (pattern) {
         case 0: return r < 0.75;
         case 1: return (int)floor(2 * a + 2) % 2;
@@ -48,8 +50,8 @@ static void slide(void *shape, tides_pose_sample *sample) {
     static const double reach[3] = {0.50, 0.28, 0.12}, rate[3] = {2 * PI * 0.7, 2 * PI * 0.9, 2 * PI * 0.5};
     const double *middle = shape;
     for (int k = 0; k < 3; k++) {
-        sample->position[k] = middle[k] + reach[k] * sin(rate[k] * sample->time);
-        sample->velocity[k] = reach[k] * rate[k] * cos(rate[k] * sample->time);
+        sample->position[k] = middle[k] + reach[k] * td_sin(rate[k] * sample->time);
+        sample->velocity[k] = reach[k] * rate[k] * td_cos(rate[k] * sample->time);
     }
     memcpy(sample->quaternion, along_minus_z, sizeof along_minus_z);
 }

@@ -1,6 +1,7 @@
 /* Paths of what the generators move, from formulas with exact rates, and a small integrator for what swings and falls. */
 #include "generate/td_generate.h"
 #include "td_base.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -38,8 +39,8 @@ tides_status td_sample_path(td_pose_at pose, void *shape, const tides_generate_o
 }
 
 void td_quaternion_about(const double axis[3], double angle, double q[4]) {
-    q[0] = cos(0.5 * angle);
-    for (int k = 0; k < 3; k++) q[k + 1] = sin(0.5 * angle) * axis[k];
+    q[0] = td_cos(0.5 * angle);
+    for (int k = 0; k < 3; k++) q[k + 1] = td_sin(0.5 * angle) * axis[k];
 }
 
 static void turned(void *shape, tides_pose_sample *sample) {

@@ -1,6 +1,8 @@
 /* Pendulums one behind the other, from a beam that runs aslant through the room. */
 #include "generate/td_generate.h"
 
+#include "td_math.h"
+
 #include <math.h>
 #include <stdio.h>
 
@@ -19,7 +21,7 @@ typedef struct pendulum {
 static double swing(const void *body, double angle, double angle_dot) {
     const pendulum *p = body;
     (void)angle_dot;
-    return -GRAVITY / p->length * sin(angle);
+    return -GRAVITY / p->length * td_sin(angle);
 }
 
 /* About the pivot, which stays. */

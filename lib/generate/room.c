@@ -1,6 +1,7 @@
 /* What stands still in a room: a brick wall with two posters, a wooden table, and three balls. */
 #include "generate/td_generate.h"
 #include "tides/image.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <string.h>
@@ -103,8 +104,8 @@ static void title_poster(td_splats *splats) {
     for (int32_t wave = 0; wave < 3; wave++)
         for (int32_t i = 0; i < 40; i++) {
             const double x = 0.08 + 0.90 * (i + 0.5) / 40, phase = 2 * PI * (2.5 * x + 0.21 * wave);
-            const double point[3] = {paper.left + x, paper.bottom + 0.34 - 0.11 * wave + 0.035 * sin(phase), z};
-            const double along[3] = {1, 0.035 * 2 * PI * 2.5 * cos(phase), 0}, sigma[3] = {0.020, 0.010, 0.002};
+            const double point[3] = {paper.left + x, paper.bottom + 0.34 - 0.11 * wave + 0.035 * td_sin(phase), z};
+            const double along[3] = {1, 0.035 * 2 * PI * 2.5 * td_cos(phase), 0}, sigma[3] = {0.020, 0.010, 0.002};
             td_splats_add(splats, point, along, up, sigma, wave == 1 ? white : foam);
         }
 }
@@ -113,8 +114,8 @@ static void title_poster(td_splats *splats) {
 static void star_surface(const void *shape, double u, double v, double point[3], double colour[3]) {
     static const double white[3] = {0.95, 0.94, 0.90}, black[3] = {0.07, 0.07, 0.09};
     const double *centre = shape, radius = 0.03 + 0.40 * v, angle = -2 * PI * u; /* faces the room */
-    point[0] = centre[0] + radius * cos(angle);
-    point[1] = centre[1] + radius * sin(angle);
+    point[0] = centre[0] + radius * td_cos(angle);
+    point[1] = centre[1] + radius * td_sin(angle);
     point[2] = centre[2];
     memcpy(colour, (int32_t)floor(u * 24) % 2 ? white : black, sizeof white);
 }
@@ -146,7 +147,7 @@ static void plank_surface(const void *shape, double u, double v, double point[3]
     point[0] = -2.3 + (plank + 0.02 + 0.96 * u) * width;
     point[1] = TD_TABLE_Y;
     point[2] = 1.0 - 1.9 * v; /* from the edge to the wall: along x across -z faces up */
-    const double grain = 0.5 + 0.5 * sin(40 * u + 6 * td_hash(plank, 0, 0) + 3 * sin(5 * v + plank));
+    const double grain = 0.5 + 0.5 * td_sin(40 * u + 6 * td_hash(plank, 0, 0) + 3 * td_sin(5 * v + plank));
     mix(dark, pale, 0.35 + 0.4 * td_hash(plank, 1, 0) + 0.25 * grain, colour);
     if (u < 0.09 || u > 0.91) mix(colour, dark, 0.8, colour);
 }

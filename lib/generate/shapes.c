@@ -1,6 +1,8 @@
 /* Shapes of radius 1 that the generators move about, and tubes. */
 #include "generate/td_generate.h"
 
+#include "td_math.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -42,16 +44,16 @@ static void ball_colour(const td_ball *b, double u, double v, double colour[3]) 
     else if (b->pattern == TD_BALL_CHECKER)
         paint((meridian + parallel) % 2 ? b->light : b->dark, colour);
     else
-        paint(hypot(across - meridian - 0.5, upwards - parallel - 0.5) < 0.34 ? b->light : b->dark, colour);
+        paint(td_hypot(across - meridian - 0.5, upwards - parallel - 0.5) < 0.34 ? b->light : b->dark, colour);
 }
 
 /* The pole leans towards the camera, so that a pattern doesn't look like a globe on its stand. */
 static void ball_surface(const void *shape, double u, double v, double point[3], double colour[3]) {
     const double longitude = 2 * PI * u, latitude = PI * (v - 0.5), lean = 0.6;
-    const double y = sin(latitude), z = cos(latitude) * cos(longitude);
-    point[0] = cos(latitude) * sin(longitude);
-    point[1] = cos(lean) * y - sin(lean) * z;
-    point[2] = sin(lean) * y + cos(lean) * z;
+    const double y = td_sin(latitude), z = td_cos(latitude) * td_cos(longitude);
+    point[0] = td_cos(latitude) * td_sin(longitude);
+    point[1] = td_cos(lean) * y - td_sin(lean) * z;
+    point[2] = td_sin(lean) * y + td_cos(lean) * z;
     ball_colour(shape, u, v, colour);
 }
 
@@ -62,8 +64,8 @@ void td_build_ball(td_splats *splats, const void *ball) { td_splats_cover(splats
 static void disc_surface(const void *shape, double u, double v, double point[3], double colour[3]) {
     const td_disc *disc = shape;
     const double radius = 0.04 + 0.96 * v, angle = -2 * PI * u; /* faces +z */
-    point[0] = radius * cos(angle);
-    point[1] = radius * sin(angle);
+    point[0] = radius * td_cos(angle);
+    point[1] = radius * td_sin(angle);
     /* Vanes: neighbours differ in depth, and stay in their order as it turns. */
     point[2] = 0.12 * (disc->sectors * u - floor(disc->sectors * u)) + 0.1 * (1 - v);
     paint((int32_t)floor(disc->sectors * u + (v > 0.55 ? 0.5 : 0)) % 2 ? disc->light : disc->dark, colour);
@@ -83,7 +85,7 @@ typedef struct die_face {
 static int on_pip(int pips, double a, double b) {
     static const double where[7][2] = {{0, 0}, {-0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}, {0.5, -0.5}, {-0.5, 0}, {0.5, 0}};
     for (int i = pips % 2 ? 0 : 1; i < pips + (pips % 2 ? 0 : 1); i++)
-        if (hypot(a - where[i][0], b - where[i][1]) < 0.24) return 1;
+        if (td_hypot(a - where[i][0], b - where[i][1]) < 0.24) return 1;
     return 0;
 }
 
@@ -113,7 +115,7 @@ static void tube_surface(const void *shape, double u, double v, double point[3],
     for (int i = 0; i < 3; i++) axis[i] = t->to[i] - t->from[i];
     length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
     for (int i = 0; i < 3; i++) axis[i] /= length;
-    const double flat = hypot(axis[1], axis[2]);
+    const double flat = td_hypot(axis[1], axis[2]);
     side[0] = 0;
     side[1] = flat > 0.3 ? -axis[2] / flat : 1;
     side[2] = flat > 0.3 ? axis[1] / flat : 0;
@@ -121,8 +123,9 @@ static void tube_surface(const void *shape, double u, double v, double point[3],
     other[1] = axis[2] * side[0] - axis[0] * side[2];
     other[2] = axis[0] * side[1] - axis[1] * side[0];
     for (int i = 0; i < 3; i++)
-        point[i] = t->from[i] + v * length * axis[i] +
-                   t->radius * (cos(2 * PI * u) * side[i] + sin(2 * PI * u) * other[i]); /* so that u x v points outwards */
+        point[i] =
+            t->from[i] + v * length * axis[i] +
+            t->radius * (td_cos(2 * PI * u) * side[i] + td_sin(2 * PI * u) * other[i]); /* so that u x v points outwards */
     paint(t->colour, colour);
 }
 

@@ -1,6 +1,7 @@
 /* Builds Gaussians from surfaces: flat ones that lie in the surface, shaded once by a fixed light. */
 #include "generate/td_generate.h"
 #include "td_base.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -97,8 +98,8 @@ void td_splats_add(td_splats *s, const double point[3], const double along[3], c
     const size_t at = (size_t)g->count++;
     for (size_t i = 0; i < 3; i++) {
         g->mean[3 * at + i] = (float)point[i];
-        g->log_scale[3 * at + i] = (float)log(sigma[i]);
-        g->sh[3 * at + i] = td_splat_dc(shade(n) * pow(colour[i], 2.2));
+        g->log_scale[3 * at + i] = (float)td_ln(sigma[i]);
+        g->sh[3 * at + i] = td_splat_dc(shade(n) * td_pow(colour[i], 2.2));
     }
     for (size_t i = 0; i < 4; i++) g->quaternion[4 * at + i] = (float)q[i];
     g->opacity_logit[at] = (float)OPACITY_LOGIT;
@@ -151,7 +152,7 @@ void td_splats_place(td_splats *splats, int64_t first, const double centre[3], d
     td_gaussians *g = &splats->gaussians;
     for (int64_t i = 3 * first; i < 3 * g->count; i++) {
         g->mean[i] = (float)(centre[i % 3] + scale * g->mean[i]);
-        g->log_scale[i] += (float)log(scale);
+        g->log_scale[i] += (float)td_ln(scale);
     }
 }
 

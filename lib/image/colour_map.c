@@ -1,6 +1,8 @@
 /* The sRGB transfer function and the colour maps. */
 #include "td_colour_map.h"
 
+#include "td_math.h"
+
 #include <math.h>
 
 static double clamp(double value, double low, double high) { return value < low ? low : value > high ? high : value; }
@@ -8,7 +10,7 @@ static double clamp(double value, double low, double high) { return value < low 
 /* IEC 61966-2-1. */
 uint8_t td_srgb(double linear) {
     double c = clamp(linear, 0.0, 1.0);
-    c = c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1.0 / 2.4) - 0.055;
+    c = c <= 0.0031308 ? 12.92 * c : 1.055 * td_pow(c, 1.0 / 2.4) - 0.055;
     return (uint8_t)(255.0 * c + 0.5);
 }
 

@@ -3,6 +3,7 @@
 
 #include "td_colour_map.h"
 #include "td_font.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <string.h>
@@ -116,7 +117,7 @@ static double dimmed_grey(double value) { return isnan(value) ? GREY : 120.0 + 6
 static void event_colour(unsigned on, unsigned off, double grey, uint8_t rgb[3]) {
     static const double dark[2][3] = {{175, 20, 20}, {20, 60, 185}}, bright[2][3] = {{255, 85, 60}, {90, 175, 255}};
     double total = on + off, share = on / total;
-    double cover = 1.0 - 0.15 * pow(0.5, total - 1.0), brightness = 1.0 - pow(0.7, total - 1.0);
+    double cover = 1.0 - 0.15 * td_pow(0.5, total - 1.0), brightness = 1.0 - td_pow(0.7, total - 1.0);
     for (int c = 0; c < 3; c++) {
         double red = dark[0][c] + brightness * (bright[0][c] - dark[0][c]);
         double blue = dark[1][c] + brightness * (bright[1][c] - dark[1][c]);

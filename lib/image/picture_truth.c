@@ -2,6 +2,7 @@
 #include "tides/image.h"
 
 #include "td_colour_map.h"
+#include "td_math.h"
 #include "td_truth_range.h"
 
 #include <math.h>
@@ -15,7 +16,7 @@ static size_t pixels_of(int32_t width, int32_t height) { return width > 0 && hei
 double td_fastest(const double *u, const double *v, size_t pixels) {
     double most = 0;
     for (size_t i = 0; i < pixels; i++) {
-        const double speed = hypot(u[i], v[i]);
+        const double speed = td_hypot(u[i], v[i]);
         if (isfinite(speed)) most = fmax(most, speed);
     }
     return most;
@@ -33,11 +34,11 @@ void tides_picture_flow(const double *u, const double *v, int32_t width, int32_t
     const size_t pixels = pixels_of(width, height);
     if (!(limit > 0)) limit = td_fastest(u, v, pixels);
     for (size_t i = 0; i < pixels; i++) {
-        const double speed = hypot(u[i], v[i]), share = limit > 0 ? speed / limit : 0;
+        const double speed = td_hypot(u[i], v[i]), share = limit > 0 ? speed / limit : 0;
         if (isnan(speed))
             memcpy(rgb + 3 * i, nan_colour, 3);
         else
-            td_colour_wheel(atan2(v[i], u[i]) / turn, share < 1 ? share : 1, share > 1 ? 0.75 : 1, rgb + 3 * i);
+            td_colour_wheel(td_atan2(v[i], u[i]) / turn, share < 1 ? share : 1, share > 1 ? 0.75 : 1, rgb + 3 * i);
     }
 }
 
@@ -87,9 +88,9 @@ void tides_picture_flow_key(uint8_t *rgb, int32_t width, int32_t height) {
     const double radius = 0.5 * size;
     for (int32_t y = 0; y < size; y++) {
         for (int32_t x = 0; x < size; x++) {
-            const double u = x + 0.5 - radius, v = y + 0.5 - radius, far = hypot(u, v) / radius;
+            const double u = x + 0.5 - radius, v = y + 0.5 - radius, far = td_hypot(u, v) / radius;
             uint8_t *const to = pixel_at(rgb, width, left + x, top + y);
-            if (far < 1) td_colour_wheel(atan2(v, u) / turn, far, 1, to);
+            if (far < 1) td_colour_wheel(td_atan2(v, u) / turn, far, 1, to);
             if (far < 1 && far > 1 - 1.5 / radius) memcpy(to, nothing, 3);
         }
     }

@@ -1,5 +1,6 @@
 /* Motion-scaled Chamfer distance (paper, Sec. 4.3): events as points (x, y, v t), so that a time error counts as the way
  * that the image moves in it. Windows and polarities are compared by themselves, with one point per cell of space. */
+#include "td_math.h"
 #include "td_metrics.h"
 #include "td_point_tree.h"
 
@@ -173,7 +174,7 @@ tides_status td_compare_chamfer(td_compare *c) {
         if (status != TIDES_OK) return status;
     }
     if (isnan(m->speed_px_per_s) || c->width == 0) return TIDES_OK;
-    const double diagonal = hypot(c->width, c->height);
+    const double diagonal = td_hypot(c->width, c->height);
     m->chamfer_limit_px = fmin(m->speed_px_per_s * o->window_s, diagonal);
     const size_t across = cell_of(c->width - 1, o->cell_px) + 1, down = cell_of(c->height - 1, o->cell_px) + 1;
     chamfer f = {.compare = c, .speed = m->speed_px_per_s, .limit = m->chamfer_limit_px, .across = across};

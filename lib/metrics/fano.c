@@ -4,6 +4,8 @@
  * Bins are the whole ones of the interval. Streams are in order of time, so each tile only has to remember its present bin. */
 #include "td_metrics.h"
 
+#include "td_math.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -55,7 +57,7 @@ static void compare_tiles(const td_compare *c, const tile_bins *a, const tile_bi
         const double factor_a = fano_factor(&a[i], bins), factor_b = fano_factor(&b[i], bins);
         td_sum_add(&sum_a, factor_a);
         td_sum_add(&sum_b, factor_b);
-        td_sum_add(&error, fabs(log((factor_b + c->options->fano_epsilon) / (factor_a + c->options->fano_epsilon))));
+        td_sum_add(&error, fabs(td_ln((factor_b + c->options->fano_epsilon) / (factor_a + c->options->fano_epsilon))));
         compared++;
     }
     m->fano_tiles[which] = compared;

@@ -4,6 +4,8 @@
  * means over the intervals: of tau, 1/tau, log tau, and their number. */
 #include "td_metrics.h"
 
+#include "td_math.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -21,7 +23,7 @@ static void add_interval(moments *m, int64_t interval_ns, double floor_s) {
     }
     td_sum_add(&m->tau, tau);
     td_sum_add(&m->inverse, 1.0 / tau);
-    td_sum_add(&m->logarithm, log(tau));
+    td_sum_add(&m->logarithm, td_ln(tau));
 }
 
 /* Intervals of one pixel, each kind; those of any two consecutive events also go to `list`, whose new length is returned. */
@@ -63,14 +65,14 @@ static tides_interval_fit fit(const moments *m) {
 static double negative_log_likelihood(const moments *m, const tides_interval_fit *f) {
     const double log_2_pi = 1.8378770664093453;
     const double n = (double)m->count, mean_log = td_sum_of(&m->logarithm) / n, mean_inverse = td_sum_of(&m->inverse) / n;
-    return 0.5 * (log_2_pi + 3.0 * mean_log - log(f->shape_s)) +
+    return 0.5 * (log_2_pi + 3.0 * mean_log - td_ln(f->shape_s)) +
            f->shape_s / (2.0 * f->mean_s * f->mean_s) * (mean_tau(m) - 2.0 * f->mean_s + f->mean_s * f->mean_s * mean_inverse);
 }
 
 /* The difference of two such, without the terms that cancel. */
 static double excess(const moments *m, const tides_interval_fit *own, const tides_interval_fit *other) {
     const double away = own->mean_s - other->mean_s;
-    return 0.5 * (log(own->shape_s / other->shape_s) + (other->shape_s - own->shape_s) * spread(m)) +
+    return 0.5 * (td_ln(own->shape_s / other->shape_s) + (other->shape_s - own->shape_s) * spread(m)) +
            other->shape_s * away * away / (2.0 * other->mean_s * other->mean_s * own->mean_s);
 }
 

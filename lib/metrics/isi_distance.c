@@ -2,6 +2,8 @@
  * decades. */
 #include "td_metrics.h"
 
+#include "td_math.h"
+
 #include <math.h>
 
 double td_isi_distance(const uint64_t *a, size_t count_a, const uint64_t *b, size_t count_b, double floor_ns) {
@@ -11,7 +13,7 @@ double td_isi_distance(const uint64_t *a, size_t count_a, const uint64_t *b, siz
     double left = 0;
     while (i < count_a || j < count_b) {
         const uint64_t next = j == count_b || (i < count_a && a[i] <= b[j]) ? a[i] : b[j];
-        const double right = log10(fmax((double)next, floor_ns));
+        const double right = td_ln(fmax((double)next, floor_ns)) * 0.43429448190325182765;
         if (i + j) td_sum_add(&area, fabs((double)i / (double)count_a - (double)j / (double)count_b) * (right - left));
         while (i < count_a && a[i] == next) i++;
         while (j < count_b && b[j] == next) j++;

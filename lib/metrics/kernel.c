@@ -2,6 +2,8 @@
  *     sum over all pairs of p_i p_j w_i w_j exp(-(dx^2 + dy^2) / (2 s_px^2) - dt^2 / (2 s_s^2)), w = 1 and -1. */
 #include "td_metrics.h"
 
+#include "td_math.h"
+
 #include <math.h>
 
 enum { REPORT_EVERY = 1024 }; /* events */
@@ -22,7 +24,7 @@ static tides_status inner(const td_compare *c, const td_stream *a, const td_stre
         for (size_t j = low; j < b->count && (double)(b->events[j].t - e->t) <= reach * sigma_ns; j++) {
             const double x = e->x - b->events[j].x, y = e->y - b->events[j].y, t = (double)(e->t - b->events[j].t);
             const double exponent = px * (x * x + y * y) + ns * t * t;
-            if (exponent <= 0.5 * reach * reach) sum += e->polarity * b->events[j].polarity * exp(-exponent);
+            if (exponent <= 0.5 * reach * reach) sum += e->polarity * b->events[j].polarity * td_exp(-exponent);
         }
         td_sum_add(&total, sum);
         if (i % REPORT_EVERY != 0) continue;

@@ -1,6 +1,8 @@
 /* What compares the trains of each pixel and polarity: Victor-Purpura, van Rossum, and the time to the nearest event. */
 #include "td_metrics.h"
 
+#include "td_math.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -28,7 +30,7 @@ static double van_rossum(const train *a, const train *b, double tau_ns) {
         double weight = 0;
         for (; i < a->count && a->times[i] == now; i++) weight += 1;
         for (; j < b->count && b->times[j] == now; j++) weight -= 1;
-        filtered *= exp(-(double)(now - last) / tau_ns);
+        filtered *= td_exp(-(double)(now - last) / tau_ns);
         square += weight * (weight + 2.0 * filtered);
         filtered += weight;
         last = now;

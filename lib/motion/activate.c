@@ -4,6 +4,7 @@
 
 #include "camera/td_rotation.h"
 #include "kernels/motion.h"
+#include "td_math.h"
 
 #include <math.h>
 
@@ -23,7 +24,7 @@ static double normalise(const double raw[4], double q[4]) {
     return norm;
 }
 
-static double sigmoid(double x) { return 1 / (1 + exp(-x)); }
+static double sigmoid(double x) { return 1 / (1 + td_exp(-x)); }
 
 void td_activate(const double mean[3], const double log_scale[3], const double quaternion[4], double opacity_logit,
                  double *geometry) {
@@ -33,7 +34,7 @@ void td_activate(const double mean[3], const double log_scale[3], const double q
     for (int i = 0; i < 3; i++) geometry[TD_G_MEAN + i] = geometry[TD_G_ORIGIN + i] = mean[i];
     geometry[TD_G_OPACITY] = sigmoid(opacity_logit);
     for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) geometry[TD_G_FACTOR + 3 * i + j] = r[3 * i + j] * exp(log_scale[j]);
+        for (int j = 0; j < 3; j++) geometry[TD_G_FACTOR + 3 * i + j] = r[3 * i + j] * td_exp(log_scale[j]);
 }
 
 void td_activate_rates(const double mean_dot[3], const double log_scale[3], const double log_scale_dot[3],
@@ -51,5 +52,5 @@ void td_activate_rates(const double mean_dot[3], const double log_scale[3], cons
     rates[TD_G_OPACITY] = opacity * (1 - opacity) * opacity_logit_dot;
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-            rates[TD_G_FACTOR + 3 * i + j] = (r_dot[3 * i + j] + r[3 * i + j] * log_scale_dot[j]) * exp(log_scale[j]);
+            rates[TD_G_FACTOR + 3 * i + j] = (r_dot[3 * i + j] + r[3 * i + j] * log_scale_dot[j]) * td_exp(log_scale[j]);
 }

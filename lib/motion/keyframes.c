@@ -10,6 +10,7 @@
 
 #include "camera/td_curve.h"
 #include "kernels/motion_keyframes.h"
+#include "td_math.h"
 
 #include <float.h>
 #include <math.h>
@@ -105,7 +106,7 @@ static tides_status pack(const tides_motion *motion, const tides_gaussians *gaus
     if (status != TIDES_OK) return status;
     for (int64_t i = 0; i < keys.gaussians; i++) {
         double *row = numbers->data + i * TD_KEYFRAMES_REST;
-        for (int k = 0; k < 3; k++) row[TD_KEYFRAMES_REST_SCALE + k] = exp((double)gaussians->log_scale[3 * i + k]);
+        for (int k = 0; k < 3; k++) row[TD_KEYFRAMES_REST_SCALE + k] = td_exp((double)gaussians->log_scale[3 * i + k]);
         row[TD_KEYFRAMES_REST_OPACITY] = td_sigmoid(gaussians->opacity_logit[i]);
     }
     numbers->own[TD_KEYFRAMES_STRIDE] = 2 * keys.channels;

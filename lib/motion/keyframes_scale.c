@@ -2,6 +2,8 @@
  * slow motion at 1 kHz are no reason to look a thousand times a second; a lamp's are. */
 #include "td_keyframes.h"
 
+#include "td_math.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -49,7 +51,7 @@ static void allow(const td_keyframes *keys, const tides_gaussians *gaussians, in
     const double own[3] = {gaussians->log_scale[3 * i], gaussians->log_scale[3 * i + 1], gaussians->log_scale[3 * i + 2]};
     double least = fmin(own[0], fmin(own[1], own[2])), most = fmax(own[0], fmax(own[1], own[2]));
     double second = own[0] + own[1] + own[2] - least - most;
-    const double part[TD_KEYS_PARTS] = {exp(second), 0.5 * exp(second - most), 1, 1, 1};
+    const double part[TD_KEYS_PARTS] = {td_exp(second), 0.5 * td_exp(second - most), 1, 1, 1};
     for (int p = 0; p < TD_KEYS_PARTS; p++)
         for (int k = 0; k < keys->width[p] && keys->part[p]; k++) allowed[keys->first[p] + k] = most_off * part[p];
 }

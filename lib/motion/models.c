@@ -2,6 +2,8 @@
  * kernels/motion.h reads them. */
 #include "td_models.h"
 
+#include "td_math.h"
+
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -52,7 +54,7 @@ tides_status td_mover_create_rows(td_mover_numbers *numbers, const char *model, 
     return TIDES_OK;
 }
 
-double td_sigmoid(double x) { return 1 / (1 + exp(-x)); }
+double td_sigmoid(double x) { return 1 / (1 + td_exp(-x)); }
 
 tides_status td_motion_finish(tides_status status, tides_motion *made, tides_motion **motion) {
     if (status == TIDES_OK)

@@ -2,6 +2,7 @@
 #include "td_network.h"
 
 #include "td_dense.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <string.h>
@@ -98,7 +99,7 @@ void td_network_embed(const double *number, int count, int octaves, double *valu
         if (rate) rate[i] = 1;
         for (int k = 0; k < octaves; k++) {
             int at = (1 + 2 * k) * count + i;
-            double frequency = ldexp(1, k), sine = sin(frequency * number[i]), cosine = cos(frequency * number[i]);
+            double frequency = ldexp(1, k), sine = td_sin(frequency * number[i]), cosine = td_cos(frequency * number[i]);
             value[at] = sine;
             value[at + count] = cosine;
             if (rate) rate[at] = frequency * cosine, rate[at + count] = -frequency * sine;

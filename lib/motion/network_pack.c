@@ -2,6 +2,7 @@
 #include "td_network.h"
 
 #include "td_dense.h"
+#include "td_math.h"
 
 #include <limits.h>
 #include <math.h>
@@ -40,11 +41,11 @@ static void pack_record(const tides_gaussians *from, int64_t g, int octaves, dou
     for (int i = 0; i < 3; i++) {
         record[TD_NETWORK_MEAN + i] = from->mean[3 * g + i];
         mean[i] = from->origin[i] + from->mean[3 * g + i]; /* as it was trained */
-        record[TD_NETWORK_SCALE + i] = exp((double)from->log_scale[3 * g + i]);
+        record[TD_NETWORK_SCALE + i] = td_exp((double)from->log_scale[3 * g + i]);
     }
     for (int i = 0; i < 4; i++) sum += (double)from->quaternion[4 * g + i] * from->quaternion[4 * g + i];
     for (int i = 0; i < 4; i++) record[TD_NETWORK_ROTATION + i] = from->quaternion[4 * g + i] / sqrt(sum);
-    record[TD_NETWORK_OPACITY] = 1 / (1 + exp(-(double)from->opacity_logit[g]));
+    record[TD_NETWORK_OPACITY] = 1 / (1 + td_exp(-(double)from->opacity_logit[g]));
     td_network_embed(mean, 3, octaves, record + TD_NETWORK_INPUTS, NULL);
 }
 

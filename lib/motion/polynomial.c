@@ -2,6 +2,7 @@
 #include "td_models.h"
 
 #include "kernels/motion_polynomial.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <string.h>
@@ -63,11 +64,11 @@ static void pack_row(const polynomial_fields *fields, const tides_gaussians *gau
     widen(gaussians->mean, i, 3, row + TD_POLYNOMIAL_MEAN);
     widen(fields->coefficient->value, i, 9, row + TD_POLYNOMIAL_COEFFICIENT);
     row[TD_POLYNOMIAL_CENTRE] = fields->centre->value[i];
-    row[TD_POLYNOMIAL_NARROWNESS] = exp(-(double)fields->log_width->value[i]);
+    row[TD_POLYNOMIAL_NARROWNESS] = td_exp(-(double)fields->log_width->value[i]);
     row[TD_POLYNOMIAL_OPACITY] = td_sigmoid(gaussians->opacity_logit[i]);
     widen(gaussians->quaternion, i, 4, row + TD_POLYNOMIAL_QUATERNION);
     widen(fields->quaternion_dot->value, i, 4, row + TD_POLYNOMIAL_QUATERNION_DOT);
-    for (int k = 0; k < 3; k++) row[TD_POLYNOMIAL_SCALE + k] = exp((double)gaussians->log_scale[3 * i + k]);
+    for (int k = 0; k < 3; k++) row[TD_POLYNOMIAL_SCALE + k] = td_exp((double)gaussians->log_scale[3 * i + k]);
 }
 
 static tides_status pack(const tides_motion *motion, const tides_gaussians *gaussians, td_mover_numbers *numbers,
@@ -102,7 +103,7 @@ static void find_moving(const tides_motion *motion, const tides_gaussians *gauss
     for (int64_t i = 0; i < gaussians->count; i++) {
         double centre = fields.centre->value[i];
         double reach = fmax(fabs(motion->start - centre), fabs(motion->stop - centre));
-        double x = reach * exp(-(double)fields.log_width->value[i]);
+        double x = reach * td_exp(-(double)fields.log_width->value[i]);
         moving[i] = !(all_zero(fields.coefficient, i, 9) && all_zero(fields.quaternion_dot, i, 4) && x * x < unseen &&
                       (!fields.feature_dot || all_zero(fields.feature_dot, i, 3)));
     }
@@ -132,7 +133,7 @@ static void scales(const tides_motion *motion, const tides_gaussians *gaussians,
         scales[i] = none;
         if (!found) continue;
         scales[i].centre = fields.centre->value[i];
-        scales[i].width = exp((double)fields.log_width->value[i]);
+        scales[i].width = td_exp((double)fields.log_width->value[i]);
         scales[i].always = turning_time(gaussians->quaternion + 4 * i, fields.quaternion_dot->value + 4 * i);
     }
 }

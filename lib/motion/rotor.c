@@ -10,6 +10,7 @@
 #include "td_models.h"
 
 #include "kernels/motion_rotor.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <string.h>
@@ -115,8 +116,8 @@ static tides_status pack_geometry(const tides_motion *motion, const rotor_fields
     double l[4], r[4], scale[4], variance, prefilter = td_motion_setting(motion, "time_prefilter", 0);
     int fine = unit_quaternion(gaussians->quaternion + 4 * i, l);
     memset(row, 0, TD_ROTOR_TURN * sizeof *row);
-    for (int k = 0; k < 3; k++) scale[k] = exp((double)gaussians->log_scale[3 * i + k]);
-    scale[3] = exp((double)fields->log_scale_time->value[i]);
+    for (int k = 0; k < 3; k++) scale[k] = td_exp((double)gaussians->log_scale[3 * i + k]);
+    scale[3] = td_exp((double)fields->log_scale_time->value[i]);
     if (fields->quaternion_right) {
         fine = fine && unit_quaternion(fields->quaternion_right->value + 4 * i, r);
         if (fine) slice(l, r, scale, row, &variance);
@@ -159,8 +160,8 @@ static void pack_colour(const tides_motion *motion, const rotor_fields *fields, 
                         int entries, double *row) {
     for (int k = 1; k <= fields->harmonics; k++) {
         double angle = frequency(motion) * k * fields->centre->value[i];
-        *row++ = cos(angle);
-        *row++ = sin(angle);
+        *row++ = td_cos(angle);
+        *row++ = td_sin(angle);
     }
     for (int e = 0; e < entries; e++) *row++ = gaussians->sh[i * entries + e];
     for (int e = 0; e < fields->harmonics * entries; e++)
@@ -190,8 +191,8 @@ static tides_status pack(const tides_motion *motion, const tides_gaussians *gaus
 static void moment(const tides_motion *motion, double tau, int side, double real[TD_MOMENT_REALS]) {
     (void)side;
     for (int k = 1; k <= HARMONICS_MOST; k++) {
-        real[TD_ROTOR_MOMENT_TURN + 2 * (k - 1)] = cos(frequency(motion) * k * tau);
-        real[TD_ROTOR_MOMENT_TURN + 2 * (k - 1) + 1] = sin(frequency(motion) * k * tau);
+        real[TD_ROTOR_MOMENT_TURN + 2 * (k - 1)] = td_cos(frequency(motion) * k * tau);
+        real[TD_ROTOR_MOMENT_TURN + 2 * (k - 1) + 1] = td_sin(frequency(motion) * k * tau);
     }
 }
 

@@ -9,6 +9,7 @@
  * cubic, what it is at the cubic's Bezier points; and over a ball, its radius times the plane's normal more. */
 #include "camera/td_rotation.h"
 #include "td_renderer.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -170,7 +171,7 @@ void td_clusters_look(td_clusters *clusters, int object, const td_image *image, 
         const td_cluster *cluster = &clusters->of[i];
         if (cluster->opacity != opacity) {
             opacity = cluster->opacity;
-            sigmas = more * sqrt(2 * log(fmax(opacity / cut, 1)));
+            sigmas = more * sqrt(2 * td_ln(fmax(opacity / cut, 1)));
             set_planes(image, 1 + sigmas * sqrt(image->dilation), &out);
         }
         if (!is_out(cluster, &out, sigmas))

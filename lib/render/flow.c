@@ -3,6 +3,7 @@
 #include "td_renderer.h"
 
 #include "kernels/lens.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -29,7 +30,7 @@ static double pixel_flow(const td_image *image, const td_view *view, int x, int 
         const double across = u;
         u = bent.xx.v * across + bent.xy.v * v, v = bent.yx.v * across + bent.yy.v * v;
     }
-    return hypot(image->fx * u, image->fy * v) / Z;
+    return td_hypot(image->fx * u, image->fy * v) / Z;
 }
 
 /* What the camera's own motion does to the image, were everything at rest; pixels without depth show nothing that moves. */
@@ -67,7 +68,7 @@ static double displacement(const td_image *image, const float *from, const float
         if (!(box[0] <= box[2] && box[0] < width && box[2] > 0 && box[1] < height && box[3] > 0)) return 0;
         if (box[0] == 0 && box[1] == 0 && box[2] == width && box[3] == height) return 0;
     }
-    return 0.5 * hypot((double)to[0] + to[2] - from[0] - from[2], (double)to[1] + to[3] - from[1] - from[3]);
+    return 0.5 * td_hypot((double)to[0] + to[2] - from[0] - from[2], (double)to[1] + to[3] - from[1] - from[3]);
 }
 
 /* What moves by itself, with the camera's motion in it: how far splats go in a short while. */

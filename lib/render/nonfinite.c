@@ -2,6 +2,8 @@
  * splat that they can't hold in every pixel that it isn't hidden from (td_shape.broken), so that none goes by unseen. */
 #include "td_renderer.h"
 
+#include "td_math.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -90,7 +92,7 @@ static tides_status describe_cause(tides_renderer *renderer, const tides_traject
              "Gaussian %d of object %d ('%.60s'; mean %.6g %.6g %.6g, scales %.4g %.4g %.4g%s) is more than its numbers "
              "can hold there: take it out or make it smaller",
              number, object, facts.name, facts.gaussians.origin[0] + mean[0], facts.gaussians.origin[1] + mean[1],
-             facts.gaussians.origin[2] + mean[2], exp((double)scale[0]), exp((double)scale[1]), exp((double)scale[2]),
+             facts.gaussians.origin[2] + mean[2], td_exp((double)scale[0]), td_exp((double)scale[1]), td_exp((double)scale[2]),
              facts.motion ? ", where its motion begins" : "");
     return TIDES_OK;
 }

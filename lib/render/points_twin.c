@@ -1,7 +1,6 @@
 /* Single pixels at single times in C: the twin of the OpenCL kernels in double precision, to the bit, and what devices
  * without double precision have, and the references. */
 #define TD_REAL_DOUBLE
-#define TD_EXACT
 #include "kernels/path_node.h"
 #include "kernels/points.h"
 #include "td_base.h"

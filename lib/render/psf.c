@@ -1,5 +1,6 @@
 /* Blur by the optics, tile by tile, for whoever renders frames or runs a sensor with a PSF: of L and L_dot, or of Y before
  * the logarithm. Which pixels are wanted, and what comes of them, is the renderer's. */
+#include "td_math.h"
 #include "td_renderer.h"
 #include "tides/sensor.h"
 
@@ -22,7 +23,7 @@ tides_status td_psf_set(td_psf *psf, double sigma_px, int32_t domain, tides_erro
     if (!weight) return TIDES_NO_MEMORY;
     weight[0] = 1;
     for (int k = 1; k <= radius; k++) {
-        weight[k] = exp(-0.5 * k * k / (sigma * sigma));
+        weight[k] = td_exp(-0.5 * k * k / (sigma * sigma));
         sum += 2 * weight[k];
     }
     for (int k = 0; k <= radius; k++) weight[k] /= sum;
@@ -152,7 +153,7 @@ static void to_linear(td_psf *psf, int count, int outputs) {
     for (int i = 0; i < count; i++) {
         double *L = psf->planes + (size_t)i * outputs * TD_TILE_PIXELS, *L_dot = L + TD_OUT_L_DOT * TD_TILE_PIXELS;
         for (int k = 0; k < TD_TILE_PIXELS; k++) {
-            L[k] = exp(L[k]);
+            L[k] = td_exp(L[k]);
             L_dot[k] *= L[k];
         }
     }
@@ -236,9 +237,9 @@ static void finish_tile(td_psf *psf, td_psf_source *s, int tile, double log_eps,
     }
     for (int i = 0; i < TD_TILE_PIXELS; i++) {
         int at = td_tile_pixel(i % TD_TILE, i / TD_TILE), linear = psf->domain == TIDES_PSF_LINEAR;
-        planes[TD_OUT_L * TD_TILE_PIXELS + at] = linear ? log(L[i]) : L[i];
+        planes[TD_OUT_L * TD_TILE_PIXELS + at] = linear ? td_ln(L[i]) : L[i];
         planes[TD_OUT_L_DOT * TD_TILE_PIXELS + at] = linear ? L_dot[i] / L[i] : L_dot[i];
-        if (s->outputs > TD_OUT_Y) planes[TD_OUT_Y * TD_TILE_PIXELS + at] = (linear ? L[i] : exp(L[i])) - log_eps;
+        if (s->outputs > TD_OUT_Y) planes[TD_OUT_Y * TD_TILE_PIXELS + at] = (linear ? L[i] : td_exp(L[i])) - log_eps;
     }
 }
 

@@ -1,5 +1,6 @@
 /* Swaps of depth of two splats (td_swaps.h): when, how long they take, and what they are worth to the blocks of a tile. */
 #include "td_extremes.h"
+#include "td_math.h"
 #include "td_swaps.h"
 
 #include <math.h>
@@ -48,7 +49,7 @@ static int find_form(const td_image *image, const td_swap_samples *at, const td_
                 c / det,
                 -b / det,
                 a / det,
-                -log(of->opacity)};
+                -td_ln(of->opacity)};
     return det > 0;
 }
 
@@ -95,7 +96,7 @@ typedef struct pair {
 static double light_in(const pair *of, int block, const form *f, const form *g) {
     const int *corner = of->tile->corner;
     if (!f) return of->contrast * of->a->opacity * of->b->opacity;
-    return of->contrast * exp(-least_in(f, g, corner[0] + block % 4 * TD_BLOCK, corner[1] + block / 4 * TD_BLOCK));
+    return of->contrast * td_exp(-least_in(f, g, corner[0] + block % 4 * TD_BLOCK, corner[1] + block / 4 * TD_BLOCK));
 }
 
 static void add_swap(td_swap_tile *tile, const td_swap *swap) {

@@ -8,6 +8,7 @@
  * depths meet. What motion models move isn't looked for: of it nobody knows a path. */
 #include "scene/td_scene.h"
 #include "td_extremes.h"
+#include "td_math.h"
 #include "td_swaps.h"
 
 #include <math.h>
@@ -91,7 +92,8 @@ static tides_status find_groups(const tides_renderer *renderer, struct td_swaps 
 
 /* How far apart two rows of views are. */
 static double apart(const double *a, const double *b) {
-    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
+    const double way[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
 }
 
 /* Views at the ends of so many parts of the interval: renderer->views. */

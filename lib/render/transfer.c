@@ -4,11 +4,12 @@
 
 #include "kernels/transfer.h"
 #include "scene/td_scene.h"
+#include "td_math.h"
 
 #include <math.h>
 
 double td_transfer_colour(const td_transfer *transfer, double light) {
-    const double base = pow(fmax(light, 0), 1 / transfer->gamma) / transfer->scale - transfer->offset;
+    const double base = td_pow(fmax(light, 0), 1 / transfer->gamma) / transfer->scale - transfer->offset;
     if (base > transfer->joint || !(transfer->slope > 0)) return base;
     return light / transfer->slope;
 }

@@ -1,6 +1,8 @@
 /* Event frames and time surfaces: per pixel and polarity, how many events, and how long ago the latest was. */
 #include "td_representation.h"
 
+#include "td_math.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -57,7 +59,7 @@ tides_status tides_time_surface(const tides_event *events, size_t count, int32_t
     for (size_t i = 0; i < count && events[i].t <= time_ns; i++)
         latest[(events[i].polarity > 0 ? cells / 2 : 0) + td_representation_pixel(&events[i], width)] = events[i].t;
     for (size_t i = 0; i < cells; i++)
-        surface[i] = latest[i] == INT64_MAX ? 0.0 : exp(-1e-9 * (double)(time_ns - latest[i]) / decay_s);
+        surface[i] = latest[i] == INT64_MAX ? 0.0 : td_exp(-1e-9 * (double)(time_ns - latest[i]) / decay_s);
     free(latest);
     return TIDES_OK;
 }

@@ -7,6 +7,8 @@
  * There is no light in them: where the source follower isn't the slower, no formula says what is. */
 #include "td_biases.h"
 
+#include "td_math.h"
+
 #include <math.h>
 
 static const double two_pi = 6.28318530717958647692, thermal_v = 0.025, per_ln = 1 / (0.7 * 20);
@@ -26,8 +28,8 @@ td_bias_units td_biases_units(const td_biases *biases) {
     const double diff = current(biases, name[0]), on = current(biases, name[1]), off = current(biases, name[2]);
     const double pr = current(biases, name[3]), sf = current(biases, name[4]), refr = current(biases, name[5]);
     const td_bias *off_bias = td_biases_find(biases, name[2]);
-    if (diff > 0 && on > diff) units.threshold_on = per_ln * log(on / diff);
-    if (diff > 0 && off > 0 && off < diff) units.threshold_off = per_ln * log(diff / off);
+    if (diff > 0 && on > diff) units.threshold_on = per_ln * td_ln(on / diff);
+    if (diff > 0 && off > 0 && off < diff) units.threshold_off = per_ln * td_ln(diff / off);
     units.off = off_bias && off_bias->value == 0;
     if (refr > 0) units.refractory_s = davis ? 20e-15 * 0.8 / refr : 32e-15 * 2.6 / (0.545 * refr);
     units.limited = pr > 0 && sf >= 0.5 * pr;

@@ -7,6 +7,8 @@
  * read as fine 1, the least that is a current, and biases_law.c says so. */
 #include "td_biases.h"
 
+#include "td_math.h"
+
 #include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
@@ -18,7 +20,7 @@ enum { LIMIT = 1 << 20 };
 
 static const double libcaer_a[8] = {11e-12, 94e-12, 756e-12, 6054e-12, 48437e-12, 387500e-12, 3.1e-6, 24.8e-6};
 
-static double jaer_current(int32_t coarse, int32_t fine) { return 389e-9 * pow(8, coarse - 5) * fine / 256; }
+static double jaer_current(int32_t coarse, int32_t fine) { return 389e-9 * td_pow(8, coarse - 5) * fine / 256; }
 static double libcaer_current(int32_t coarse, int32_t fine) { return libcaer_a[coarse] * fine / 255; }
 static double dvs128_current(int32_t code) { return 75e-6 * code / 16777216; }
 

@@ -9,6 +9,7 @@
 #include "scene/td_scene.h"
 #include "solver/td_reached.h"
 #include "td_base.h"
+#include "td_math.h"
 #include "td_struct.h"
 
 #include <float.h>
@@ -189,7 +190,7 @@ static tides_status check_jump(const tides_live *live, const tides_pose_sample *
     memcpy(q, to->quaternion, sizeof q);
     if (!(time > 0) || !td_normalise_quaternion(q)) return TIDES_OK; /* the path will say so */
     for (int k = 0; k < 4; k++) along += q[k] * from->quaternion[k];
-    const double speed = td_length3(away) / time, turn_rate = 2 * acos(fmin(fabs(along), 1)) / time;
+    const double speed = td_length3(away) / time, turn_rate = 2 * td_acos(fmin(fabs(along), 1)) / time;
     if (o->most_speed > 0 && !(speed <= o->most_speed))
         return td_fail(error, TIDES_BAD_ARGUMENT,
                        "the pose at %.15g s is a jump: %g scene units/s from the one before, and most_speed is %g", to->time,

@@ -1,6 +1,7 @@
 /* Opens what a run names: the scene with its moving objects, and the camera's path with its intrinsics; or the frames. What a
  * reader of the run may not expect of them is noted on the way. */
 #include "td_folder.h"
+#include "td_math.h"
 #include "td_run.h"
 
 #include <math.h>
@@ -190,7 +191,7 @@ static tides_status merge_intrinsics(const tides_run *run, const tides_path *fil
     const int32_t resized = (path->width && path->width != own.width) || (path->height && path->height != own.height);
     if (resized) theirs.fx = theirs.fy = theirs.cx = theirs.cy = 0;
     own.fx = given_or(own.fx, theirs.fx);
-    if (file->field_of_view_x > 0) own.fx = given_or(own.fx, 0.5 * own.width / tan(0.5 * file->field_of_view_x));
+    if (file->field_of_view_x > 0) own.fx = given_or(own.fx, 0.5 * own.width / td_tan(0.5 * file->field_of_view_x));
     own.fy = given_or(given_or(own.fy, theirs.fy), own.fx);
     const char *missing = own.width == 0 ? "width" : own.height == 0 ? "height" : own.fx > 0 ? NULL : "fx";
     if (missing && resized)
@@ -226,7 +227,7 @@ static tides_status find_orbit(const tides_run *run, const tides_scene *scene, t
                                tides_intrinsics *intrinsics, tides_error *error) {
     const double fx = 554.25625842204073; /* 320 / tan 30 degrees */
     const tides_path none = {.intrinsics = {.width = 640, .height = 480, .fx = fx, .fy = fx, .cx = 320, .cy = 240},
-                             .field_of_view_x = 2 * atan(320 / fx)};
+                             .field_of_view_x = 2 * td_atan2(320, fx)};
     const cJSON *up = td_run_value(run, "camera.up");
     const double turn = td_run_number(run, "camera.orbit_s"), start = td_run_number(run, "time.start");
     double own[3] = {0};
@@ -235,7 +236,7 @@ static tides_status find_orbit(const tides_run *run, const tides_scene *scene, t
     if (status != TIDES_OK) return status;
     for (int i = 0; i < 3 && cJSON_IsArray(up); i++) own[i] = cJSON_GetArrayItem(up, i)->valuedouble;
     const double tangent = fmin(intrinsics->width / intrinsics->fx, intrinsics->height / intrinsics->fy);
-    status = tides_scene_orbit(scene, cJSON_IsArray(up) ? own : NULL, 2 * atan(0.5 * tangent), &orbit, error);
+    status = tides_scene_orbit(scene, cJSON_IsArray(up) ? own : NULL, 2 * td_atan2(0.5 * tangent, 1), &orbit, error);
     if (status != TIDES_OK) return status;
     orbit.angular_speed = 2 * 3.14159265358979323846 / turn;
     orbit.start = turn * floor(start / turn);

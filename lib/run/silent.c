@@ -2,6 +2,7 @@
  * by how long that takes: a run without events is over soon. For the tool and for Python, which tell it. */
 #include "run/td_session.h"
 #include "td_base.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -59,7 +60,7 @@ static tides_status look_at_frames(const tides_session_facts *f, planes *p, size
     if (tides_frames_planes(f->frames) != 1) return TIDES_OK;
     for (size_t k = 0; k < count && status == TIDES_OK; k += step) {
         status = tides_frames_read(f->frames, k, p->L, error);
-        for (size_t i = 0; i < pixels; i++) p->L[i] = log(p->L[i] + f->values.image.log_eps);
+        for (size_t i = 0; i < pixels; i++) p->L[i] = td_ln(p->L[i] + f->values.image.log_eps);
         if (status == TIDES_OK) take_picture(p, pixels, seen);
     }
     return status;

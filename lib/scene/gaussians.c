@@ -1,6 +1,7 @@
 /* Arrays of Gaussians for the scene's readers and its store: made, copied, freed, and checked before anything is rendered
  * from them. */
 #include "td_base.h"
+#include "td_math.h"
 #include "td_scene.h"
 
 #include <float.h>
@@ -139,7 +140,7 @@ static tides_status check_quaternions(const td_gaussians *gaussians, complaint c
 /* In place, means and scales are multiplied by the object's scale. Scales only need to be numbers then: what is too wide
  * depends on how near it is seen (kernels/projection.h). */
 static tides_status check_range(const td_gaussians *gaussians, double scale, complaint c) {
-    const double most = log((double)FLT_MAX) - log(scale);
+    const double most = td_ln((double)FLT_MAX) - td_ln(scale);
     for (int64_t i = 0; i < gaussians->count; i++)
         for (int axis = 0; axis < 3; axis++) {
             const double log_scale = gaussians->log_scale[3 * i + axis], mean = td_gaussians_mean(gaussians, i, axis);

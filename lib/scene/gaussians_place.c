@@ -2,6 +2,7 @@
  * its place (glTF's nodes, streamed SOG's chunks). */
 #include "camera/td_rotation.h"
 #include "td_base.h"
+#include "td_math.h"
 #include "td_scene.h"
 
 #include <math.h>
@@ -44,7 +45,7 @@ static void band_rotation(const double r[9], int l, double *matrix) {
     memset(matrix, 0, (size_t)(width * width) * sizeof *matrix);
     for (int i = 0; i < NODES * TURNS; i++) {
         const double z = at[i / TURNS], around = 2 * pi * (i % TURNS) / TURNS, off = sqrt(1 - z * z);
-        const double u[3] = {off * cos(around), off * sin(around), z};
+        const double u[3] = {off * td_cos(around), off * td_sin(around), z};
         double back[3];
         for (int k = 0; k < 3; k++) back[k] = r[k] * u[0] + r[3 + k] * u[1] + r[6 + k] * u[2];
         band(u, l, here);
@@ -107,7 +108,7 @@ static void shape_of(double m[9], float *log_scale, float *quaternion) {
     for (int c = 0; c < 3; c++) {
         length[c] = sqrt(m[c] * m[c] + m[3 + c] * m[3 + c] + m[6 + c] * m[6 + c]);
         for (int k = 0; k < 9; k += 3) r[k + c] = m[k + c] / length[c];
-        log_scale[c] = (float)log(length[c]);
+        log_scale[c] = (float)td_ln(length[c]);
     }
     const double third[3] = {r[3] * r[7] - r[6] * r[4], r[6] * r[1] - r[0] * r[7], r[0] * r[4] - r[3] * r[1]};
     for (int k = 0; k < 3; k++) r[3 * k + 2] = third[k]; /* an axis has no sign */
@@ -123,7 +124,7 @@ static void stretch(const td_gaussians *g, int64_t i, const double linear[9]) {
     for (int row = 0; row < 3; row++)
         for (int c = 0; c < 3; c++) {
             const double *a = linear + 3 * row;
-            m[3 * row + c] = (a[0] * r[c] + a[1] * r[3 + c] + a[2] * r[6 + c]) * exp((double)g->log_scale[3 * i + c]);
+            m[3 * row + c] = (a[0] * r[c] + a[1] * r[3 + c] + a[2] * r[6 + c]) * td_exp((double)g->log_scale[3 * i + c]);
         }
     shape_of(m, g->log_scale + 3 * i, g->quaternion + 4 * i);
 }
@@ -147,7 +148,7 @@ tides_status td_gaussians_place(td_gaussians *g, const double map[12], tides_err
     if (status) return status;
     const double least = fmin(fmin(size[0], size[1]), size[2]), most = fmax(fmax(size[0], size[1]), size[2]);
     const int even = most <= least * (1 + 1e-6);
-    const float larger = fabs(size[0] - 1) < 1e-12 ? 0 : (float)log(size[0]);
+    const float larger = fabs(size[0] - 1) < 1e-12 ? 0 : (float)td_ln(size[0]);
     for (int64_t i = 0; i < g->count; i++) {
         const double p[3] = {td_gaussians_mean(g, i, 0), td_gaussians_mean(g, i, 1), td_gaussians_mean(g, i, 2)};
         for (int k = 0; k < 3; k++) {

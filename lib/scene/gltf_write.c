@@ -2,6 +2,7 @@
  * attribute, turned to glTF's axes themselves: viewers that don't turn SH with a node show the right colours. */
 #include "td_base.h"
 #include "td_gltf.h"
+#include "td_math.h"
 #include "td_scene.h"
 #include "td_splat.h"
 
@@ -48,7 +49,7 @@ static unsigned char *put_rotations(unsigned char *to, const td_gaussians *g) {
 }
 
 static unsigned char *put_scales(unsigned char *to, const td_gaussians *g, double scale) {
-    for (int64_t i = 0; i < 3 * g->count; i++, to += 4) td_put_le_float(to, td_narrow(scale * exp((double)g->log_scale[i])));
+    for (int64_t i = 0; i < 3 * g->count; i++, to += 4) td_put_le_float(to, td_narrow(scale * td_exp((double)g->log_scale[i])));
     return to;
 }
 

@@ -6,6 +6,7 @@
 
 #include "archive/td_pickle.h"
 #include "td_base.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,7 +20,7 @@ static tides_status make_motion(int64_t count, const float *times, float *durati
     float *still = td_alloc((size_t)count, 4 * sizeof *still, error);
     tides_status status = coefficient && still ? TIDES_OK : TIDES_NO_MEMORY;
     for (int64_t i = 0; i < count && status == TIDES_OK; i++) {
-        durations[i] = (float)(log(fmax(exp((double)durations[i]), DURATION_LEAST)) + 0.5 * log(2));
+        durations[i] = (float)(td_ln(fmax(td_exp((double)durations[i]), DURATION_LEAST)) + 0.5 * td_ln(2));
         for (int k = 0; k < 3; k++) coefficient[9 * i + k] = velocities[3 * i + k];
     }
     const tides_polynomial_motion arrays = {.count = count,

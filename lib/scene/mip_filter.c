@@ -7,16 +7,18 @@
  * which neither overflows nor cancels for any finite l. */
 #include "td_scene.h"
 
+#include "td_math.h"
+
 #include <math.h>
 
 /* ln(1 + e^x) */
-static double softplus(double x) { return x > 0 ? x + log1p(exp(-x)) : log1p(exp(x)); }
+static double softplus(double x) { return x > 0 ? x + td_log1p(td_exp(-x)) : td_log1p(td_exp(x)); }
 
 void td_gaussians_fold_filter(td_gaussians *gaussians, const float *filter) {
     for (int64_t i = 0; i < gaussians->count; i++) {
         double size = fabs((double)filter[i]);
         if (size == 0) continue; /* keeps the trained bits */
-        double log_size = log(size), log_c = 0;
+        double log_size = td_ln(size), log_c = 0;
         for (int axis = 0; axis < 3; axis++) {
             float *log_scale = gaussians->log_scale + 3 * i + axis;
             double grown = *log_scale + 0.5 * softplus(2 * (log_size - *log_scale));
@@ -24,8 +26,8 @@ void td_gaussians_fold_filter(td_gaussians *gaussians, const float *filter) {
             *log_scale = (float)grown;
         }
         double logit = gaussians->opacity_logit[i];
-        double one_minus_c = -expm1(log_c);
-        double loss = one_minus_c > 0 ? softplus(logit + log(one_minus_c)) : 0;
+        double one_minus_c = -td_expm1(log_c);
+        double loss = one_minus_c > 0 ? softplus(logit + td_ln(one_minus_c)) : 0;
         gaussians->opacity_logit[i] = (float)(logit + log_c - loss);
     }
 }

@@ -6,6 +6,7 @@
  * Axis by axis: the median of the means, rounded to a multiple of a power of two that is no less than GRID spreads. A
  * number that round is subtracted from means in single precision without rounding. */
 #include "td_base.h"
+#include "td_math.h"
 #include "td_scene.h"
 #include "td_sort.h"
 
@@ -50,7 +51,7 @@ static void find_middle(const td_gaussians *g, double *values, double median[3],
         values[i] = fmax(fmax((double)s[0], (double)s[1]), (double)s[2]);
     }
     qsort(values, count, sizeof *values, td_ascending);
-    *spread = exp(values[count / 2]);
+    *spread = td_exp(values[count / 2]);
     for (int axis = 0; axis < 3; axis++) {
         double own;
         for (size_t i = 0; i < count; i++) values[i] = td_gaussians_mean(g, (int64_t)i * step, axis) - g->origin[axis];
@@ -76,7 +77,8 @@ tides_status td_gaussians_recentre(td_gaussians *g, tides_error *error) {
     if (!values) return TIDES_NO_MEMORY;
     find_middle(g, values, median, &spread);
     free(values);
-    const double grid = exp2(ceil(log2(GRID * spread)));
+    int e;
+    const double part = frexp(GRID * spread, &e), grid = ldexp(1, part == 0.5 ? e - 1 : e); /* the power of 2 above */
     int any = g->mean_double != NULL;
     for (int axis = 0; axis < 3; axis++) {
         if (!(fabs(median[axis]) > FAR * spread)) continue;

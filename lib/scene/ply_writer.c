@@ -3,6 +3,7 @@
  * can't hold, far from (0, 0, 0), are double. */
 #include "td_base.h"
 #include "td_endian.h"
+#include "td_math.h"
 #include "td_scene.h"
 #include "td_text.h"
 
@@ -43,7 +44,7 @@ static void write_header(FILE *out, const td_gaussians *g, int wide) {
 static size_t fill_row(float *row, const td_gaussians *g, size_t i, double scale) {
     size_t n = 0, coefficients = td_sh_coefficients(g->sh_degree);
     const float *sh = g->sh + i * coefficients * 3;
-    double log_of_scale = log(scale);
+    double log_of_scale = td_ln(scale);
     for (size_t axis = 0; axis < 3; axis++) row[n++] = 0.0f;
     for (size_t c = 0; c < 3; c++) row[n++] = sh[c];
     for (size_t c = 0; c < 3; c++)

@@ -12,6 +12,7 @@
  * twice that distance the inside of a hedge. */
 #include "camera/td_rotation.h"
 #include "td_base.h"
+#include "td_math.h"
 #include "td_scene.h"
 #include "td_sort.h"
 
@@ -194,7 +195,7 @@ tides_status tides_scene_orbit(const tides_scene *scene, const double up[3], dou
         find_middle(&s, width, orbit->target);
         if (!tides_scene_up(scene, orbit->up)) guess_up(width, orbit->up);
         if (up) memcpy(orbit->up, up, sizeof orbit->up);
-        const double distance = choose(&s, orbit, tan(0.5 * field_of_view));
+        const double distance = choose(&s, orbit, td_tan(0.5 * field_of_view));
         orbit->radius = distance / sqrt(1 + raised * raised);
         orbit->height = raised * orbit->radius;
     }

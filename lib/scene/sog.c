@@ -14,6 +14,7 @@
  * "model" is "antialiased" or "2dgs" where the splats aren't plain ones (version 2, since 2026). */
 #include "archive/td_zip.h"
 #include "td_base.h"
+#include "td_math.h"
 #include "td_splat.h"
 #include "td_splat_json.h"
 
@@ -181,7 +182,7 @@ static tides_status unpack_means(const sog *s, const td_gaussians *g) {
     for (size_t i = 0; i < s->count && !status; i++)
         for (size_t c = 0; c < 3; c++) {
             double t = (bytes[0].rgba[4 * i + c] | bytes[1].rgba[4 * i + c] << 8) / 65535.0;
-            double value = low[c] + (high[c] - low[c]) * t, size = expm1(fabs(value));
+            double value = low[c] + (high[c] - low[c]) * t, size = td_expm1(fabs(value));
             g->mean[3 * i + c] = (float)(value < 0 ? -size : size);
         }
     for (int b = 0; b < 2; b++) WebPFree(bytes[b].rgba);

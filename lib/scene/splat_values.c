@@ -1,6 +1,7 @@
 /* What the bytes of packed splat files (.splat, .ksplat, .spz, .sog) stand for. In double until the last step, so that a
  * value is rounded once. */
 #include "td_base.h"
+#include "td_math.h"
 #include "td_splat.h"
 
 #include <float.h>
@@ -13,16 +14,16 @@ float td_splat_logit(double opacity) {
     const double least = 0x1p-24;
     if (opacity < least) opacity = least;
     if (opacity > 1 - least) opacity = 1 - least;
-    return (float)log(opacity / (1 - opacity));
+    return (float)td_ln(opacity / (1 - opacity));
 }
 
-float td_splat_log_scale(double scale) { return (float)log(scale == 0 ? (double)FLT_MIN : scale); }
+float td_splat_log_scale(double scale) { return (float)td_ln(scale == 0 ? (double)FLT_MIN : scale); }
 
 float td_splat_dc(double colour) { return (float)((colour - 0.5) / SH_C0); }
 
 double td_splat_colour(double dc) { return 0.5 + SH_C0 * dc; }
 
-double td_splat_opacity(float logit) { return 1 / (1 + exp(-(double)logit)); }
+double td_splat_opacity(float logit) { return 1 / (1 + td_exp(-(double)logit)); }
 
 void td_splat_unit(const float q[4], double out[4]) {
     double square = 0;

@@ -3,6 +3,7 @@
  * behind the point as the scene's size leaves. */
 #include "td_base.h"
 #include "td_endian.h"
+#include "td_math.h"
 #include "td_scene.h"
 #include "td_splat.h"
 
@@ -23,7 +24,7 @@ static void splat_row(unsigned char *row, const td_gaussians *g, size_t i, doubl
     td_splat_unit(g->quaternion + 4 * i, q);
     for (size_t k = 0; k < 3; k++) {
         td_put_le_float(row + 4 * k, td_narrow(scale * td_gaussians_mean(g, (int64_t)i, (int)k)));
-        td_put_le_float(row + 12 + 4 * k, td_narrow(scale * exp((double)g->log_scale[3 * i + k])));
+        td_put_le_float(row + 12 + 4 * k, td_narrow(scale * td_exp((double)g->log_scale[3 * i + k])));
         row[24 + k] = to_byte(255 * td_splat_colour(sh[k]));
     }
     row[27] = to_byte(255 * td_splat_opacity(g->opacity_logit[i]));
@@ -89,7 +90,7 @@ static void pack_spz(unsigned char *to, const td_gaussians *g, double scale, int
             const double mean = scale * td_gaussians_mean(g, (int64_t)i, (int)k);
             put_fixed(to + 9 * i + 3 * k, k ? -mean : mean, bits);
             colour[3 * i + k] = to_byte(255 * (0.15 * own[k] + 0.5));
-            size[3 * i + k] = to_byte(16 * (g->log_scale[3 * i + k] + log(scale) + 10));
+            size[3 * i + k] = to_byte(16 * (g->log_scale[3 * i + k] + td_ln(scale) + 10));
         }
         alpha[i] = to_byte(255 * td_splat_opacity(g->opacity_logit[i]));
         td_put_le32(rotation + 4 * i, smallest_three(q));

@@ -2,6 +2,7 @@
  * initial.c says; comparator.c takes them from there. */
 #include "td_base.h"
 #include "td_maps.h"
+#include "td_math.h"
 #include "td_random.h"
 #include "td_sensor.h"
 
@@ -88,7 +89,7 @@ static void draw_pixel(td_sensor *sensor, const td_maps *maps, size_t i, uint32_
     if (s->leak_sigma > 0 && rate > 0) {
         td_random_bits bits = td_random(s->seed, pixel, 0, TD_RANDOM_LEAK);
         td_random_normals(&bits, normal);
-        rate *= pow(10, s->leak_sigma * normal[0]);
+        rate *= td_pow(10, s->leak_sigma * normal[0]);
     }
     if (td_maps_has(maps, TD_MAP_LEAK, pixel)) rate = 1e-9 * maps->map[TD_MAP_LEAK][pixel];
     sensor->leak[i] = rate * on;

@@ -10,6 +10,7 @@
  * and the signal stands r a (HOLD: r (a - D), from 0) above the reference. A leak that brings a pixel to its level within D
  * fires at D (DROP_KEEP), or loses crossings (DROP_CONSUME): then T is D, and the reference follows in whole thresholds. */
 #include "td_base.h"
+#include "td_math.h"
 #include "td_random.h"
 #include "td_sensor.h"
 
@@ -21,16 +22,16 @@ static double noise_rate(const td_sensor *sensor, size_t i, double L) {
     double rate = 0;
     if (noise->due[TD_NOISE_SHOT_ON])
         rate = (td_shot_noise_rate(noise, TD_NOISE_SHOT_ON, i) + td_shot_noise_rate(noise, TD_NOISE_SHOT_OFF, i)) *
-               td_shot_noise_share(exp(L) - sensor->log_eps);
+               td_shot_noise_share(td_exp(L) - sensor->log_eps);
     return rate + td_shot_noise_rate(noise, TD_NOISE_HOT, i);
 }
 
 /* The age at which a share `u` of the survival's area is below: `length` of the part that falls at `rate`, INFINITY at most. */
 static double age_at(double u, double held, double length, double rate) {
-    const double falling = rate > 0 ? -expm1(-rate * length) / rate : length;
+    const double falling = rate > 0 ? -td_expm1(-rate * length) / rate : length;
     const double area = u * (held + falling);
     if (area < held) return area;
-    return held + (rate > 0 ? fmin(-log1p(-rate * (area - held)) / rate, length) : fmin(area - held, length));
+    return held + (rate > 0 ? fmin(-td_log1p(-rate * (area - held)) / rate, length) : fmin(area - held, length));
 }
 
 /* Of a pixel that is reset now and then. */

@@ -5,6 +5,7 @@
 #include "td_pixel.h"
 #include "td_half.h"
 #include "td_base.h"
+#include "td_math.h"
 #include "sensor/noise/td_noise_bridge.h"
 
 #include <math.h>
@@ -65,14 +66,14 @@ static void begin_kicks(walk *w) {
 static void seek_kick(walk *w, double s) {
     const td_kick *kick = &w->job->sensor->kick;
     while (w->kick_until <= s && w->kick_until < 1) {
-        w->kick += kick->size * exp(w->kick_rate * w->kick_until);
+        w->kick += kick->size * td_exp(w->kick_rate * w->kick_until);
         w->kick_ns = td_kick_next(kick, w->pixel->y, nextafter(w->kick_ns, INFINITY));
         w->kick_until = place_of(w, w->kick_ns);
         put_kick(w);
     }
 }
 
-static double kick_at(const walk *w, double s) { return w->job->sensor->kick.on ? w->kick * exp(-w->kick_rate * s) : 0; }
+static double kick_at(const walk *w, double s) { return w->job->sensor->kick.on ? w->kick * td_exp(-w->kick_rate * s) : 0; }
 
 /* -- additive noise -------------------------------------------------------------------------------------------------------- */
 

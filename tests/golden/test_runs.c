@@ -4,8 +4,8 @@
  * reference; and runs that are resumed.
  *
  * A change that means to change events writes runs.txt anew: TIDES_WRITE=1 build/release/tests/golden/test_runs, raises
- * TIDES_NUMERICS (include/tides/base.h), and says in its commit why. The hashes are glibc's on x86-64, with and without FMA:
- * where another libm rounds the last digit of a sine or an exponential otherwise, a time may move by a nanosecond. */
+ * TIDES_NUMERICS (include/tides/base.h), and says in its commit why. The hashes are those of x86-64 with and without FMA and of
+ * aarch64: libm has no say in them (lib/base/td_math.h). */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

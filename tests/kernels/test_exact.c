@@ -7,7 +7,6 @@
 #include <cmocka.h>
 
 #define TD_REAL_DOUBLE
-#define TD_EXACT
 #include "kernels/extent.h"
 #include "kernels/layout.h"
 #include "kernels/soft_order.h"

@@ -7,7 +7,6 @@
 #include <cmocka.h>
 
 #define TD_REAL_DOUBLE
-#define TD_EXACT
 #include "kernels/point_entries.h"
 #include "tests/support/scene_make.h"
 

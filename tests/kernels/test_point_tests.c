@@ -8,7 +8,6 @@
 #include <cmocka.h>
 
 #define TD_REAL_DOUBLE
-#define TD_EXACT
 #include "kernels/point_splats.h"
 #include "tests/support/scene_make.h"
 

@@ -1,5 +1,5 @@
-/* e^x of the loops over many pixels (lib/sensor/response/td_exponential.h) against long double. */
-#include "sensor/response/td_exponential.h"
+/* e^x of the loops over many pixels (lib/base/td_exponential.h) against long double. */
+#include "base/td_exponential.h"
 
 #include <float.h>
 #include <math.h>

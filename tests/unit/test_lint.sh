@@ -110,6 +110,15 @@ expect 0 '^$' guards "headers with guards of their own"
 sed -i s/TD_B_H/TD_A_H/ "$work/lib/lower/td_b.h"
 expect 1 "^kernels/a.h: TD_A_H is lib/lower/td_b.h's guard, too" guards "two headers with one guard"
 
+# -- libm --------------------------------------------------------------------------------------------------------------
+printf '%s\n/* exp(x) is e^x */\ndouble td_x(double x) { return td_exp(x) + sqrt(x) + at.exp(x); }\n' "$opening" >"$work/lib/lower/x.c"
+expect 0 '^$' libm "our own functions, exact ones, and a comment"
+printf '%s\n/* two\n * lines */\nfloat td_x(float x) { return 2 * (expf(x)); }\n' "$opening" >"$work/lib/lower/x.c"
+expect 1 '^lib/lower/x.c:4: expf\(\): ' libm "a function of libm"
+rm "$work/lib/lower/x.c"
+printf 'x = pow(x, 2.0f);\n' >"$work/kernels/x.cl"
+expect 1 '^kernels/x.cl:1: pow\(\): ' libm "one of the device's"
+rm "$work/kernels/x.cl"
 # -- prose -------------------------------------------------------------------------------------------------------------
 prose() { # CODE WORDS WHAT
     house="${PYTHON:-python3} $PWD/scripts/prose.py"

@@ -2,6 +2,7 @@
  * what it does between the points is bridge.c's. */
 #include "td_additive_noise.h"
 #include "td_base.h"
+#include "td_math.h"
 #include "td_noise_bridge.h"
 
 #include <math.h>
@@ -24,9 +25,9 @@ tides_status td_additive_noise_make(const tides_sensor *sensor, td_additive_nois
     noise->on = 1;
     noise->seed = sensor->seed;
     noise->spacing_ns = 1e9 / (two_pi * sensor->noise_cutoff_hz * segments_per_tau);
-    noise->rho = exp(-1 / segments_per_tau);
+    noise->rho = td_exp(-1 / segments_per_tau);
     noise->sigma = sensor->noise_rms;
-    noise->change = noise->sigma * sqrt(-expm1(-2 / segments_per_tau));
+    noise->change = noise->sigma * sqrt(-td_expm1(-2 / segments_per_tau));
     td_noise_bridge_make(noise, noise->spacing_ns * segments_per_tau, fmin(sensor->threshold_on, sensor->threshold_off));
     return TIDES_OK;
 }

@@ -1,6 +1,8 @@
 /* Additive noise between the points of its grid: a tree of parts, drawn where it comes near a level. */
 #include "td_noise_bridge.h"
 
+#include "td_math.h"
+
 #include <math.h>
 
 enum { DEPTH_MIN = 1 };
@@ -27,9 +29,11 @@ typedef struct corners {
     double time_ns[CORNERS], value[CORNERS];
 } corners;
 
-/* The numbers of parts of length l / tau. */
+/* The numbers of parts of length l / tau: with m = 1 - e^-l, tanh(l / 2) = m / (2 - m) and 1 / cosh(l / 2) is
+ * 2 e^(-l/2) / (2 - m). */
 static td_noise_level level_of(double sigma, double l) {
-    return (td_noise_level){4 * sigma * sigma * tanh(0.5 * l), 0.5 / cosh(0.5 * l), sigma * sqrt(tanh(0.5 * l))};
+    const double m = -td_expm1(-l), tangent = m / (2 - m);
+    return (td_noise_level){4 * sigma * sigma * tangent, td_exp(-0.5 * l) / (2 - m), sigma * sqrt(tangent)};
 }
 
 void td_noise_bridge_make(td_additive_noise *noise, double tau_ns, double threshold) {

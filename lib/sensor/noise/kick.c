@@ -1,6 +1,7 @@
 /* The kicks that the readout of a frame gives a row of pixels: their sum at a time, the next one, and bounds over a step. */
 #include "td_kick.h"
 #include "td_base.h"
+#include "td_math.h"
 
 #include <math.h>
 
@@ -32,7 +33,7 @@ tides_status td_kick_make(const tides_sensor *s, double start, td_kick *kick, ti
     kick->row_ns = 1e9 * s->kick_row_s;
     for (int r = 0; r < 2; r++) kick->read_ns[r] = 1e9 * (s->kick_first_s - start) + 1e9 * s->kick_reads_s[r];
     kick->reads = s->kick_reads_s[0] == s->kick_reads_s[1] ? 1 : 2;
-    kick->most = fabs(kick->size) * kick->reads / -expm1(-(kick->period_ns - 1) / kick->recovery_ns); /* reads are rounded */
+    kick->most = fabs(kick->size) * kick->reads / -td_expm1(-(kick->period_ns - 1) / kick->recovery_ns); /* reads are rounded */
     return TIDES_OK;
 }
 
@@ -57,7 +58,7 @@ double td_kick_at(const td_kick *kick, int32_t y, double time) {
         for (double frame = frame_from(kick, r, y, time) - 1; frame >= 0; frame--) {
             const double read = read_at(kick, r, y, frame), age = (time - read) / kick->recovery_ns;
             if (read < 0 || age > lifetimes) break;
-            sum += exp(-age);
+            sum += td_exp(-age);
         }
     return kick->size * sum;
 }
@@ -73,13 +74,13 @@ void td_kick_bounds(const td_kick *kick, int32_t y, double from, double to, doub
     double K = td_kick_at(kick, y, from), at = from;
     *low = *high = K;
     for (double read = td_kick_next(kick, y, from); read <= to; read = td_kick_next(kick, y, nextafter(read, INFINITY))) {
-        K *= exp(-(read - at) / kick->recovery_ns);
+        K *= td_exp(-(read - at) / kick->recovery_ns);
         *low = fmin(*low, fmin(K, K + kick->size));
         *high = fmax(*high, fmax(K, K + kick->size));
         K += kick->size;
         at = read;
     }
-    K *= exp(-(to - at) / kick->recovery_ns);
+    K *= td_exp(-(to - at) / kick->recovery_ns);
     *low = fmin(*low, K) - 1e-14 * kick->most;
     *high = fmax(*high, K) + 1e-14 * kick->most;
 }

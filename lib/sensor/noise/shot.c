@@ -1,6 +1,7 @@
 /* Shot noise and hot pixels: candidates by counter, thinned by intensity. */
 #include "td_shot_noise.h"
 #include "td_base.h"
+#include "td_math.h"
 #include "td_random.h"
 
 #include <math.h>
@@ -102,5 +103,5 @@ int td_shot_noise_next(const td_shot_noise *noise, size_t i, double *due) {
 int td_shot_noise_take(td_shot_noise *noise, int source, size_t i, uint32_t pixel, double L, double log_eps) {
     td_random_bits bits = bits_of(noise, source, pixel, noise->drawn[source][i]);
     draw_next(noise, source, i, pixel);
-    return source == TD_NOISE_HOT || td_random_uniform(&bits, 1) < td_shot_noise_share(exp(L) - log_eps);
+    return source == TD_NOISE_HOT || td_random_uniform(&bits, 1) < td_shot_noise_share(td_exp(L) - log_eps);
 }

@@ -4,6 +4,7 @@
 #include "td_base.h"
 #include "td_highpass.h"
 #include "td_lowpass.h"
+#include "td_math.h"
 #include "td_substeps.h"
 
 #include <float.h>
@@ -163,7 +164,7 @@ void td_frontend_step(const td_frontend *frontend, double h, const td_model *inp
     source.input = *input;
     source.h = h;
     source.log_eps = log_eps;
-    source.dark_L = log(log_eps);
+    source.dark_L = td_ln(log_eps);
     source.segments = 1;
     source.segment[0] = (td_segment){0, 1, {state[0], state[1], state[2], state[3]}, INFINITY, -INFINITY, 0};
     step_in_substeps(&source, state, response);

@@ -6,6 +6,7 @@
  * which would take very many substeps, is left to td_frontend_step. */
 #include "td_frontend.h"
 #include "td_light_step.h"
+#include "td_math.h"
 #include "td_substeps.h"
 #include "td_wide.h"
 
@@ -133,7 +134,7 @@ static void set_out(walk *at, size_t count, const double *const control[4], cons
 
 void td_frontend_step_light(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
                             const double *S, double *after, double *low, double *high) {
-    const shared by = {{log_eps, frontend->light, frontend->dark}, log(log_eps), frontend->rate * h, frontend->tolerance};
+    const shared by = {{log_eps, frontend->light, frontend->dark}, td_ln(log_eps), frontend->rate * h, frontend->tolerance};
     td_light_whole(frontend, h, log_eps, count, control, S, after, low, high);
     for (size_t done = 0; done < count; done += TOGETHER) {
         const double *const part[4] = {control[0] + done, control[1] + done, control[2] + done, control[3] + done};

@@ -22,6 +22,7 @@
 #include "td_exponential.h"
 #include "td_extremes.h"
 #include "td_frontend.h"
+#include "td_math.h"
 #include "td_wide.h"
 
 #include <float.h>
@@ -180,7 +181,7 @@ void td_light_whole(const td_frontend *frontend, double h, double log_eps, size_
                     const double *S, double *after, double *low, double *high) {
     const double full = frontend->rate * h, most = PANELS_MAX;
     const int panels = (int)td_lesser(ceil(td_greater(full / longest, 1)), most);
-    light_pole p = {0.5 * full / panels, frontend->light, frontend->dark - frontend->light * log_eps, log(log_eps), 0,
+    light_pole p = {0.5 * full / panels, frontend->light, frontend->dark - frontend->light * log_eps, td_ln(log_eps), 0,
                     1.0 / panels};
     for (size_t i = 0; i < count; i++) {
         after[i] = S[i];

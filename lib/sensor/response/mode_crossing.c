@@ -8,6 +8,7 @@
  *   - else the part is halved. That needs two extrema or an inflection next to an extremum, close to a level. */
 #include "signal/td_root.h"
 #include "td_modes.h"
+#include "td_math.h"
 
 #include <float.h>
 #include <math.h>
@@ -64,7 +65,7 @@ static void add_tail(series *part, const td_mode *mode) {
     }
 }
 
-static double size_at(const td_mode *mode, double s) { return hypot(mode->cosine, mode->sine) * exp(-mode->rate * s); }
+static double size_at(const td_mode *mode, double s) { return td_hypot(mode->cosine, mode->sine) * td_exp(-mode->rate * s); }
 
 /* Half the length of a part from s on in which a mode is its series: the first term left out stays below rounding. */
 static double half_of(const search *at, const td_mode *mode, double s) {
@@ -72,7 +73,7 @@ static double half_of(const search *at, const td_mode *mode, double s) {
     if (mode->tail) return INFINITY;
     double size = size_at(mode, s);
     if (!(size > at->tiny)) return INFINITY;
-    return pow(factorial * at->tiny / size, 1.0 / (DEGREE + 1)) / td_magnitude(td_mode_rate(mode));
+    return td_pow(factorial * at->tiny / size, 1.0 / (DEGREE + 1)) / td_magnitude(td_mode_rate(mode));
 }
 
 /* The part from `begin` on, at most 2 * half long; modes that have died are left out. */
@@ -197,7 +198,7 @@ static void bound_work(search *at) {
 static double scale_of(const td_response *response) {
     double scale = 0;
     for (int i = 0; i < 4; i++) scale = fmax(scale, fabs(response->cubic.control[i]));
-    for (int k = 0; k < response->modes; k++) scale = fmax(scale, hypot(response->mode[k].cosine, response->mode[k].sine));
+    for (int k = 0; k < response->modes; k++) scale = fmax(scale, td_hypot(response->mode[k].cosine, response->mode[k].sine));
     return scale;
 }
 

@@ -1,6 +1,7 @@
 /* Modes of a response, one by one: values, slopes and bounds. For response.c, mode_crossing.c and substeps.c. */
 #include "td_modes.h"
 #include "td_extremes.h"
+#include "td_math.h"
 #include "td_tail.h"
 
 #include <math.h>
@@ -44,7 +45,7 @@ static double real_tail_slope(double rate, double s) {
 
 double td_mode_value(const td_mode *mode, double s) {
     td_complex rate = td_mode_rate(mode), tail[5];
-    if (mode->frequency == 0) return mode->cosine * (mode->tail ? real_tail(rate.re, s) : exp(-rate.re * s));
+    if (mode->frequency == 0) return mode->cosine * (mode->tail ? real_tail(rate.re, s) : td_exp(-rate.re * s));
     if (!mode->tail) return real_part(mode, td_decay(rate, s));
     td_mode_tails(rate, s, tail);
     return real_part(mode, tail[4]);
@@ -52,7 +53,8 @@ double td_mode_value(const td_mode *mode, double s) {
 
 double td_mode_slope(const td_mode *mode, double s) {
     td_complex rate = td_mode_rate(mode), tail[5];
-    if (mode->frequency == 0) return mode->cosine * (mode->tail ? real_tail_slope(rate.re, s) : -(rate.re * exp(-rate.re * s)));
+    if (mode->frequency == 0)
+        return mode->cosine * (mode->tail ? real_tail_slope(rate.re, s) : -(rate.re * td_exp(-rate.re * s)));
     if (!mode->tail) return -real_part(mode, td_times(rate, td_decay(rate, s)));
     td_mode_tails(rate, s, tail);
     return real_part(mode, tail[3]);
@@ -64,7 +66,7 @@ void td_mode_range(const td_mode *mode, double *low, double *high) {
     if (mode->frequency == 0) {
         end = td_mode_value(mode, 1);
     } else {
-        end = hypot(mode->cosine, mode->sine) / (mode->tail ? 24 : 1);
+        end = td_hypot(mode->cosine, mode->sine) / (mode->tail ? 24 : 1);
         begin = -end;
     }
     *low = td_lesser(end, begin); /* the end may be NaN where the begin isn't */

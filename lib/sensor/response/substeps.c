@@ -19,6 +19,7 @@
 #include "td_extremes.h"
 #include "td_light_step.h"
 #include "td_lowpass.h"
+#include "td_math.h"
 #include "td_modes.h"
 
 #include <math.h>
@@ -47,7 +48,7 @@ typedef struct attempt {
 } attempt;
 
 static double light_at(const attempt *at, double u) {
-    double Y = exp(fmin(td_model_value(&at->input, u), TD_LIGHT_MOST)) - at->log_eps;
+    double Y = td_exp(fmin(td_model_value(&at->input, u), TD_LIGHT_MOST)) - at->log_eps;
     return at->frontend->light * fmax(Y, 0) + at->frontend->dark;
 }
 

@@ -2,6 +2,8 @@
 #ifndef TD_COMPLEX_H
 #define TD_COMPLEX_H
 
+#include "td_math.h"
+
 #include <math.h>
 
 typedef struct td_complex {
@@ -29,13 +31,13 @@ static inline td_complex td_inverse(td_complex a) {
     return (td_complex){ratio / below, -1 / below};
 }
 
-static inline double td_magnitude(td_complex a) { return a.im == 0 ? fabs(a.re) : hypot(a.re, a.im); }
+static inline double td_magnitude(td_complex a) { return a.im == 0 ? fabs(a.re) : td_hypot(a.re, a.im); }
 
 /* e^(-a s). */
 static inline td_complex td_decay(td_complex a, double s) {
-    double size = exp(-a.re * s), angle = a.im * s;
+    double size = td_exp(-a.re * s), angle = a.im * s;
     if (angle == 0 || size == 0) return (td_complex){size, 0};
-    double cosine = cos(angle), sine = sin(angle);
+    double cosine = td_cos(angle), sine = td_sin(angle);
     return (td_complex){size * cosine, -size * sine};
 }
 

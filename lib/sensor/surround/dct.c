@@ -1,6 +1,7 @@
 /* The cosine transform of an image, as two products of matrices. */
 #include "td_dct.h"
 #include "td_base.h"
+#include "td_math.h"
 #include "td_wide.h"
 
 #include <math.h>
@@ -15,11 +16,11 @@ static const double pi = 3.14159265358979323846;
 static void fill(int size, double *forward, double *back, double *mu) {
     for (int k = 0; k < size; k++) {
         double scale = sqrt((k == 0 ? 1.0 : 2.0) / size);
-        mu[k] = 2 - 2 * cos(pi * k / size);
+        mu[k] = 2 - 2 * td_cos(pi * k / size);
         for (int n = 0; n < size; n++) {
             /* The angle, reduced exactly: cos has period 4 size in (2 n + 1) k. */
             int64_t turn = (int64_t)(2 * n + 1) * k % (4 * (int64_t)size);
-            back[(size_t)k * size + n] = forward[(size_t)n * size + k] = scale * cos(pi * (double)turn / (2.0 * size));
+            back[(size_t)k * size + n] = forward[(size_t)n * size + k] = scale * td_cos(pi * (double)turn / (2.0 * size));
         }
     }
 }

@@ -2,6 +2,7 @@
  * once and the comparator what comes of them. */
 #include "td_surround.h"
 #include "td_base.h"
+#include "td_math.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,7 +26,7 @@ enum { POWERS = 4, SERIES = 20 };
  * k! sum (-z)^n / (n + k + 1)! of the last one downwards. Both lose no more than a factor of 6 of rounding. */
 static void weigh_powers(double z, double integral[POWERS]) {
     if (z >= 1) {
-        integral[0] = -expm1(-z) / z;
+        integral[0] = -td_expm1(-z) / z;
         for (int k = 1; k < POWERS; k++) integral[k] = (1 - k * integral[k - 1]) / z;
         return;
     }
@@ -72,7 +73,7 @@ static double advance_mode(const hermite *step, double h, double gain, double ra
     weigh_powers(z, integral);
     double sum = p0 * integral[0] + rate0 * integral[1] + (3 * (p1 - p0) - 2 * rate0 - rate1) * integral[2] +
                  (2 * (p0 - p1) + rate0 + rate1) * integral[3];
-    return exp(-z) * h + gain * part * sum;
+    return td_exp(-z) * h + gain * part * sum;
 }
 
 /* -- all modes ------------------------------------------------------------------------------------------------------------- */

@@ -1,6 +1,7 @@
 /* Where a pixel's model isn't good enough to say whether a level is reached: near turns, between them, at kinks, within swaps
  * of depth. For solve_run.c, which has it looked at. */
 #include "td_extremes.h"
+#include "td_math.h"
 #include "solver/td_visit.h"
 
 #include <math.h>
@@ -147,7 +148,7 @@ static int may_swap_decide(const td_visit *v, const td_swap_place *swap) {
         const double u = td_pieces_place(pieces, k, s), length = pieces->from[k + 1] - pieces->from[k];
         if (length < shows_swap * swap->wide) continue;
         if (left_beside(v, k, u) <=
-            swap->light / td_renderer_swap_scale(v->s->renderer, exp(td_model_value(&pieces->model[k], u))) + v->model.floor)
+            swap->light / td_renderer_swap_scale(v->s->renderer, td_exp(td_model_value(&pieces->model[k], u))) + v->model.floor)
             return 1;
     }
     return 0;

@@ -1,6 +1,7 @@
 /* Where steps are cut because of swaps of depth (td_renderer_swaps): what is accepted otherwise, and has one within it that
  * is too short to show in its samples, is cut where that begins and ends, and looked into between. */
 #include "td_extremes.h"
+#include "td_math.h"
 #include "solver/td_simulator.h"
 
 #include <math.h>
@@ -14,7 +15,7 @@ static double least_light(const tides_simulator *s, int32_t unit) {
     const double *S = s->now.plane[TD_PLANE_S] + s->layout.first_pixel[unit];
     double least = S[0];
     for (int i = 1; i < s->layout.tile[unit].count; i++) least = td_lesser(least, S[i]);
-    return exp(least);
+    return td_exp(least);
 }
 
 /* A part of the interval, in units of steps' places. */

@@ -5,6 +5,7 @@
 #include "render/td_render.h"
 #include "signal/td_model_error.h"
 #include "td_extremes.h"
+#include "td_math.h"
 #include "solver/td_probe.h"
 #include "td_wide.h"
 
@@ -210,7 +211,7 @@ static void filter_turn(const td_timed *timed, int n, some *of) {
     const double L = td_model_value(&model, of->s[n]), L_dot = of->slope[n];
     double rate = frontend->rate * timed->step->length_s;
     if (frontend->kind == TD_FRONTEND_INTENSITY)
-        rate *= frontend->light * td_greater(exp(L) - timed->log_eps, 0) + frontend->dark;
+        rate *= frontend->light * td_greater(td_exp(L) - timed->log_eps, 0) + frontend->dark;
     of->slope[n] = rate * (L - (reference_at(timed, i, of->s[n]) - ramp_at(timed, i, of->s[n])));
     of->bend[n] = rate * (L_dot - of->slope[n]);
 }
