@@ -421,6 +421,8 @@ def evt21(extra, words):
 
 write("fuzz_events", "evt21", evt21(b"", [0, 8 << 28 | 1, 5, 1 << 28 | 5 << 22 | 2 << 11 | 3, 1, 6 << 22]))
 write("fuzz_events", "evt21_swapped", evt21(b";endianness=legacy", [8 << 28 | 1, 0, 6 << 22 | 4, 3]))
+words4 = [0xB << 28, 0xE << 28 | 1, 0xA << 28 | 5 << 22 | 3 << 11 | 2, 0xFFFFFFFF, 0xD << 28 | 6 << 22 | 4 << 11 | 3, 5]
+write("fuzz_events", "evt4", b"% evt 4.0\n% format EVT4;height=7;width=9\n% geometry 9x7\n% end\n" + struct.pack("<6I", *words4))
 write("fuzz_events", "aedat2", b"#!AER-DAT2.0\r\n# DAVIS240\r\n" + struct.pack(">4I", 3 << 22 | 2 << 12 | 1 << 11, 5, 4 << 22 | 7 << 12, 6))
 write("fuzz_events", "csv_ns", b"t_ns,x@9,y@7,p\n1000,1,2,1\n2000,3,4,-1\n")
 write("fuzz_events", "ergb", columns(["timestamp", "x", "y", "polarity"], 3))
