@@ -138,7 +138,7 @@ TIDES_API int32_t tides_scene_format_at(size_t index, tides_scene_format *format
 TIDES_API int32_t tides_scene_is_file(const char *file);
 
 /* Writes `file`, by its ending: .h5 holds everything (layout documented in lib/scene/scene_hdf5.c); .ply (INRIA's binary
- * layout), .spz (version 3: rounded to bytes, scales to 1/16 of their logarithm), .splat (to bytes, without SH beyond the
+ * layout), .spz (version 4: rounded to bytes, scales to 1/16 of their logarithm), .splat (to bytes, without SH beyond the
  * constant) and .glb (floats, in glTF's axes) hold one object at rest (TIDES_UNSUPPORTED for more). Written beside and
  * renamed. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_error *error);
