@@ -175,6 +175,13 @@ typedef struct tides_object {
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_object *object,
                                                            tides_error *error);
 
+/* Object `index`'s Gaussians at `time` [s], raw and in its own coordinates, before its trajectory and scale: fills mean,
+ * log_scale, quaternion, opacity_logit and sh of `theta` for all N of them, where those aren't NULL; its rates are left alone.
+ * What a motion hides (opacity 0) is 2^-24. TIDES_BAD_ARGUMENT: there is no such object; TIDES_OUT_OF_RANGE where its motion
+ * doesn't cover the time, and what a callback returns. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_scene_gaussians_at(const tides_scene *scene, int32_t index, double time,
+                                                                 const tides_theta *theta, tides_error *error);
+
 /* How many of an object's Gaussians move, the others being the same at all times; -1 without memory to find out. And how many
  * times there are at which their rates may jump. */
 TIDES_API int64_t tides_motion_moving(const tides_motion *motion, const tides_gaussians *gaussians);

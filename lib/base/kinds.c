@@ -60,9 +60,7 @@ static const char *const advice[FAMILIES][TD_WANTS] = {
     [BAG_2] = {[TD_WANTS_ANY] = bag, [TD_WANTS_POSES] = bag_poses},
     [ARCHIVE] = {[TD_WANTS_ANY] = "unpack it, and name the file or folder within"},
     [COMPRESSED] = {[TD_WANTS_ANY] = "unpack it (gunzip, zstd -d, xz -d), and name what comes out"},
-    [USD] = {[TD_WANTS_ANY] =
-                 "Python's usd-core reads its ParticleField3DGaussianSplat: tides.Scene().add takes the arrays, or write "
-                 "a 3DGS .ply"},
+    [USD] = {[TD_WANTS_ANY] = "python -m tides.usd % scene.h5 converts its Gaussians (pip install tides[usd])"},
     [MESH] = {[TD_WANTS_ANY] = "it holds meshes and no Gaussians: train splats on pictures rendered of it (Brush, gsplat)",
               [TD_WANTS_FRAMES] = "render it to a folder of .png or .exr pictures, and name that in frames.file",
               [TD_WANTS_POSES] = "export the camera's path as lines 't x y z qx qy qz qw' (TUM) or a transforms.json"},

@@ -291,6 +291,19 @@ class Scene(Handle):
             knots=lib.tides_motion_knots(one.motion) if one.motion else 0,
         )
 
+    def gaussians_at(self, index: int, time: float) -> Gaussians:
+        """Object `index`'s Gaussians at `time` [s], as its motion has them then, in its own coordinates: before its trajectory
+        and scale."""
+        one = _api.tides_object()
+        call("tides_scene_object", self._pointer, index, one)
+        n, k = one.gaussians.count, (one.gaussians.sh_degree + 1) ** 2
+        shapes = {"mean": (n, 3), "log_scale": (n, 3), "quaternion": (n, 4), "opacity_logit": (n,), "sh": (n, k, 3)}
+        arrays = {name: np.empty(shape) for name, shape in shapes.items()}
+        theta = _api.tides_theta(**{name: pointer(one, c_double) for name, one in arrays.items()})
+        call("tides_scene_gaussians_at", self._pointer, index, time, theta)
+        how = (_trained(one.gaussians.trained), _transfer(one.gaussians.transfer), one.gaussians.gamma)
+        return Gaussians(**arrays, trained=how[0], transfer=how[1], gamma=how[2])
+
     @property
     def count(self) -> int:
         """Gaussians in all objects."""

@@ -65,6 +65,9 @@ refuse 1 "list.json" tides info list.json
 { echo t_us,x,y,p; columns , 'print $1 % 5000, $2, $3, $4'; } >again.csv
 expect 0 tides convert again.csv x.csv
 err "again.csv: times go back by 0.00[45][0-9]* s, as of a clock that begins again"
+printf '#usda 1.0\n' >scene.usda
+refuse 1 "scene.usda: is an OpenUSD scene.*python -m tides.usd scene.usda scene.h5" tides info scene.usda
+refuse 1 "scene.usda: is an OpenUSD scene.*python -m tides.usd scene.usda scene.h5" tides simulate scene.usda -o x.h5
 echo '{}' >a.lcc
 refuse 1 "a.lcc: is an LCC scene.*splat-transform" tides info a.lcc
 
