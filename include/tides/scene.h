@@ -79,8 +79,8 @@ TIDES_API int32_t tides_scene_set_duration(tides_scene *scene, double duration_s
 /* Reads a file and adds what it holds: TIDES's own .h5 as all its objects, anything else as one object:
  *   .ply     3DGS by property name (any order, type and endianness, ASCII too), and PlayCanvas's compressed kind
  *   .spz     Niantic's, versions 1 to 4 (axes turned to those of a 3DGS .ply)
- *   .ksplat  mkkellogg's, all three compressions
- *   .splat   antimatter15's
+ *   .ksplat  mkkellogg's, all three compressions; .lcc, XGRIDS' scans with the .bin files beside it
+ *   .splat   antimatter15's; .splatv, his splaTV's, whose Gaussians move
  *   .sog     PlayCanvas's versions 1 and 2; also unpacked, as a folder with a meta.json or by that file; and streamed, as a
  *            folder with a lod-meta.json or by that file: its finest level
  *   .glb     glTF with KHR_gaussian_splatting, also .gltf: what its scene shows, each node in its place, axes turned to those

@@ -27,6 +27,8 @@ typedef struct reader {
     tides_status (*parse)(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
     tides_status (*read)(const char *path, td_gaussians *gaussians, tides_error *error);
     tides_status (*choose)(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
+    tides_status (*moving)(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_motion **motion,
+                           tides_error *error); /* parsed with their motion */
 } reader;
 
 /* As `with` reads, where bad Gaussians are to be left out later. */
@@ -37,7 +39,7 @@ static reader leniently(reader with) {
 }
 
 static tides_status read_gaussians(const char *file, reader with, const char *part, td_gaussians *gaussians,
-                                   tides_error *error) {
+                                   tides_motion **motion, tides_error *error) {
     if (with.choose) return with.choose(file, part, gaussians, error);
     if (part)
         return td_fail(error, TIDES_BAD_ARGUMENT,
@@ -49,7 +51,10 @@ static tides_status read_gaussians(const char *file, reader with, const char *pa
     char *data = NULL;
     size_t size = 0;
     tides_status status = td_read_file(file, SIZE_MAX - 1, &data, &size, error);
-    if (!status) status = with.parse(file, data, size, gaussians, error);
+    if (!status && with.moving)
+        status = with.moving(file, data, size, gaussians, motion, error);
+    else if (!status)
+        status = with.parse(file, data, size, gaussians, error);
     free(data);
     return status;
 }
@@ -59,14 +64,22 @@ static tides_status add_gaussians(tides_scene *scene, const char *file, reader w
                                   const tides_trajectory *trajectory, double scale, tides_error *error) {
     char *stem = NULL;
     td_gaussians gaussians;
+    tides_motion *motion = NULL;
     memset(&gaussians, 0, sizeof gaussians);
-    tides_status status = read_gaussians(file, scene->drop > 0 ? leniently(with) : with, scene->part, &gaussians, error);
+    tides_status status =
+        read_gaussians(file, scene->drop > 0 ? leniently(with) : with, scene->part, &gaussians, &motion, error);
     if (status) goto done;
     status = (stem = stem_of(file, error)) ? TIDES_OK : TIDES_NO_MEMORY;
+    if (!status && motion) {
+        status = td_scene_take_moving(scene, &gaussians, motion, trajectory, scale, name ? name : stem, file, error);
+        motion = NULL;
+        goto done;
+    }
     if (!status) status = td_scene_take(scene, &gaussians, trajectory, scale, name ? name : stem, file, NULL, error);
     if (status) td_fail_within(error, status, "%s", file);
 done:
     free(stem);
+    tides_motion_destroy(motion);
     td_gaussians_free(&gaussians);
     return status;
 }
@@ -106,6 +119,8 @@ static int is_ply(const beginning *b) {
     return b->got >= 4 && memcmp(b->bytes, "ply", 3) == 0 && (b->bytes[3] == '\n' || b->bytes[3] == '\r');
 }
 
+static int is_lcc(const beginning *b) { return !b->folder && td_lcc_is(b->file); }
+static int is_splatv(const beginning *b) { return td_splatv_is(b->bytes, b->got); }
 static int is_spz(const beginning *b) { return td_spz_is(b->bytes, b->got); }
 
 static int is_hdf5(const beginning *b) {
@@ -176,7 +191,9 @@ static const struct format {
      TIDES_LOSES_TRAINED | TIDES_LOSES_UP | TIDES_LOSES_EXPONENT},
     {is_sog_lod, {.choose = td_sog_read_lod}, NULL, "lod-meta.json", "streamed SOG, or its folder", 0},
     {is_sog_folder, {.read = td_sog_read_folder}, NULL, "meta.json", "unpacked SOG, or its folder", 0},
-    {is_hdf5, {NULL, NULL, NULL}, NULL, ".h5", "TIDES's own, which holds everything", 0},
+    {is_splatv, {.moving = td_splatv_parse}, NULL, ".splatv", "splaTV's SpacetimeGaussians", 0},
+    {is_lcc, {.choose = td_lcc_read}, NULL, ".lcc", "XGRIDS' LCC, with the .bin files beside it", 0},
+    {is_hdf5, {.parse = NULL}, NULL, ".h5", "TIDES's own, which holds everything", 0},
     {is_ksplat, {.parse = td_ksplat_parse}, NULL, ".ksplat", "mkkellogg's", 0},
     {is_splat,
      {.parse = td_splat_parse},
@@ -187,7 +204,9 @@ static const struct format {
 };
 enum { FORMATS = sizeof formats / sizeof formats[0] };
 
-static int is_own(const struct format *format) { return !format->with.parse && !format->with.read && !format->with.choose; }
+static int is_own(const struct format *format) {
+    return !format->with.parse && !format->with.read && !format->with.choose && !format->with.moving;
+}
 
 int32_t tides_scene_format_at(size_t index, tides_scene_format *format) {
     for (size_t i = 0; i < FORMATS; i++) {

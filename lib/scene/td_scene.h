@@ -143,6 +143,11 @@ tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const ti
 /* Gives the last object added a motion, taken over on success; duration_s 0 is that of its own clock (scene_motion.c). */
 tides_status td_scene_give_motion(tides_scene *scene, tides_motion *motion, double duration_s, tides_error *error);
 
+/* td_scene_take and td_scene_give_motion of what a file holds, named in errors: both are taken over, on failure freed. */
+tides_status td_scene_take_moving(tides_scene *scene, td_gaussians *gaussians, tides_motion *motion,
+                                  const tides_trajectory *trajectory, double scale, const char *name, const char *source,
+                                  tides_error *error);
+
 /* Drops the objects from number `count` on: undoes a half-done addition. */
 void td_scene_truncate(tides_scene *scene, size_t count);
 

@@ -438,6 +438,10 @@ write("fuzz_spz", "v4", spz4())
 for mode in range(3):
     write("fuzz_ksplat", str(mode), ksplat(mode))
 write("fuzz_splat", "two", struct.pack("<6f", 1, 2, 3, 1, 1, 1) + bytes(range(8)) + struct.pack("<6f", *range(1, 7)) + bytes(8))
+splats = [{"type": "notes", "size": 3}, {"type": "splat", "size": 65536, "texwidth": 4096, "texheight": 1, "cameras": []}]
+head = json.dumps(splats).encode()
+row = struct.pack("<3f", 1, 2, 3) + struct.pack("<7e2x4B", 1, 0, 0, 0, 0.1, 0.2, 0.3, 9, 99, 255, 128) + struct.pack("<9e2x6e", *range(9), 0, 0, 0, 1, 0.5, 0.1)
+write("fuzz_splatv", "two", struct.pack("<II", 0x674B, len(head)) + head + b"abc" + 2 * row + bytes(65536 - 128))
 write("fuzz_ply", "packed", packed_ply())
 os.makedirs(os.path.join(folder, "fuzz_sog"), exist_ok=True)
 sog(os.path.join(folder, "fuzz_sog", "seed_one"), 2)
