@@ -79,8 +79,8 @@ TIDES_API int32_t tides_scene_set_duration(tides_scene *scene, double duration_s
 /* Reads a file and adds what it holds: TIDES's own .h5 as all its objects, anything else as one object:
  *   .ply     3DGS by property name (any order, type and endianness, ASCII too), and PlayCanvas's compressed kind
  *   .spz     Niantic's, versions 1 to 4 (axes turned to those of a 3DGS .ply)
- *   .ksplat  mkkellogg's, all three compressions
- *   .splat   antimatter15's
+ *   .ksplat  mkkellogg's, all three compressions; .lcc, XGRIDS' scans with the .bin files beside it
+ *   .splat   antimatter15's; .splatv, his splaTV's, whose Gaussians move
  *   .sog     PlayCanvas's versions 1 and 2; also unpacked, as a folder with a meta.json or by that file; and streamed, as a
  *            folder with a lod-meta.json or by that file: its finest level
  *   .glb     glTF with KHR_gaussian_splatting, also .gltf: what its scene shows, each node in its place, axes turned to those
@@ -139,7 +139,7 @@ TIDES_API int32_t tides_scene_format_at(size_t index, tides_scene_format *format
 TIDES_API int32_t tides_scene_is_file(const char *file);
 
 /* Writes `file`, by its ending: .h5 holds everything (layout documented in lib/scene/scene_hdf5.c); .ply (INRIA's binary
- * layout), .spz (version 3: rounded to bytes, scales to 1/16 of their logarithm), .splat (to bytes, without SH beyond the
+ * layout), .spz (version 4: rounded to bytes, scales to 1/16 of their logarithm), .splat (to bytes, without SH beyond the
  * constant) and .glb (floats, in glTF's axes) hold one object at rest (TIDES_UNSUPPORTED for more). Written beside and
  * renamed. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_error *error);
@@ -175,6 +175,13 @@ typedef struct tides_object {
 } tides_object;
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_object(const tides_scene *scene, int32_t index, tides_object *object,
                                                            tides_error *error);
+
+/* Object `index`'s Gaussians at `time` [s], raw and in its own coordinates, before its trajectory and scale: fills mean,
+ * log_scale, quaternion, opacity_logit and sh of `theta` for all N of them, where those aren't NULL; its rates are left alone.
+ * What a motion hides (opacity 0) is 2^-24. TIDES_BAD_ARGUMENT: there is no such object; TIDES_OUT_OF_RANGE where its motion
+ * doesn't cover the time, and what a callback returns. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_scene_gaussians_at(const tides_scene *scene, int32_t index, double time,
+                                                                 const tides_theta *theta, tides_error *error);
 
 /* How many of an object's Gaussians move, the others being the same at all times; -1 without memory to find out. And how many
  * times there are at which their rates may jump. */

@@ -14,25 +14,10 @@
 
 /* In the order of detection: magic numbers first, then headers, then plain text, then what has nothing but its size. */
 const td_event_format *const td_event_formats[] = {
-    &td_format_ecf,
-    &td_format_hdf5,
-    &td_format_aedat4,
-    &td_format_aedat2,
-    &td_format_es,
-    &td_format_evt3,
-    &td_format_evt21,
-    &td_format_evt2,
-    &td_format_dat,
-    &td_format_csv,
-    &td_format_csv_ns,
-    &td_format_csv_openeb,
-    &td_format_npy,
-    &td_format_npz,
-    &td_format_ergb,
-    &td_format_e2vid,
-    &td_format_ecd,
-    &td_format_nmnist,
-    NULL,
+    &td_format_ecf,  &td_format_hdf5,   &td_format_aedat4,     &td_format_aedat2, &td_format_es,
+    &td_format_evt4, &td_format_evt3,   &td_format_evt21,      &td_format_evt2,   &td_format_dat,
+    &td_format_csv,  &td_format_csv_ns, &td_format_csv_openeb, &td_format_npy,    &td_format_npz,
+    &td_format_ergb, &td_format_e2vid,  &td_format_ecd,        &td_format_nmnist, NULL,
 };
 
 enum { FORMATS_MAX = 32 };
@@ -99,11 +84,10 @@ tides_status td_event_format_detect(const char *path, const tides_event_reading 
     }
     if (memcmp(probe.head, "\xFF\xFE", 2) == 0 || memcmp(probe.head, "\xFE\xFF", 2) == 0)
         return td_fail(error, TIDES_BAD_FILE, "%s: is text in UTF-16: save it as UTF-8 (iconv -f UTF-16 -t UTF-8)", path);
-    if (header_has(&probe, "% evt 4") || header_has(&probe, "% format EVT4"))
+    if (header_has(&probe, "% evt "))
         return td_fail(error, TIDES_UNSUPPORTED,
-                       "%s: is EVT 4, and EVT 2, 2.1 and 3 are read: metavision_file_to_csv or _to_hdf5 makes a file of it "
-                       "that "
-                       "is",
+                       "%s: is an EVT of a version that isn't read (2.0, 2.1, 3.0 and 4.0 are): metavision_file_to_csv or "
+                       "_to_hdf5 makes a file of it that is",
                        path);
     if ((status = td_kind_refuse(path, TD_WANTS_EVENTS, error)) != TIDES_OK) return status;
     if ((status = td_event_text_refuse(&probe, error)) != TIDES_OK) return status;

@@ -173,8 +173,8 @@ typedef struct td_event_format {
 extern const td_event_format *const td_event_formats[];
 
 extern const td_event_format td_format_hdf5, td_format_ecf, td_format_aedat4, td_format_aedat2, td_format_es, td_format_dat,
-    td_format_evt2, td_format_evt21, td_format_evt3, td_format_csv, td_format_csv_ns, td_format_csv_openeb, td_format_e2vid,
-    td_format_ecd, td_format_nmnist, td_format_npy, td_format_npz, td_format_ergb;
+    td_format_evt2, td_format_evt21, td_format_evt3, td_format_evt4, td_format_csv, td_format_csv_ns, td_format_csv_openeb,
+    td_format_e2vid, td_format_ecd, td_format_nmnist, td_format_npy, td_format_npz, td_format_ergb;
 
 /* By name; TIDES_BAD_ARGUMENT names the nearest. */
 tides_status td_event_format_named(const char *name, const td_event_format **format, tides_error *error);

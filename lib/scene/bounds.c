@@ -4,18 +4,7 @@
 #include "td_scene.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-
-/* Rows that a motion is asked for at once: some 100 KB of geometry. */
-enum { ROWS = 512, SH_STRIDE = 3 * (TIDES_SH_DEGREE_MAX + 1) * (TIDES_SH_DEGREE_MAX + 1) };
-
-/* Rows of a motion, a batch at a time. */
-typedef struct batch {
-    int32_t index[ROWS];
-    double geometry[ROWS * TD_GEOMETRY_STRIDE], rates[ROWS * TD_GEOMETRY_STRIDE];
-    double sh[ROWS * SH_STRIDE], sh_rates[ROWS * SH_STRIDE];
-} batch;
 
 typedef struct box {
     tides_pose pose;
@@ -38,31 +27,10 @@ static void grow_resting(box *b, const td_gaussians *g) {
     }
 }
 
-static tides_status grow_rows(box *b, const td_object *object, const td_mover_numbers *numbers, double time, batch *rows,
-                              tides_error *error) {
-    const tides_gaussians g = td_gaussians_view(&object->gaussians);
-    const td_motion_sink sink = {rows->geometry, rows->rates, rows->sh, rows->sh_rates, SH_STRIDE};
-    double tau = 0, tau_dot = 0;
-    tides_status status = td_motion_time(object->motion, object->duration_s, time, &tau, &tau_dot, error);
-    for (int64_t first = 0; first < g.count && status == TIDES_OK; first += ROWS) {
-        const int64_t count = g.count - first < ROWS ? g.count - first : ROWS;
-        for (int64_t i = 0; i < count; i++) rows->index[i] = (int32_t)(first + i);
-        status = td_motion_rows(object->motion, &g, numbers, tau, tau_dot, 1, 0, rows->index, count, &sink, error);
-        for (int64_t i = 0; i < count && status == TIDES_OK; i++) grow(b, rows->geometry + i * TD_GEOMETRY_STRIDE + TD_G_MEAN);
-    }
-    return status;
-}
-
-static tides_status grow_moving(box *b, const td_object *object, double time, tides_error *error) {
-    const tides_gaussians g = td_gaussians_view(&object->gaussians);
-    td_mover_numbers numbers;
-    memset(&numbers, 0, sizeof numbers);
-    batch *rows = td_alloc(1, sizeof *rows, error);
-    tides_status status = rows ? object->motion->type->pack(object->motion, &g, &numbers, error) : TIDES_NO_MEMORY;
-    if (status == TIDES_OK) status = grow_rows(b, object, &numbers, time, rows, error);
-    td_mover_release(&numbers);
-    free(rows);
-    return status;
+static void grow_row(void *user, int64_t i, const double *geometry, const double *sh) {
+    (void)i;
+    (void)sh;
+    grow(user, geometry + TD_G_MEAN);
 }
 
 static tides_status grow_object(box *b, const td_object *object, double time, tides_error *error) {
@@ -72,7 +40,7 @@ static tides_status grow_object(box *b, const td_object *object, double time, ti
     b->pose = identity;
     if (object->trajectory) status = tides_trajectory_at(object->trajectory, time, &b->pose, error);
     if (status == TIDES_OK) td_pose_add_origin(&b->pose, object->scale, object->gaussians.origin);
-    if (status == TIDES_OK && object->motion) return grow_moving(b, object, time, error);
+    if (status == TIDES_OK && object->motion) return td_moving_rows(object, time, grow_row, b, error);
     if (status == TIDES_OK) grow_resting(b, &object->gaussians);
     return status;
 }

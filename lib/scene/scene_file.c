@@ -41,6 +41,8 @@ static int is_ply(const beginning *b) {
     return b->got >= 4 && memcmp(b->bytes, "ply", 3) == 0 && (b->bytes[3] == '\n' || b->bytes[3] == '\r');
 }
 
+static int is_lcc(const beginning *b) { return !b->folder && td_lcc_is(b->file); }
+static int is_splatv(const beginning *b) { return td_splatv_is(b->bytes, b->got); }
 static int is_spz(const beginning *b) { return td_spz_is(b->bytes, b->got); }
 
 static int is_hdf5(const beginning *b) {
@@ -111,7 +113,9 @@ static const struct format {
      TIDES_LOSES_TRAINED | TIDES_LOSES_UP | TIDES_LOSES_EXPONENT},
     {is_sog_lod, {.choose = td_sog_read_lod}, NULL, "lod-meta.json", "streamed SOG, or its folder", 0},
     {is_sog_folder, {.read = td_sog_read_folder}, NULL, "meta.json", "unpacked SOG, or its folder", 0},
-    {is_hdf5, {NULL, NULL, NULL}, NULL, ".h5", "TIDES's own, which holds everything", 0},
+    {is_splatv, {.moving = td_splatv_parse}, NULL, ".splatv", "splaTV's SpacetimeGaussians", 0},
+    {is_lcc, {.choose = td_lcc_read}, NULL, ".lcc", "XGRIDS' LCC, with the .bin files beside it", 0},
+    {is_hdf5, {.parse = NULL}, NULL, ".h5", "TIDES's own, which holds everything", 0},
     {is_ksplat, {.parse = td_ksplat_parse}, NULL, ".ksplat", "mkkellogg's", 0},
     {is_splat,
      {.parse = td_splat_parse},
@@ -122,7 +126,9 @@ static const struct format {
 };
 enum { FORMATS = sizeof formats / sizeof formats[0] };
 
-static int is_own(const struct format *format) { return !format->with.parse && !format->with.read && !format->with.choose; }
+static int is_own(const struct format *format) {
+    return !format->with.parse && !format->with.read && !format->with.choose && !format->with.moving;
+}
 
 int32_t tides_scene_format_at(size_t index, tides_scene_format *format) {
     for (size_t i = 0; i < FORMATS; i++) {

@@ -48,20 +48,7 @@ static tides_status add_moving(tides_scene *scene, const td_model_dir *dir, open
     memset(&gaussians, 0, sizeof gaussians);
     tides_status status = open(dir, &gaussians, &motion, error);
     if (status) return status;
-    const int32_t drop = scene->drop;
-    scene->drop = -1; /* the motion's rows are theirs */
-    status = td_scene_take(scene, &gaussians, trajectory, scale, name_of(dir, "model"), source, NULL, error);
-    scene->drop = drop;
-    if (!status) {
-        status = td_scene_give_motion(scene, motion, 0, error);
-        if (status) td_scene_truncate(scene, scene->count - 1);
-    }
-    if (status) {
-        td_fail_within(error, status, "%s", source);
-        tides_motion_destroy(motion);
-    }
-    td_gaussians_free(&gaussians);
-    return status;
+    return td_scene_take_moving(scene, &gaussians, motion, trajectory, scale, name_of(dir, "model"), source, error);
 }
 
 /* How each method is read: by a reader of its own, or by what opens its Gaussians and their motion. */

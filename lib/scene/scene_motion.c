@@ -81,3 +81,22 @@ int64_t tides_motion_moving(const tides_motion *motion, const tides_gaussians *g
 uint64_t tides_motion_knots(const tides_motion *motion) {
     return motion->type->knots ? (uint64_t)motion->type->knots(motion, NULL, 0) : 0;
 }
+
+tides_status td_scene_take_moving(tides_scene *scene, td_gaussians *gaussians, tides_motion *motion,
+                                  const tides_trajectory *trajectory, double scale, const char *name, const char *source,
+                                  tides_error *error) {
+    const int32_t drop = scene->drop;
+    scene->drop = -1; /* the motion's rows are theirs */
+    tides_status status = td_scene_take(scene, gaussians, trajectory, scale, name, source, NULL, error);
+    scene->drop = drop;
+    if (!status) {
+        status = td_scene_give_motion(scene, motion, 0, error);
+        if (status) td_scene_truncate(scene, scene->count - 1);
+    }
+    if (status) {
+        td_fail_within(error, status, "%s", source);
+        tides_motion_destroy(motion);
+    }
+    td_gaussians_free(gaussians);
+    return status;
+}

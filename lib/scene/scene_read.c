@@ -22,7 +22,7 @@ static td_scene_reader leniently(td_scene_reader with) {
 }
 
 static tides_status read_gaussians(const char *file, td_scene_reader with, const char *part, td_gaussians *gaussians,
-                                   tides_error *error) {
+                                   tides_motion **motion, tides_error *error) {
     if (with.choose) return with.choose(file, part, gaussians, error);
     if (part)
         return td_fail(error, TIDES_BAD_ARGUMENT,
@@ -34,7 +34,10 @@ static tides_status read_gaussians(const char *file, td_scene_reader with, const
     char *data = NULL;
     size_t size = 0;
     tides_status status = td_read_file(file, SIZE_MAX - 1, &data, &size, error);
-    if (!status) status = with.parse(file, data, size, gaussians, error);
+    if (!status && with.moving)
+        status = with.moving(file, data, size, gaussians, motion, error);
+    else if (!status)
+        status = with.parse(file, data, size, gaussians, error);
     free(data);
     return status;
 }
@@ -43,14 +46,22 @@ tides_status td_scene_read_one(tides_scene *scene, const char *file, td_scene_re
                                const tides_trajectory *trajectory, double scale, tides_error *error) {
     char *stem = NULL;
     td_gaussians gaussians;
+    tides_motion *motion = NULL;
     memset(&gaussians, 0, sizeof gaussians);
-    tides_status status = read_gaussians(file, scene->drop > 0 ? leniently(with) : with, scene->part, &gaussians, error);
+    tides_status status =
+        read_gaussians(file, scene->drop > 0 ? leniently(with) : with, scene->part, &gaussians, &motion, error);
     if (status) goto done;
     status = (stem = stem_of(file, error)) ? TIDES_OK : TIDES_NO_MEMORY;
+    if (!status && motion) {
+        status = td_scene_take_moving(scene, &gaussians, motion, trajectory, scale, name ? name : stem, file, error);
+        motion = NULL;
+        goto done;
+    }
     if (!status) status = td_scene_take(scene, &gaussians, trajectory, scale, name ? name : stem, file, NULL, error);
     if (status) td_fail_within(error, status, "%s", file);
 done:
     free(stem);
+    tides_motion_destroy(motion);
     td_gaussians_free(&gaussians);
     return status;
 }

@@ -143,6 +143,11 @@ tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const ti
 /* Gives the last object added a motion, taken over on success; duration_s 0 is that of its own clock (scene_motion.c). */
 tides_status td_scene_give_motion(tides_scene *scene, tides_motion *motion, double duration_s, tides_error *error);
 
+/* td_scene_take and td_scene_give_motion of what a file holds, named in errors: both are taken over, on failure freed. */
+tides_status td_scene_take_moving(tides_scene *scene, td_gaussians *gaussians, tides_motion *motion,
+                                  const tides_trajectory *trajectory, double scale, const char *name, const char *source,
+                                  tides_error *error);
+
 /* Drops the objects from number `count` on: undoes a half-done addition. */
 void td_scene_truncate(tides_scene *scene, size_t count);
 
@@ -160,6 +165,14 @@ tides_status td_scene_tell(tides_scene *lent, int32_t index, const tides_pose_sa
 /* The open path of an object, NULL where it has none. */
 tides_trajectory *td_scene_told(const tides_scene *scene, int32_t index);
 
+/* -- moment.c -- */
+
+/* Row i of an object's Gaussians where its motion has them: TD_GEOMETRY_STRIDE numbers; SH, 3 k + channel, or NULL: its own. */
+typedef void td_row_visitor(void *user, int64_t i, const double *geometry, const double *sh);
+
+/* All rows of an object that has a motion, at `time` [s]. What the motion's clock, or a callback, says of it. */
+tides_status td_moving_rows(const td_object *object, double time, td_row_visitor *visit, void *user, tides_error *error);
+
 /* -- readers and writers: ply_reader.c, ply_writer.c, scene_hdf5.c, scene_hdf5_write.c -- */
 
 /* From memory; `path` is only for messages. TIDES_BAD_FILE, TIDES_UNSUPPORTED, TIDES_NO_MEMORY. */
@@ -173,6 +186,8 @@ typedef struct td_scene_reader {
     tides_status (*parse)(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
     tides_status (*read)(const char *path, td_gaussians *gaussians, tides_error *error);
     tides_status (*choose)(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
+    tides_status (*moving)(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_motion **motion,
+                           tides_error *error); /* parsed with their motion */
 } td_scene_reader;
 
 /* Reads a file as one object, and a .ply so; a NULL `name` is the file's (scene_read.c). */

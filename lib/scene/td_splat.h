@@ -20,6 +20,16 @@ tides_status td_splat_refuse_discs(const char *path, tides_error *error);
 
 tides_status td_splat_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
 
+/* LCC, by its .lcc, at level `part` of detail, NULL: the finest; and the files beside it that this reads (lcc.c). */
+int td_lcc_is(const char *path); /* 1 where the file's name ends so */
+tides_status td_lcc_read(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
+tides_status td_lcc_files(const char *path, const char *part, td_folder *files, tides_error *error);
+
+/* 1 where the bytes begin as a .splatv; its Gaussians and their motion, both the caller's (splatv.c). */
+int td_splatv_is(const void *start, size_t size);
+tides_status td_splatv_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_motion **motion,
+                             tides_error *error);
+
 /* 1 where the bytes begin as a .spz (gzip, or its magic number) does. */
 int td_spz_is(const void *start, size_t size);
 tides_status td_spz_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);

@@ -175,7 +175,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """`tides.distributed` and `tides.rosbag`, whose own dependencies are only wanted where they are asked for."""
-    if name in ("distributed", "rosbag"):
+    """`tides.distributed`, `tides.rosbag` and `tides.usd`, whose own dependencies are only wanted where they are asked for."""
+    if name in ("distributed", "rosbag", "usd"):
         return importlib.import_module(f"{__name__}.{name}")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}{nearest(name, __all__)}")

@@ -4364,6 +4364,11 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_scene_dropped": (c_int64, [P(tides_scene)], "scene"),
     # int32_t tides_scene_format_at(size_t index, tides_scene_format *format)
     "tides_scene_format_at": (c_int32, [c_size_t, P(tides_scene_format)], "index format"),
+    # tides_status tides_scene_gaussians_at(const tides_scene *scene, int32_t index, double time, const tides_theta
+    # *theta, tides_error *error)
+    "tides_scene_gaussians_at": (c_int32, [
+        P(tides_scene), c_int32, c_double, P(tides_theta), P(tides_error)
+    ], "scene index time theta error"),
     # int32_t tides_scene_is_file(const char *file)
     "tides_scene_is_file": (c_int32, [c_char_p], "file"),
     # int32_t tides_scene_losses(const tides_scene *scene, const char *file)

@@ -135,7 +135,7 @@ class SceneObject:
 
 
 class Scene(Handle):
-    """What is looked at. Scene() is empty, Scene(file) holds what a file does (.ply, .spz, .ksplat, .splat, .sog, .glb, .h5,
+    """What is looked at. Scene() is empty, Scene(file) holds what a file does (.ply, .spz, .ksplat, .splat, .splatv, .lcc, .sog, .glb, .h5,
     a trainer's folder). `len(scene)` is the number of objects. A scene doesn't change while a Renderer or Simulation uses it.
 
     Pickled are the names of its files, which are read again, and the values of what was added as values: a worker process
@@ -290,6 +290,19 @@ class Scene(Handle):
             moving=lib.tides_motion_moving(one.motion, byref(one.gaussians)) if one.motion else 0,
             knots=lib.tides_motion_knots(one.motion) if one.motion else 0,
         )
+
+    def gaussians_at(self, index: int, time: float) -> Gaussians:
+        """Object `index`'s Gaussians at `time` [s], as its motion has them then, in its own coordinates: before its trajectory
+        and scale."""
+        one = _api.tides_object()
+        call("tides_scene_object", self._pointer, index, one)
+        n, k = one.gaussians.count, (one.gaussians.sh_degree + 1) ** 2
+        shapes = {"mean": (n, 3), "log_scale": (n, 3), "quaternion": (n, 4), "opacity_logit": (n,), "sh": (n, k, 3)}
+        arrays = {name: np.empty(shape) for name, shape in shapes.items()}
+        theta = _api.tides_theta(**{name: pointer(one, c_double) for name, one in arrays.items()})
+        call("tides_scene_gaussians_at", self._pointer, index, time, theta)
+        how = (_trained(one.gaussians.trained), _transfer(one.gaussians.transfer), one.gaussians.gamma)
+        return Gaussians(**arrays, trained=how[0], transfer=how[1], gamma=how[2])
 
     @property
     def count(self) -> int:

@@ -47,8 +47,8 @@ refuse 1 "three.txt: has 3 columns and no header" tides convert three.txt x.csv
 refuse 1 "comma.csv:2: the time is \"0,00" tides convert comma.csv x.csv
 printf '<?xml version="1.0"?>\n<a/>\n' >cameras.xml
 refuse 1 "cameras.xml: is an XML file" tides info cameras.xml
-printf '%% date 2026\n%% evt 4.0\n%% end\n\0\0\0\0' >evt4.raw
-refuse 1 "evt4.raw: is EVT 4, .*metavision_file_to_csv" tides convert evt4.raw x.csv
+printf '%% date 2026\n%% evt 5.0\n%% end\n\0\0\0\0' >evt5.raw
+refuse 1 "evt5.raw: is an EVT of a version that isn't read.*metavision_file_to_csv" tides convert evt5.raw x.csv
 printf '#!AER-DAT3.1\r\n#Format: RAW\r\n' >three.aedat
 refuse 1 "three.aedat: is an AEDAT 3 recording, not an event file: AEDAT 2 and 4 are read" tides convert three.aedat x.csv
 gzip -c t.csv >t.csv.gz
@@ -65,8 +65,11 @@ refuse 1 "list.json" tides info list.json
 { echo t_us,x,y,p; columns , 'print $1 % 5000, $2, $3, $4'; } >again.csv
 expect 0 tides convert again.csv x.csv
 err "again.csv: times go back by 0.00[45][0-9]* s, as of a clock that begins again"
-echo '{}' >a.lcc
-refuse 1 "a.lcc: is an LCC scene.*splat-transform" tides info a.lcc
+printf '#usda 1.0\n' >scene.usda
+refuse 1 "scene.usda: is an OpenUSD scene.*python -m tides.usd scene.usda scene.h5" tides info scene.usda
+refuse 1 "scene.usda: is an OpenUSD scene.*python -m tides.usd scene.usda scene.h5" tides simulate scene.usda -o x.h5
+echo '{}' >a.lcc2
+refuse 1 "a.lcc2: is an LCC 2 scene.*splat-transform" tides info a.lcc2
 
 # What nothing decides, somebody says.
 columns , 'print 7919 * NR * NR % 1000003, $2, $3, $4' >shuffled.csv

@@ -46,7 +46,7 @@ expect 0 tides convert -q t.txt back.ns.csv --width 48 --height 36
 cmp -s t.ns.csv back.ns.csv || fail "nanoseconds were lost on the way through text"
 expect 0 tides convert -q e.h5 floored.csv
 expect 0 tides convert -q floored.csv t.csv # simultaneous now, what was a few nanoseconds apart: sorted by place
-for file in u.raw u.evt2.raw u.dat u.es u.aedat4 u.npy u.openeb.csv u.ecf.hdf5; do
+for file in u.raw u.evt2.raw u.evt21.raw u.evt4.raw u.dat u.es u.aedat4 u.npy u.openeb.csv u.ecf.hdf5; do
     expect 0 tides convert -q t.csv $file
     silent
     expect 0 tides convert -q $file back.csv --width 48 --height 36

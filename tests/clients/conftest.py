@@ -19,6 +19,8 @@ FORMATS = {
     "es": ("es", 2**31, 65535),  # a byte every 127 us
     "raw": ("evt3", 2**35, 2048),
     "evt2.raw": ("evt2", 2**35, 2048),
+    "evt21.raw": ("evt21", 2**35, 2048),
+    "evt4.raw": ("evt4", 2**35, 2048),
     "dat": ("dat", 2**31, 16384),  # half a turn of its clock
     "csv": ("csv", 2**35, 65536),
     "ns.csv": ("csv-ns", 2**35, 65536),

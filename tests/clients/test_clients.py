@@ -23,6 +23,7 @@ CLIENTS = [
     (readers.faery, "evt2.raw", 2**35),
     (readers.evlib, "evt2.raw", 2**31),
     (evt2, "evt2.raw", 2**31),
+    (readers.evlib, "evt21.raw", 2**31),
     (readers.faery, "dat", 2**31),
     (dat, "dat", 2**31),
     (readers.faery, "es", 2**31),

@@ -421,6 +421,8 @@ def evt21(extra, words):
 
 write("fuzz_events", "evt21", evt21(b"", [0, 8 << 28 | 1, 5, 1 << 28 | 5 << 22 | 2 << 11 | 3, 1, 6 << 22]))
 write("fuzz_events", "evt21_swapped", evt21(b";endianness=legacy", [8 << 28 | 1, 0, 6 << 22 | 4, 3]))
+words4 = [0xB << 28, 0xE << 28 | 1, 0xA << 28 | 5 << 22 | 3 << 11 | 2, 0xFFFFFFFF, 0xD << 28 | 6 << 22 | 4 << 11 | 3, 5]
+write("fuzz_events", "evt4", b"% evt 4.0\n% format EVT4;height=7;width=9\n% geometry 9x7\n% end\n" + struct.pack("<6I", *words4))
 write("fuzz_events", "aedat2", b"#!AER-DAT2.0\r\n# DAVIS240\r\n" + struct.pack(">4I", 3 << 22 | 2 << 12 | 1 << 11, 5, 4 << 22 | 7 << 12, 6))
 write("fuzz_events", "csv_ns", b"t_ns,x@9,y@7,p\n1000,1,2,1\n2000,3,4,-1\n")
 write("fuzz_events", "ergb", columns(["timestamp", "x", "y", "polarity"], 3))
@@ -436,6 +438,10 @@ write("fuzz_spz", "v4", spz4())
 for mode in range(3):
     write("fuzz_ksplat", str(mode), ksplat(mode))
 write("fuzz_splat", "two", struct.pack("<6f", 1, 2, 3, 1, 1, 1) + bytes(range(8)) + struct.pack("<6f", *range(1, 7)) + bytes(8))
+splats = [{"type": "notes", "size": 3}, {"type": "splat", "size": 65536, "texwidth": 4096, "texheight": 1, "cameras": []}]
+head = json.dumps(splats).encode()
+row = struct.pack("<3f", 1, 2, 3) + struct.pack("<7e2x4B", 1, 0, 0, 0, 0.1, 0.2, 0.3, 9, 99, 255, 128) + struct.pack("<9e2x6e", *range(9), 0, 0, 0, 1, 0.5, 0.1)
+write("fuzz_splatv", "two", struct.pack("<II", 0x674B, len(head)) + head + b"abc" + 2 * row + bytes(65536 - 128))
 write("fuzz_ply", "packed", packed_ply())
 os.makedirs(os.path.join(folder, "fuzz_sog"), exist_ok=True)
 sog(os.path.join(folder, "fuzz_sog", "seed_one"), 2)

@@ -376,3 +376,35 @@ def test_scene_of_c(tmp_path):
     made = tides.Scene()
     tides._call.call("tides_scene_add_file", made._pointer, b"tests/install/scene.ply", None, 1.0)
     assert len(made) == 1
+
+
+def test_gaussians_at_a_time():
+    rng = np.random.default_rng(5)
+    n = 700  # more than one of C's portions
+    own = tides.Gaussians(*(rng.normal(size=shape) for shape in ((n, 3), (n, 3), (n, 4), (n,), (n, 4, 3))), transfer="srgb")
+    scene = tides.Scene()
+    scene.add(own, tides.Trajectory.orbit(radius=4, angular_speed=1, stop=2), 3.0)
+    still = scene.gaussians_at(0, 1.0)  # its own coordinates: neither turned nor scaled
+    for name in ("mean", "log_scale", "quaternion", "opacity_logit", "sh"):
+        assert np.array_equal(getattr(still, name), getattr(own, name)), name
+    assert still.transfer == "srgb"
+
+    coefficient, centre = rng.normal(size=(n, 9)), np.full(n, 0.5)
+    motion = tides.Motion.polynomial(centre, np.zeros(n), coefficient, np.zeros((n, 4)))
+    scene.add(own, motion=motion, duration_s=2.0)
+    got, dt = scene.gaussians_at(1, 1.5), 0.75 - 0.5  # 1.5 s of 2 are 0.75 of its own clock
+    powers = np.array([dt, dt**2, dt**3])
+    assert np.allclose(got.mean, own.mean + np.einsum("p,npi->ni", powers, coefficient.reshape(n, 3, 3)), atol=1e-5)
+    opacity = np.exp(-(dt**2)) / (1 + np.exp(-own.opacity_logit))
+    assert np.allclose(1 / (1 + np.exp(-got.opacity_logit)), opacity, atol=1e-6)
+    assert np.allclose(got.log_scale, own.log_scale, atol=1e-5) and np.array_equal(got.sh, own.sh)
+    a, b = (one / np.linalg.norm(one, axis=1, keepdims=True) for one in (got.quaternion, own.quaternion))
+    assert np.allclose(np.abs((a * b).sum(1)), 1, atol=1e-6)
+
+    keys = rng.normal(size=(3, n, 4, 3))
+    scene.add(own, motion=tides.Motion.keyframes([0, 1, 2], np.stack([own.mean] * 3), np.stack([own.quaternion] * 3), sh=keys))
+    assert np.allclose(scene.gaussians_at(2, 1.0).sh, keys[1], atol=1e-6)
+    with pytest.raises(tides.errors.OutOfRange):
+        scene.gaussians_at(1, 2.5)
+    with pytest.raises(tides.errors.BadArgument):
+        scene.gaussians_at(3, 0.0)

@@ -1,0 +1,283 @@
+/* LCC (XGRIDS' scanners): a .lcc beside index.bin, data.bin and, of "Quality" and older files, shcoef.bin; perhaps an
+ * environment.bin. The .lcc is JSON:
+ *
+ *     {"fileType": "Quality" or "Portable", "totalLevel": 2, "splats": [of level 0, of level 1],
+ *      "attributes": [{"name": "scale", "min": [x, y, z], "max": [x, y, z]}, {"name": "shcoef", ..}, "envscale", "envshcoef"]}
+ *
+ * index.bin has a unit of space after the other: int16 x, int16 y, and for each level of detail, the finest first, int32
+ * Gaussians, int64 offset into data.bin, int32 bytes there. A Gaussian of data.bin is 32 bytes, little-endian:
+ *
+ *     float x y z; uint8 r g b a (colour 1/2 + C0 dc and opacity, of 255); uint16 scale x y z (linear, from min to max);
+ *     uint32 rotation: three numbers of 10 bits from the lowest on, v sqrt(2) / 1023 - sqrt(1/2), of x y z w without the one
+ *     whose number is in the top two bits; uint16 normal x y z, which isn't read
+ *
+ * and 64 bytes of shcoef.bin, at twice the offset: 15 coefficients, r 11 bits, g 10, b 11 from the lowest on, from min to max,
+ * and 4 bytes. environment.bin has both of them side by side. z is up: turned by a quarter about x to the axes of a 3DGS .ply,
+ * as splat-transform does. */
+#include "td_base.h"
+#include "td_endian.h"
+#include "td_folder.h"
+#include "td_model_files.h"
+#include "td_scene.h"
+#include "td_splat.h"
+#include "td_splat_json.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { RECORD = 32, RECORD_SH = 64, COEFFICIENTS = 16, LEVELS_MAX = 64, UNIT = 4, RUN = 16 };
+
+/* Least and largest value of what is packed, axis by axis or channel by channel. */
+typedef struct extent {
+    double least[3], most[3];
+} extent;
+
+typedef struct lcc {
+    const char *path;
+    cJSON *meta;
+    int has_sh;
+    int64_t levels, level;
+    unsigned char *units; /* index.bin */
+    size_t count;         /* of them */
+    tides_error *error;
+} lcc;
+
+static const char *const names[] = {"index.bin", "data.bin", "shcoef.bin", "environment.bin"};
+enum { INDEX, DATA, SHCOEF, ENVIRONMENT };
+
+/* -- the .lcc and index.bin -- */
+
+static const cJSON *attribute(const lcc *l, const char *name) {
+    const cJSON *list = cJSON_GetObjectItemCaseSensitive(l->meta, "attributes"), *item;
+    cJSON_ArrayForEach(item, list) {
+        const char *said = td_json_text(item, "name");
+        if (said && strcmp(said, name) == 0) return item;
+    }
+    return NULL;
+}
+
+static tides_status read_extent(const lcc *l, const char *name, const char *otherwise, extent *e) {
+    const cJSON *said = attribute(l, name) ? attribute(l, name) : attribute(l, otherwise);
+    if (td_json_numbers(said, "min", e->least, 3) && td_json_numbers(said, "max", e->most, 3)) return TIDES_OK;
+    return td_fail(l->error, TIDES_BAD_FILE, "%s: attributes: %s has no min and max of 3 numbers", l->path, otherwise);
+}
+
+static tides_status choose_level(lcc *l, const char *part) {
+    l->level = part ? td_numbered(part, "", "") : 0;
+    if (l->level >= 0 && l->level < l->levels) return TIDES_OK;
+    return td_fail(l->error, TIDES_BAD_ARGUMENT, "%s: scene.part = \"%.80s\" is none of its levels of detail, 0 to %lld",
+                   l->path, part, (long long)l->levels - 1);
+}
+
+static tides_status read_beside(const lcc *l, const char *name, unsigned char **bytes, size_t *size) {
+    char *file = td_beside(l->path, name, l->error), *data = NULL;
+    tides_status status = file ? td_read_file(file, SIZE_MAX - 1, &data, size, l->error) : TIDES_NO_MEMORY;
+    *bytes = (unsigned char *)data;
+    free(file);
+    return status;
+}
+
+static tides_status read_meta(lcc *l) {
+    char *text = NULL;
+    size_t size = 0;
+    tides_status status = td_read_file(l->path, SIZE_MAX - 1, &text, &size, l->error);
+    if (!status) status = td_splat_json(l->path, NULL, text, size, &l->meta, l->error);
+    free(text);
+    if (status) return status;
+    const char *type = td_json_text(l->meta, "fileType");
+    l->has_sh = type && strcmp(type, "Portable") == 0  ? 0
+                : type && strcmp(type, "Quality") == 0 ? 1
+                                                       : attribute(l, "shcoef") != NULL;
+    l->levels = td_json_whole(l->meta, "totalLevel", 1, LEVELS_MAX);
+    if (l->levels > 0) return TIDES_OK;
+    return td_fail(l->error, TIDES_BAD_FILE, "%s: is no LCC scene: its totalLevel isn't a number from 1 to %d", l->path,
+                   LEVELS_MAX);
+}
+
+static void lcc_close(lcc *l) {
+    cJSON_Delete(l->meta);
+    free(l->units);
+}
+
+static tides_status lcc_open(lcc *l, const char *path, const char *part, tides_error *error) {
+    size_t size = 0;
+    *l = (lcc){.path = path, .error = error};
+    tides_status status = read_meta(l);
+    if (!status) status = choose_level(l, part);
+    if (!status) status = read_beside(l, names[INDEX], &l->units, &size);
+    const size_t unit = UNIT + RUN * (size_t)l->levels;
+    l->count = size / unit;
+    if (!status && (size == 0 || size % unit != 0))
+        status = td_fail(error, TIDES_BAD_FILE, "%s: its index.bin has %zu bytes, which isn't a multiple of the %zu of a unit",
+                         path, size, unit);
+    return status;
+}
+
+/* -- Gaussians -- */
+
+static double between(const extent *e, size_t k, double part) { return (1 - part) * e->least[k] + part * e->most[k]; }
+
+static void take_rotation(uint32_t word, float q[4]) {
+    const unsigned left_out = word >> 30; /* of x y z w */
+    double xyzw[4] = {0}, rest = 1;
+    for (unsigned k = 0; k < 4; k++) {
+        if (k == left_out) continue;
+        xyzw[k] = (word & 1023) / 1023.0 * sqrt(2) - sqrt(0.5);
+        rest -= xyzw[k] * xyzw[k];
+        word >>= 10;
+    }
+    xyzw[left_out] = sqrt(rest > 0 ? rest : 0);
+    for (size_t k = 0; k < 4; k++) q[k] = (float)xyzw[(k + 3) % 4];
+}
+
+static void take_record(const unsigned char *b, const extent *scale, const td_gaussians *g, size_t i) {
+    float *sh = g->sh + 3 * td_sh_coefficients(g->sh_degree) * i;
+    for (size_t k = 0; k < 3; k++) {
+        g->mean[3 * i + k] = td_le_float(b + 4 * k);
+        sh[k] = td_splat_dc(b[12 + k] / 255.0);
+        g->log_scale[3 * i + k] = td_splat_log_scale(between(scale, k, td_le16(b + 16 + 2 * k) / 65535.0));
+    }
+    g->opacity_logit[i] = td_splat_logit(b[15] / 255.0);
+    take_rotation(td_le32(b + 22), g->quaternion + 4 * i);
+}
+
+static void take_harmonics(const unsigned char *b, const extent *range, const td_gaussians *g, size_t i) {
+    for (size_t k = 1; k < COEFFICIENTS; k++, b += 4) {
+        const uint32_t word = td_le32(b);
+        const double part[3] = {(word & 2047) / 2047.0, (word >> 11 & 1023) / 1023.0, (word >> 21) / 2047.0};
+        for (size_t c = 0; c < 3; c++) g->sh[3 * (COEFFICIENTS * i + k) + c] = (float)between(range, c, part[c]);
+    }
+}
+
+/* The runs of the level, whose Gaussians must all be in data.bin's `size` bytes, and can't be more than it holds. */
+static tides_status count_runs(const lcc *l, size_t size, int64_t *count) {
+    *count = 0;
+    for (size_t i = 0; i < l->count; i++) {
+        const unsigned char *run = l->units + (UNIT + RUN * (size_t)l->levels) * i + UNIT + RUN * (size_t)l->level;
+        const uint64_t n = td_le32(run), offset = td_le64(run + 4);
+        if (n > size / RECORD || offset > size - n * RECORD)
+            return td_fail(l->error, TIDES_BAD_FILE, "%s: unit %zu of its index.bin isn't within data.bin: truncated?", l->path,
+                           i);
+        *count += (int64_t)n;
+    }
+    if ((uint64_t)*count <= size / RECORD && *count > 0) return TIDES_OK;
+    return td_fail(l->error, TIDES_BAD_FILE, "%s: its units have %lld Gaussians at level %lld, and data.bin has %zu in all",
+                   l->path, (long long)*count, (long long)l->level, size / RECORD);
+}
+
+static void take_runs(const lcc *l, const unsigned char *data, const unsigned char *sh, const extent ranges[2],
+                      const td_gaussians *g) {
+    size_t at = 0;
+    for (size_t i = 0; i < l->count; i++) {
+        const unsigned char *run = l->units + (UNIT + RUN * (size_t)l->levels) * i + UNIT + RUN * (size_t)l->level;
+        const size_t n = td_le32(run), offset = (size_t)td_le64(run + 4);
+        for (size_t k = 0; k < n; k++, at++) {
+            take_record(data + offset + RECORD * k, &ranges[0], g, at);
+            if (sh) take_harmonics(sh + 2 * offset + RECORD_SH * k, &ranges[1], g, at);
+        }
+    }
+}
+
+static tides_status read_ranges(const lcc *l, int environment, extent ranges[2]) {
+    tides_status status = read_extent(l, environment ? "envscale" : "scale", "scale", &ranges[0]);
+    if (!status && l->has_sh) status = read_extent(l, environment ? "envshcoef" : "shcoef", "shcoef", &ranges[1]);
+    return status;
+}
+
+static tides_status read_level(const lcc *l, td_gaussians *g) {
+    unsigned char *data = NULL, *sh = NULL;
+    size_t size = 0, sh_size = 0;
+    int64_t count = 0;
+    extent ranges[2];
+    tides_status status = read_ranges(l, 0, ranges);
+    if (!status) status = read_beside(l, names[DATA], &data, &size);
+    if (!status && l->has_sh) status = read_beside(l, names[SHCOEF], &sh, &sh_size);
+    if (!status && l->has_sh && sh_size / 2 < size)
+        status = td_fail(l->error, TIDES_BAD_FILE, "%s: its shcoef.bin has %zu bytes, and data.bin asks for %zu: truncated?",
+                         l->path, sh_size, 2 * size);
+    if (!status) status = count_runs(l, size, &count);
+    if (!status) status = td_gaussians_create(g, count, l->has_sh ? 3 : 0, l->error);
+    if (!status) take_runs(l, data, sh, ranges, g);
+    free(data);
+    free(sh);
+    return status;
+}
+
+/* 1 where there is an environment. */
+static int has_environment(const lcc *l) {
+    char *file = td_beside(l->path, names[ENVIRONMENT], NULL);
+    const int found = file && td_is_file(file);
+    free(file);
+    return found;
+}
+
+static tides_status read_environment(const lcc *l, td_gaussians *g) {
+    const size_t row = l->has_sh ? RECORD + RECORD_SH : RECORD;
+    unsigned char *data = NULL;
+    size_t size = 0;
+    extent ranges[2];
+    tides_status status = read_ranges(l, 1, ranges);
+    if (!status) status = read_beside(l, names[ENVIRONMENT], &data, &size);
+    if (!status && (size == 0 || size % row != 0))
+        status = td_fail(l->error, TIDES_BAD_FILE, "%s: its environment.bin has %zu bytes, not a multiple of %zu: truncated?",
+                         l->path, size, row);
+    if (!status) status = td_gaussians_create(g, (int64_t)(size / row), l->has_sh ? 3 : 0, l->error);
+    for (size_t i = 0; i < size / row && !status; i++) {
+        take_record(data + row * i, &ranges[0], g, i);
+        if (l->has_sh) take_harmonics(data + row * i + RECORD, &ranges[1], g, i);
+    }
+    free(data);
+    return status;
+}
+
+static tides_status read_all(const lcc *l, td_gaussians *gaussians) {
+    static const double quarter[12] = {1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0}; /* z, which is up, becomes -y */
+    td_gaussians parts[2] = {{0}, {0}};
+    size_t count = 0;
+    tides_status status = read_level(l, &parts[count]);
+    count += !status;
+    if (!status && has_environment(l)) {
+        status = read_environment(l, &parts[count]);
+        count += !status;
+    }
+    if (!status) status = td_gaussians_join(parts, count, gaussians, l->error);
+    for (size_t i = 0; i < count; i++) td_gaussians_free(&parts[i]);
+    if (status) return status;
+    gaussians->up[1] = -1;
+    status = td_gaussians_place(gaussians, quarter, l->error);
+    if (!status && l->levels > 1)
+        status = td_note(&gaussians->notes, l->error,
+                         "its level of detail %lld is read, of 0, the finest, to %lld: scene.part names another",
+                         (long long)l->level, (long long)l->levels - 1);
+    if (status) td_gaussians_free(gaussians);
+    return status;
+}
+
+int td_lcc_is(const char *path) { return td_ends_in(path, ".lcc"); }
+
+tides_status td_lcc_read(const char *path, const char *part, td_gaussians *gaussians, tides_error *error) {
+    lcc l;
+    td_gaussians made = {0};
+    tides_status status = lcc_open(&l, path, part, error);
+    if (!status) status = read_all(&l, &made);
+    if (!status) *gaussians = made;
+    lcc_close(&l);
+    return status;
+}
+
+tides_status td_lcc_files(const char *path, const char *part, td_folder *files, tides_error *error) {
+    lcc l;
+    tides_status status = lcc_open(&l, path, part, error);
+    char *folder = status ? NULL : td_folder_of(path, error);
+    if (!status && !folder) status = TIDES_NO_MEMORY;
+    for (int i = INDEX; i <= ENVIRONMENT && !status; i++) {
+        if ((i == SHCOEF && !l.has_sh) || (i == ENVIRONMENT && !has_environment(&l))) continue;
+        status = td_folder_add(files, folder, names[i], error);
+    }
+    free(folder);
+    lcc_close(&l);
+    return status;
+}
