@@ -136,6 +136,11 @@ class Live(Handle):
         """Advances to `until` [s]: the events since the last call, as EVENT (n), sorted by (t, y, x, p)."""
         return self._events("tides_live_run", (until,), (float(until), 0.0, 0.0))
 
+    def finish(self) -> np.ndarray:
+        """Ends the run at `reached`: the events that a readout still held. All events together are those of a run whose
+        time.stop is `reached`."""
+        return self._events("tides_live_finish", (), (self.reached, 0.0, 0.0))
+
     def _events(self, function: str, arguments: tuple[Any, ...], at: tuple[float, float, float]) -> np.ndarray:
         """What waited and what `function` gives, which comes to `at`."""
         events, count = POINTER(_api.tides_event)(), c_size_t(_NOT_GIVEN)
