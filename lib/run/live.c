@@ -288,7 +288,8 @@ static tides_status check_until(const tides_live *live, double until, double sla
                        live->until, until);
     if (until <= live->stop + slack) return TIDES_OK;
     return td_fail(error, TIDES_OUT_OF_RANGE,
-                   "the run ends at %.15g s, and is asked for %.15g s: there ends what was given as its stop, the first path or "
+                   "the run ends at %.15g s, and is asked for %.15g s: there ends what was given as its stop, the first path "
+                   "or "
                    "motion that isn't told, or it was finished there",
                    live->stop, until);
 }
