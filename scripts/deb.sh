@@ -95,7 +95,9 @@ END
 python=usr/lib/python3/dist-packages/tides
 mkdir -p "$stages/python3-tides/$python" "$stages/python3-tides/DEBIAN"
 cp python_ctypes/tides/*.py python_ctypes/tides/py.typed "$stages/python3-tides/$python"
-chmod 644 "$stages/python3-tides/$python"/*
+mkdir -p "$stages/python3-tides/$python/play"
+cp python_ctypes/tides/play/*.py python_ctypes/tides/play/page.html "$stages/python3-tides/$python/play"
+find "$stages/python3-tides/$python" -type f -exec chmod 644 {} +
 printf '#!/bin/sh\nset -e\nif command -v py3compile >/dev/null; then py3compile -p python3-tides; fi\n' \
     >"$stages/python3-tides/DEBIAN/postinst"
 printf '#!/bin/sh\nset -e\nif command -v py3clean >/dev/null; then py3clean -p python3-tides; fi\n' \

@@ -79,6 +79,11 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_live_step(tides_live *live, const 
                                                         const tides_pose_sample *samples, size_t told, double until,
                                                         const tides_event **events, size_t *count, tides_error *error);
 
+/* Ends the run where its last step ended, and gives, as tides_live_run does, what a readout still held: all events together are
+ * those of a run whose time.stop is tides_live_reached. It goes no further then: TIDES_OUT_OF_RANGE. Twice is fine. */
+TIDES_MUST_CHECK TIDES_API tides_status tides_live_finish(tides_live *live, const tides_event **events, size_t *count,
+                                                          tides_error *error);
+
 /* Where the last step ended [s]: up to there events have been given, or after a failure will be by the next call. */
 TIDES_API double tides_live_reached(const tides_live *live);
 

@@ -28,6 +28,7 @@ struct tides_live {
     size_t count, capacity;
     int given; /* a call gave them, and the next one may put its own there */
     int lost;  /* there was no room for a step's */
+    int finished;
 };
 
 /* What clocks that add intervals up may lose until they are a step's end still, beside what the grid takes for rounding
@@ -288,9 +289,9 @@ static tides_status check_until(const tides_live *live, double until, double sla
                        live->until, until);
     if (until <= live->stop + slack) return TIDES_OK;
     return td_fail(error, TIDES_OUT_OF_RANGE,
-                   "the run ends at %.15g s, and is asked for %.15g s: there ends what was given as its stop, or the first "
-                   "path or "
-                   "motion that isn't told",
+                   "the run ends at %.15g s, and is asked for %.15g s: there ends what was given as its stop, the first path "
+                   "or "
+                   "motion that isn't told, or it was finished there",
                    live->stop, until);
 }
 
@@ -306,21 +307,44 @@ static tides_status advance(tides_live *live, double until, double slack, tides_
     return live->lost ? fail_lost(error) : status;
 }
 
+/* The events of a call: until it succeeds; one that fails half way leaves its steps' events to the next. */
+static void begin_events(tides_live *live) {
+    if (live->given) live->count = 0;
+    live->given = 0;
+}
+
+static void give_events(tides_live *live, const tides_event **events, size_t *count) {
+    live->given = 1;
+    if (events) *events = live->events;
+    if (count) *count = live->count;
+}
+
 tides_status tides_live_run(tides_live *live, double until, const tides_event **events, size_t *count, tides_error *error) {
     if (!live) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_live_run: live is NULL");
     if (live->lost) return fail_lost(error);
     const double slack = slack_of(live, until);
     tides_status status = check_until(live, until, slack, error);
     if (status != TIDES_OK) return status;
-    if (live->given) live->count = 0;
-    live->given = 0; /* until a call succeeds: one that fails half way leaves its steps' events to the next */
+    begin_events(live);
     status = advance(live, until, slack, error);
     if (status != TIDES_OK) return status;
-    live->given = 1;
     live->until = fmax(until, live->until);
     forget(live);
-    if (events) *events = live->events;
-    if (count) *count = live->count;
+    give_events(live, events, count);
+    return TIDES_OK;
+}
+
+tides_status tides_live_finish(tides_live *live, const tides_event **events, size_t *count, tides_error *error) {
+    if (!live) return td_fail(error, TIDES_BAD_ARGUMENT, "tides_live_finish: live is NULL");
+    if (live->lost) return fail_lost(error);
+    begin_events(live);
+    tides_status status = TIDES_OK;
+    if (!live->finished) status = td_simulator_finish(live->simulator, keep_events, live, error);
+    if (live->lost) return fail_lost(error);
+    if (status != TIDES_OK) return status;
+    live->finished = 1;
+    live->stop = live->until = tides_live_reached(live);
+    give_events(live, events, count);
     return TIDES_OK;
 }
 

@@ -84,7 +84,11 @@ static void default_text(const td_param *row, const tides_run_values *values, ch
         case TIDES_PARAM_INTEGER: snprintf(text, TD_DEFAULT_MAX, "%d", (int)whole); break;
         case TIDES_PARAM_BOOLEAN: snprintf(text, TD_DEFAULT_MAX, "%s", whole ? "true" : "false"); break;
         case TIDES_PARAM_CHOICE: choice_text(row, whole, text); break;
-        default: memcpy(numbers, field, sizeof numbers); vector_text(numbers, 3, text);
+        default: {
+            const int count = row->type == TIDES_PARAM_VECTOR2 ? 2 : 3;
+            memcpy(numbers, field, (size_t)count * sizeof *numbers);
+            vector_text(numbers, count, text);
+        }
     }
 }
 

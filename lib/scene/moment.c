@@ -73,11 +73,11 @@ static void put_row(void *user, int64_t i, const double *geometry, const double 
     for (int k = 0; k < 3; k++) {
         const double length = fmax(sqrt(m[k] * m[k] + m[3 + k] * m[3 + k] + m[6 + k] * m[6 + k]), (double)FLT_MIN);
         mean[k] = geometry[TD_G_MEAN + k] + a->own->origin[k];
-        log_scale[k] = td_log(length);
+        log_scale[k] = td_ln(length);
         for (int row = 0; row < 3; row++) rotation[3 * row + k] = m[3 * row + k] / length;
     }
     td_quaternion_from_rotation(rotation, q);
-    const double opacity = fmin(fmax(geometry[TD_G_OPACITY], least), 1 - least), logit = td_log(opacity / (1 - opacity));
+    const double opacity = fmin(fmax(geometry[TD_G_OPACITY], least), 1 - least), logit = td_ln(opacity / (1 - opacity));
     put(a->theta->mean, i, mean, 3);
     put(a->theta->log_scale, i, log_scale, 3);
     put(a->theta->quaternion, i, q, 4);

@@ -18,4 +18,7 @@ const tides_event *td_simulator_last(const tides_simulator *simulator);
 /* Up to when a run that is asked for up to `until` [s] is the same as a longer one: where its last whole step began. */
 double td_simulator_extends_from(const tides_simulator *simulator, double until);
 
+/* The run is over where it is: what its readout still holds goes to the sink as a last packet, as at its stop. */
+tides_status td_simulator_finish(tides_simulator *simulator, tides_event_sink sink, void *user, tides_error *error);
+
 #endif

@@ -192,6 +192,9 @@ tides_status td_settle(tides_simulator *simulator, double start, double stop, in
 /* With a readout: the events of the step that ends at the grid point reached go through it (readout.c). */
 tides_status td_readout_step(tides_simulator *simulator, tides_error *error);
 
+/* Sends on all events that the arbiter still holds. */
+tides_status td_readout_finish(tides_simulator *simulator, tides_error *error);
+
 /* Begins and ends asking a run's progress within its steps; the launches of each step are counted from td_ask_step on. */
 void td_ask_begin(tides_simulator *simulator, tides_progress progress, void *user);
 void td_ask_step(tides_simulator *simulator);

@@ -48,7 +48,7 @@ from .events import (
 from .exposure import Exposure
 from .filters import Filter, Filters, filter
 from .generate import GenerateOptions, World, generate, generators
-from .live import Live, LiveOptions
+from .live import CAMERA_AXES, Live, LiveOptions, camera_quaternion
 from .measure import ExactOptions, exact_stream, ideal_settings, image_is_continuous
 from .motion import Motion
 from .names import nearest_name
@@ -78,6 +78,8 @@ __all__ = [
     "calibrate",
     "Calibration",
     "Camera",
+    "CAMERA_AXES",
+    "camera_quaternion",
     "can_resume",
     "CAUSES",
     "CHANNELS",
@@ -175,7 +177,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """`tides.distributed`, `tides.rosbag` and `tides.usd`, whose own dependencies are only wanted where they are asked for."""
-    if name in ("distributed", "rosbag", "usd"):
+    """Modules whose own dependencies are only wanted where they are asked for."""
+    if name in ("distributed", "mujoco", "play", "ros2", "rosbag", "usd"):
         return importlib.import_module(f"{__name__}.{name}")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}{nearest(name, __all__)}")

@@ -4044,6 +4044,10 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
     "tides_lens_name": (c_char_p, [c_int32], "model"),
     # void tides_live_close(tides_live *live)
     "tides_live_close": (None, [P(tides_live)], "live"),
+    # tides_status tides_live_finish(tides_live *live, const tides_event **events, size_t *count, tides_error *error)
+    "tides_live_finish": (c_int32, [
+        P(tides_live), P(P(tides_event)), P(c_size_t), P(tides_error)
+    ], "live events count error"),
     # tides_status tides_live_open(tides_session *session, const tides_live_options *options, tides_progress progress,
     # void *user, tides_live **live, tides_error *error)
     "tides_live_open": (c_int32, [

@@ -136,6 +136,11 @@ class Live(Handle):
         """Advances to `until` [s]: the events since the last call, as EVENT (n), sorted by (t, y, x, p)."""
         return self._events("tides_live_run", (until,), (float(until), 0.0, 0.0))
 
+    def finish(self) -> np.ndarray:
+        """Ends the run at `reached`: the events that a readout still held. All events together are those of a run whose
+        time.stop is `reached`."""
+        return self._events("tides_live_finish", (), (self.reached, 0.0, 0.0))
+
     def _events(self, function: str, arguments: tuple[Any, ...], at: tuple[float, float, float]) -> np.ndarray:
         """What waited and what `function` gives, which comes to `at`."""
         events, count = POINTER(_api.tides_event)(), c_size_t(_NOT_GIVEN)
@@ -234,6 +239,25 @@ def _quaternion(rotation: np.ndarray) -> np.ndarray:
     k[1:, 1:] = r + r.T - np.trace(r) * np.eye(3)
     q = np.linalg.eigh(k)[1][:, -1]
     return q if q[0] >= 0 else -q
+
+
+#: How our camera axes, OpenCV's (x right, y down, z forward), lie in those of others, as wxyz.
+CAMERA_AXES = {
+    "opencv": (1.0, 0.0, 0.0, 0.0),
+    "opengl": (0.0, 1.0, 0.0, 0.0),  # x right, y up, looks along -z: MuJoCo, USD and so Isaac, Genesis, Blender
+    "robot": (0.5, -0.5, 0.5, -0.5),  # x forward, y left, z up: Gazebo's sensors, ROS' bodies
+}
+
+
+def camera_quaternion(quaternion: Any, axes: str) -> np.ndarray:
+    """The quaternion (wxyz, camera to world) that a camera is told by, of one whose axes are `axes`, a key of CAMERA_AXES.
+    Position, velocity and angular velocity, which are in world axes, stay as they are."""
+    if axes not in CAMERA_AXES:
+        raise ValueError(f"axes: {axes!r} is none of {', '.join(CAMERA_AXES)}")
+    a, b = np.asarray(quaternion, np.float64), np.array(CAMERA_AXES[axes])
+    if a.shape != (4,):
+        raise ValueError(f"quaternion: {quaternion!r}, where four numbers (wxyz) are needed")
+    return np.array([a[0] * b[0] - a[1:] @ b[1:], *(a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:]))])
 
 
 def _angular(pose: Pose) -> np.ndarray:

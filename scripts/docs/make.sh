@@ -35,7 +35,7 @@ echo "docs: Python"
     "$python" -m venv --system-site-packages "$venv"
     "$venv/bin/pip" install -q --disable-pip-version-check -r scripts/docs/requirements.txt
 }
-PYTHONPATH=python_ctypes "$venv/bin/pdoc" --no-show-source -o "$out/python" tides '!tides._api' '!tides.__main__' 2>"$log.pdoc" ||
+PYTHONPATH=python_ctypes "$venv/bin/pdoc" --no-show-source -o "$out/python" tides '!tides._api' '!tides.__main__' '!tides.play.__main__' 2>"$log.pdoc" ||
     { cat "$log.pdoc"; exit 1; }
 
 echo "docs: links"

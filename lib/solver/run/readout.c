@@ -157,6 +157,12 @@ tides_status td_readout_step(tides_simulator *s, tides_error *error) {
     td_event_sort(s->done.work.events.events, s->packet.scratch, s->done.work.events.count);
     status = tides_arbiter_push(readout->arbiter, s->done.work.events.events, s->done.work.events.count, take, readout, reason);
     s->done.work.events.count = 0;
-    if (status == TIDES_OK && s->step == s->grid.steps) status = tides_arbiter_finish(readout->arbiter, take, readout, reason);
+    if (status == TIDES_OK && s->step == s->grid.steps) return td_readout_finish(s, error);
+    return status == TIDES_CANCELLED ? td_fail(error, TIDES_NO_MEMORY, "%s", readout->error.text) : status;
+}
+
+tides_status td_readout_finish(tides_simulator *s, tides_error *error) {
+    td_run_readout *readout = &s->readout;
+    const tides_status status = tides_arbiter_finish(readout->arbiter, take, readout, error ? error : &readout->error);
     return status == TIDES_CANCELLED ? td_fail(error, TIDES_NO_MEMORY, "%s", readout->error.text) : status;
 }

@@ -18,6 +18,7 @@
  * motions (grid.c). What each stage does is in its own file; here is their order, and what becomes of a failure. */
 #include "camera/td_trajectory.h"
 #include "signal/td_event_sort.h"
+#include "solver/td_reached.h"
 #include "solver/td_simulator.h"
 
 #include <stdlib.h>
@@ -281,4 +282,10 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
     simulator->stats.run_time_s += td_now() - begun;
     simulator->stats.time_alone_s += td_own_time() - own;
     return status;
+}
+
+tides_status td_simulator_finish(tides_simulator *s, tides_event_sink sink, void *user, tides_error *error) {
+    if (!s->readout.arbiter || s->step == s->grid.steps) return TIDES_OK; /* nothing is held */
+    const tides_status status = td_readout_finish(s, error);
+    return status == TIDES_OK ? emit(s, sink, user, error) : status;
 }

@@ -237,3 +237,22 @@ def test_the_example_follows_its_ball(monkeypatch, tmp_path):
     assert grown < 4 << 20
     picture = track_ball.panel("off [px]", rows[:, 0], [("", off)])
     tides.image.write_png(tmp_path / "a.png", np.ascontiguousarray(picture))
+
+
+@pytest.mark.parametrize("kind, step", [("requested", 5e-3), ("scanned", 2e-3), (None, 5e-3)])
+def test_a_run_may_end_where_it_is(room, kind, step):
+    """What its readout still holds comes then: together the events of a run that stops there."""
+    slow = {"readout.enabled": True, "readout.kind": kind, "readout.event_s": 1e-4, "readout.row_s": 1e-5} if kind else {}
+    settings = {"stepping.step_s": step, **slow}
+    path, got = poses(room), []
+    with tides.Live(room, settings, keep=True, device="reference-f32") as live:
+        for k in range(1, 5):
+            got.append(live.step(path.at(k * step), step))
+        held = live.finish()
+        assert len(live.finish()) == 0 and live.time == live.reached == pytest.approx(4 * step, abs=1e-15)
+        with pytest.raises(tides.errors.OutOfRange, match="finished there"):
+            live.step(path.at(5 * step), step)
+        tides.Camera(live.path(), live.session.intrinsics).save(room.parent / "told.json")
+    known = tides.Session(room, {**settings, "camera.file": "told.json", "time.stop": 4 * step}, "reference-f32").simulate()
+    assert np.array_equal(np.concatenate([*got, held]), known) and len(known) > 50
+    assert (len(held) > 0) == (kind is not None)

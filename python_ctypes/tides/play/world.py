@@ -1,0 +1,322 @@
+"""The live run behind the page: opened anew where a slider changes the run, stepped once for each picture, recorded on request."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+import shlex
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..events import EVENT, EventReader, EventWriter
+from ..image import picture_rgb
+from ..live import Live, _angular, _quaternion
+from ..presets import preset, preset_names
+from ..run import Run, parameters
+from ..session import Session
+from ..trajectory import Camera, Pose, Trajectory
+from .flight import Controls, Flight
+
+ORBIT_S = 12.0  # of a turn about the scene [s]
+SLOWEST = 0.01  # of time
+TOLERANCE = 0.3  # [thresholds]; events are looked up on the image all the same
+FLIGHT = 0.2  # full speed, in distances to the scene's middle a second: some 3 px of a picture
+RESPONSE_S = 0.12  # of the camera to keys, on the clock on the wall
+LONGEST_S = 1e5  # that a flight lasts where nothing in the scene ends before
+
+#: What the page says of a preset: key of the run file, what it is, its unit, and the factor to that unit.
+ROWS = [
+    ("sensor.threshold_on", "threshold ON", "", 1),
+    ("sensor.threshold_off", "threshold OFF", "", 1),
+    ("sensor.threshold_sigma", "from pixel to pixel", "", 1),
+    ("frontend.photoreceptor_cutoff_hz", "low-pass", "Hz", 1),
+    ("frontend.highpass_hz", "high-pass", "Hz", 1),
+    ("sensor.refractory_s", "dead time", "us", 1e6),
+    ("sensor.leak_rate_hz", "leak", "Hz", 1),
+    ("frontend.shot_noise_hz", "shot noise", "Hz", 1),
+    ("frontend.hot_pixel_fraction", "hot pixels", "%", 100),
+    ("image.log_eps", "black level", "", 1),
+]
+
+
+def event_hash(file: str | os.PathLike[str]) -> str:
+    """SHA-256 of a file's events: t [ns] as 8 bytes, x and y as 2, p as 1, little-endian, event by event."""
+    made = hashlib.sha256()
+    row = np.dtype([("t", "<i8"), ("x", "<u2"), ("y", "<u2"), ("p", "i1")])
+    with EventReader(file) as reader:
+        for packet in reader:
+            rows = np.empty(len(packet), row)
+            for name in row.names:
+                rows[name] = packet[name]
+            made.update(rows.tobytes())
+    return made.hexdigest()
+
+
+def run_text(source: str | os.PathLike[str], size: tuple[int, int] | None = None) -> tuple[dict[str, Any], str]:
+    """What to run, and the folder that its paths are relative to: a run file as it is, or a scene, seen from an orbit."""
+    if os.fspath(source).endswith(".json"):
+        text, folder = json.loads(Path(source).read_text()), os.path.dirname(os.path.abspath(source))
+    else:
+        text, folder = {"scene": {"file": os.path.abspath(source)}, "camera": {"orbit_s": ORBIT_S}}, os.getcwd()
+        size = size or (240, 180)
+    if size:
+        text.setdefault("camera", {}).update(width=size[0], height=size[1])
+    times = text.setdefault("time", {})
+    times.setdefault("stop", times.setdefault("start", 0.0) + 0.1)
+    text.setdefault("stepping", {}).setdefault("tolerance", TOLERANCE)
+    return text, folder
+
+
+def _absolute(text: dict[str, Any], folder: str) -> dict[str, Any]:
+    """A run file that may lie anywhere: paths in it made whole."""
+    text = json.loads(json.dumps(text))
+    for row in parameters():
+        group, _, name = row.key.rpartition(".")
+        here = text.get(group, {}) if group else text
+        is_name = row.key == "sensor.preset" and not str(here.get(name)).endswith(".json")
+        if row.path and isinstance(here.get(name), str) and not is_name:
+            here[name] = os.path.abspath(os.path.join(folder, here[name]))
+    for one in text.get("scene", {}).get("objects", []):
+        one.update({key: os.path.abspath(os.path.join(folder, one[key])) for key in ("file", "trajectory") if one.get(key)})
+    return text
+
+
+def _axis_of(pose: Pose, distance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Centre and axis to circle about: of the run's own orbit, else what is in the middle of the view, upright."""
+    turning, upright = _angular(pose), -pose.rotation[:, 1]
+    rate = float(turning @ turning)
+    if rate > 1e-12:
+        return pose.position + np.cross(turning, pose.position_dot) / rate, math.copysign(1, turning @ upright) * turning
+    return pose.position + distance * pose.rotation[:, 2], upright
+
+
+class World:
+    """A scene with a camera that is flown. `picture` goes one picture on; `change` sets what the sliders say; `record` begins a
+    recording and `keep` ends it. `rate` [1/s] of pictures; `out`: where recordings go."""
+
+    def __init__(
+        self,
+        source: str | os.PathLike[str],
+        set: dict[str, Any] | None = None,
+        size: tuple[int, int] | None = None,
+        preset_name: str | None = None,
+        rate: float = 15.0,
+        out: str | os.PathLike[str] = ".",
+        device: Any = None,
+    ):
+        text, folder = run_text(source, size)
+        sensor = text.setdefault("sensor", {})
+        sensor["preset"] = preset_name or sensor.get("preset") or ("davis240" if "threshold_on" not in sensor else "ideal")
+        self.rate, self.out, self.speed, self.factor = rate, Path(out), 1.0, 1.0
+        self.name = Path(source).name
+        self._folder = tempfile.TemporaryDirectory(prefix="tides-play-")
+        self._text = self._start(text, folder, set)
+        self._session = Session(Run(text=self._text), None, device)
+        self.intrinsics = self._session.intrinsics
+        self._renderer = self._session.renderer()
+        self.preset = self._text["sensor"]["preset"]
+        self._live: Live | None = None
+        self._recording: Recording | None = None
+        self.flight = self._pilot()
+        self._open(self._begin)
+
+    def _start(self, text: dict[str, Any], folder: str, set: dict[str, Any] | None) -> dict[str, Any]:
+        """The run file with `set` in it, and a camera that stands where the run's begins: its path is told from there on."""
+        for key, value in (set or {}).items():
+            group, _, name = key.rpartition(".")
+            (text.setdefault(group, {}) if group else text)[name] = value
+        with Run(text=text, directory=folder) as run:
+            scene, camera = run.open()
+            self._begin, text["device"] = run.values.start, run.values.device
+            self._end = min(self._begin + LONGEST_S, scene.range[1])
+            self._first = camera.trajectory.at(self._begin)
+            still = Trajectory.static(self._first.position, _quaternion(self._first.rotation))
+            Camera(still, camera.intrinsics).save(os.path.join(self._folder.name, "start.json"))
+            scene.close()
+        made = _absolute(text, folder)
+        made["camera"] = {"file": os.path.join(self._folder.name, "start.json"), "lux": made.get("camera", {}).get("lux")}
+        made["time"] = {"start": self._begin, "stop": self._end}
+        return made
+
+    def _pilot(self) -> Flight:
+        depth = self._renderer.truth(self._begin, ["depth"])["depth"]
+        seen = depth[np.isfinite(depth)]
+        distance = float(np.median(seen)) if len(seen) else 1.0
+        centre, up = _axis_of(self._first, distance)
+        reach = float(np.linalg.norm(self._first.position - centre)) or distance
+        own = float(np.linalg.norm(_angular(self._first)))
+        return Flight(self._first, centre, up, FLIGHT * reach, own if own > 1e-6 else 2 * math.pi / ORBIT_S)
+
+    # -- the run ----------------------------------------------------------------------------------------------------
+    @property
+    def presets(self) -> list[str]:
+        """What `change` takes: the names, and a file of the run's own."""
+        own = self._text["sensor"]["preset"]
+        return preset_names() + ([] if own in preset_names() else [own])
+
+    def _settings(self, start: float) -> dict[str, Any]:
+        """What the sliders say, as keys of the run file."""
+        made: dict[str, Any] = {"time.start": start, "time.stop": self._end, "stepping.step_s": self.speed / self.rate}
+        if self.preset != self._text["sensor"]["preset"]:
+            made["sensor.preset"] = self.preset  # which then wins over the run file's own values
+        if self.factor != 1:
+            nominal = self._session.vary(made).values.sensor
+            made["sensor.threshold_on"] = self.factor * nominal.threshold_on
+            made["sensor.threshold_off"] = self.factor * nominal.threshold_off
+        return made
+
+    def _open(self, start: float, keep: bool = False) -> None:
+        """A new live run from here on, as the sliders say."""
+        session = self._session.vary(self._settings(start))
+        live = Live(session, keep=keep)
+        live.tell(self.flight.pose(), start)
+        if self._live:
+            self._live.close()
+        self._live, self._varied = live, session
+
+    @property
+    def live(self) -> Live:
+        assert self._live is not None
+        return self._live
+
+    def change(self, threshold: float | None = None, preset: str | None = None, speed: float | None = None) -> None:
+        """`threshold`: what the preset's thresholds are multiplied by; `speed` of time, SLOWEST to 1. Each begins a new run from
+        here; while one is recorded, it is refused."""
+        if self._recording:
+            raise ValueError("a recording has one preset, threshold and speed of time: stop it first")
+        before = self.factor, self.preset, self.speed
+        if threshold is not None:
+            self.factor = _within(threshold, 0.1, 10, "threshold")
+        if preset is not None:
+            if preset not in self.presets:
+                raise ValueError(f"preset: {preset!r} is none of {', '.join(self.presets)}")
+            self.preset = preset
+        if speed is not None:
+            self.speed = _within(speed, SLOWEST, 1, "speed")
+        if (self.factor, self.preset, self.speed) != before:
+            self._open(self.live.time)
+
+    @property
+    def at_end(self) -> bool:
+        """Whether the scene's own motion ends before the next picture."""
+        return self.live.time + self.speed / self.rate > self._end
+
+    def step(self, controls: Controls) -> np.ndarray:
+        """The events of one picture's time. Where the scene's own motion ends, it begins again; a recording holds still there."""
+        dt = self.speed / self.rate
+        if self.at_end and self._recording:
+            return np.empty(0, EVENT)
+        if self.at_end:
+            self._open(self._begin)
+        events = self.live.step(self.flight.step(controls, dt, RESPONSE_S * self.speed), dt)
+        if self._recording:
+            self._recording.append(events)
+        return events
+
+    def picture(self) -> np.ndarray:
+        """What the camera sees now, uint8 (height x width x 3)."""
+        position, quaternion, *_ = self.flight.pose()
+        frame = self._renderer.frame(self.live.time, "RGB", Trajectory.static(position, quaternion))
+        return picture_rgb(frame["R"], frame["G"], frame["B"])
+
+    def says(self) -> dict[str, Any]:
+        """What the preset does: its sentence, and rows of (what, value, unit, how it is known)."""
+        told, text = _told(self.preset), json.loads(self._varied.values.json)
+        rows = []
+        for key, what, unit, factor in ROWS:
+            group, name = key.split(".")
+            value, source = text[group][name], told.get(group, {}).get(name)
+            kind = source.get("kind", "") if isinstance(source, dict) else ""
+            rows.append((what, f"{factor * value:.3g}" if value else "off", unit if value else "", kind if value else ""))
+        readout = text["readout"]
+        rows.append(("readout", readout["kind"] if readout["enabled"] else "off", "", ""))
+        about = told.get("about", "")
+        return {"preset": self.preset, "about": about, "rows": rows, "threshold": self.factor, "speed": self.speed}
+
+    # -- recording --------------------------------------------------------------------------------------------------
+    @property
+    def recording(self) -> bool:
+        return self._recording is not None
+
+    def record(self) -> None:
+        """Begins a recording, which is a run of its own from here on."""
+        if self._recording:
+            raise ValueError("it is recorded already")
+        self._open(self.live.time, keep=True)
+        self._recording = Recording(self)
+
+    def keep(self) -> dict[str, Any]:
+        """Ends the recording: its folder, how many events, their hash, and the lines that make them again."""
+        if not self._recording:
+            raise ValueError("nothing is recorded")
+        recording, self._recording = self._recording, None
+        made = recording.finish()
+        self._open(self.live.time)
+        return made
+
+    def close(self) -> None:
+        if self._recording:
+            self._recording.finish()
+            self._recording = None
+        if self._live:
+            self._live.close()
+            self._live = None
+        self._folder.cleanup()
+
+
+class Recording:
+    """path.json, run.json and events.h5 in a new folder."""
+
+    def __init__(self, world: World):
+        self._world, self._live, self.start = world, world.live, world.live.time
+        self.folder = _new_folder(world.out)
+        lens, values = world.intrinsics, self._live.session.values
+        self.run = json.loads(values.json)  # every key with its value, so that neither preset nor default decides
+        self._writer = EventWriter(self.folder / "events.h5", lens.width, lens.height, run=values.json, seed=values.seed)
+
+    def append(self, events: np.ndarray) -> None:
+        self._writer.append(events)
+
+    def finish(self) -> dict[str, Any]:
+        live, folder = self._live, self.folder
+        self.append(live.finish())
+        Camera(live.path(), self._world.intrinsics).save(folder / "path.json")
+        self.run["camera"]["file"] = "path.json"
+        self.run["time"]["stop"] = live.reached
+        (folder / "run.json").write_text(json.dumps(self.run, indent=2) + "\n")
+        count = self._writer.count
+        self._writer.finish(round(1e9 * live.reached))
+        again = shlex.quote(str(folder / "again.h5"))
+        lines = [f"tides simulate {shlex.quote(str(folder / 'run.json'))} -o {again}", f"python -m tides.play --hash {again}"]
+        seconds = live.reached - self.start
+        return {"folder": str(folder), "events": count, "seconds": seconds, "hash": event_hash(folder / "events.h5"), "lines": lines}
+
+
+def _new_folder(out: Path) -> Path:
+    name = time.strftime("tides-play-%Y%m%d-%H%M%S")
+    for number in range(1000):
+        folder = out / (name if number == 0 else f"{name}-{number}")
+        try:
+            folder.mkdir(parents=True)
+            return folder.absolute()
+        except FileExistsError:
+            continue
+    raise FileExistsError(f"{out / name}: a thousand recordings in one second")
+
+
+def _told(name: str) -> dict[str, Any]:
+    """A preset's file: of a name, or at a path."""
+    return dict(json.loads(Path(name).read_text())) if name.endswith(".json") else preset(name)
+
+
+def _within(value: Any, low: float, high: float, name: str) -> float:
+    if not (isinstance(value, (int, float)) and low <= value <= high):
+        raise ValueError(f"{name}: {value!r} isn't from {low:g} to {high:g}")
+    return float(value)
+
