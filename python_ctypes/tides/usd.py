@@ -17,7 +17,7 @@ import argparse
 import os
 import sys
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -47,6 +47,13 @@ _CODES_PER_SECOND = 24.0  # of what is written, as USD has it where a stage says
 def _place(prim: Any) -> str:
     """Of messages: file and path of a prim."""
     return f"{prim.GetStage().GetRootLayer().realPath}: {prim.GetPath()}"
+
+
+def _branch(prim: Any) -> Iterator[Any]:
+    """A prim and those above it."""
+    while prim and not prim.IsPseudoRoot():
+        yield prim
+        prim = prim.GetParent()
 
 
 def _attribute(prim: Any, name: str) -> Any:
@@ -166,11 +173,8 @@ def _array_samples(prim: Any) -> list[float]:
 
 
 def _xform_samples(prim: Any) -> list[float]:
-    codes: set[float] = set()
-    while prim and not prim.IsPseudoRoot():
-        codes.update(UsdGeom.Xformable(prim).GetTimeSamples() if prim.IsA(UsdGeom.Xformable) else ())
-        prim = prim.GetParent()
-    return sorted(codes)
+    forms = [UsdGeom.Xformable(one) for one in _branch(prim) if one.IsA(UsdGeom.Xformable)]
+    return sorted({code for form in forms for code in form.GetTimeSamples()})
 
 
 # -- reading ---------------------------------------------------------------------------------------------------------------
@@ -219,13 +223,13 @@ def _shown(prim: Any) -> bool:
     """A splat prim that is drawn: not hidden, no stand-in, no copy for an instancer."""
     if prim.GetTypeName() != _TYPE:
         return False
-    above = prim.GetParent()
-    while above and not above.IsPseudoRoot():
-        if above.IsA(UsdGeom.PointInstancer):
-            raise Unsupported(f"{_place(prim)}: is what {above.GetPath()} repeats (PointInstancer): make copies of it in USD first")
-        above = above.GetParent()
-    what = UsdGeom.Imageable(prim)
-    return what.ComputeVisibility() != UsdGeom.Tokens.invisible and what.ComputePurpose() not in ("proxy", "guide")
+    for one in _branch(prim):
+        if one.IsA(UsdGeom.PointInstancer):
+            raise Unsupported(f"{_place(prim)}: is what {one.GetPath()} repeats (PointInstancer): make copies of it in USD first")
+    what, first = UsdGeom.Imageable(prim), Usd.TimeCode.EarliestTime()
+    if any(one.IsA(UsdGeom.Imageable) and UsdGeom.Imageable(one).GetVisibilityAttr().ValueMightBeTimeVarying() for one in _branch(prim)):
+        warn(f"{_place(prim)}: appears or vanishes over time: it is taken as it is at first")
+    return what.ComputeVisibility(first) != UsdGeom.Tokens.invisible and what.ComputePurpose() not in ("proxy", "guide")
 
 
 def _open(file: str | os.PathLike[str]) -> Any:

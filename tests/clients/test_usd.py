@@ -283,6 +283,19 @@ def test_a_growing_thing_is_keyframes(tmp_path):
         assert np.allclose(np.exp(got.log_scale), grown * values["scales"], rtol=1e-5)
 
 
+def test_what_vanishes_is_said(tmp_path):
+    stage = Usd.Stage.CreateNew(str(tmp_path / "a.usda"))
+    for name, first in (("a", "inherited"), ("b", "invisible")):
+        fill(stage, f"/{name}/splats", numbers(1, 0))
+        seen = UsdGeom.Xform.Define(stage, f"/{name}").GetVisibilityAttr()
+        seen.Set(first, 0)
+        seen.Set("invisible" if first == "inherited" else "inherited", 5)
+    stage.Save()
+    with pytest.warns(UserWarning, match="appears or vanishes"):
+        scene = tides.usd.read(tmp_path / "a.usda")
+    assert [scene[i].name for i in range(len(scene))] == ["/a/splats"]
+
+
 def test_refused(tmp_path):
     file = str(tmp_path / "a.usda")
 
