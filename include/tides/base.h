@@ -64,10 +64,11 @@ enum { TIDES_TRANSFER_FILE = -1, TIDES_TRANSFER_LINEAR = 0, TIDES_TRANSFER_SRGB 
 /* "file", "linear", "srgb" or "gamma", as run files have it; NULL of other numbers. */
 TIDES_API const char *tides_transfer_name(int32_t transfer);
 
-/* What the numbers of a file's times are. AUTO: as the reader says. INDEX, of camera paths: numbers of poses, not times. */
+/* The unit of the times in a file. AUTO: the unit that the file's reader knows. INDEX, of camera paths: the numbers are those
+ * of poses, not times. */
 enum { TIDES_TIME_AUTO = 0, TIDES_TIME_S, TIDES_TIME_MS, TIDES_TIME_US, TIDES_TIME_NS, TIDES_TIME_INDEX };
 
-/* What went wrong. Plain value, owned by the caller; `text` is always terminated. */
+/* Description of a failure. Plain value, owned by the caller; `text` is always terminated. */
 typedef struct tides_error {
     tides_status status; /* TIDES_OK, or what went wrong */
     char text[1020];     /* one line: what, where, and how to put it right */

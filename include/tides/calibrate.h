@@ -17,7 +17,7 @@
 extern "C" {
 #endif
 
-/* What is measured, in the order of tides_calibration.values. */
+/* The measured values, in the order of tides_calibration.values. */
 enum {
     TIDES_CALIBRATED_ON = 0,     /* sensor.threshold_on [log units] */
     TIDES_CALIBRATED_OFF,        /* sensor.threshold_off [log units] */
@@ -60,7 +60,7 @@ typedef struct tides_calibrated_row {
 /* The row of value `index`; 1, or 0 out of range. */
 TIDES_API int32_t tides_calibrated_at(int32_t index, tides_calibrated_row *row);
 
-/* What is calibrated from; fill with tides_calibrate_options_defaults. */
+/* Inputs and limits of a calibration; fill with tides_calibrate_options_defaults. */
 typedef struct tides_calibrate_options {
     uint32_t size;
     int32_t reserved;
@@ -77,7 +77,7 @@ TIDES_API void tides_calibrate_options_defaults(tides_calibrate_options *options
 /* Points of a scan, and hot pixels that are named. */
 enum { TIDES_CALIBRATION_SCAN = 25, TIDES_CALIBRATION_HOT = 256 };
 
-/* What came of it. The caller frees what it points to with tides_calibration_free. */
+/* Result of a calibration. The caller frees the memory that it points to with tides_calibration_free. */
 typedef struct tides_calibration {
     tides_calibrated values[TIDES_CALIBRATED_VALUES]; /* by TIDES_CALIBRATED_* */
     int32_t law;                                      /* TIDES_PHOTORECEPTOR_*: whether the pole goes with light */

@@ -72,7 +72,7 @@ enum {
     TIDES_VARIED_CY = 32
 };
 
-/* What a path file says. */
+/* Content of a path file. */
 typedef struct tides_path {
     tides_trajectory *trajectory; /* owned by the caller after success */
     tides_intrinsics intrinsics;  /* fields the file doesn't give, or gives differently from frame to frame, are 0 */
@@ -120,7 +120,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_path_save(const char *file, const 
 TIDES_MUST_CHECK TIDES_API tides_status tides_rectify_map(const tides_intrinsics *raw, const tides_intrinsics *rectified,
                                                           const double rotation[9], float *map, tides_error *error);
 
-/* The same as a .npy file of float32. */
+/* Writes the map of tides_rectify_map to a .npy file of float32. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_rectify_save(const char *file, const tides_intrinsics *raw,
                                                            const tides_intrinsics *rectified, const double rotation[9],
                                                            tides_error *error);

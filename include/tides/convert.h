@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-/* What of a file is kept on the way into another. */
+/* The part of a file that is kept when it is converted to another format. */
 typedef struct tides_event_conversion {
     const char *from, *to;               /* names of formats; NULL: by content, by ending */
     int32_t width, height;               /* of the sensor [px]; 0: what the file says, else what its events reach */
@@ -21,7 +21,7 @@ typedef struct tides_event_conversion {
     const tides_filters *filters;        /* of a camera, which what is kept goes through; NULL: none */
 } tides_event_conversion;
 
-/* What came of a conversion. Plain value. */
+/* Result of a conversion. Plain value. */
 typedef struct tides_event_conversion_report {
     uint64_t read, written;          /* events */
     uint64_t disorder;               /* events earlier than the one before them in the file: they were put in order */

@@ -19,7 +19,7 @@ typedef struct tides_dataset_layout {
 /* Layout number `index` from 0 on; 1, or 0 behind the last. */
 TIDES_API int32_t tides_dataset_layout_at(size_t index, tides_dataset_layout *layout);
 
-/* What came of it. Plain value. */
+/* Result of writing a dataset. Plain value. */
 typedef struct tides_dataset_report {
     uint64_t events;                 /* of all cameras */
     int32_t cameras;                 /* of the rig; 1 without one */

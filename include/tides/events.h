@@ -17,10 +17,10 @@ typedef struct tides_event {
     uint16_t frontend; /* tides_event_frontend as an IEEE 754 binary16 number: to one part in 2048 */
 } tides_event;
 
-/* What the front end had added to log-luminance when the event fired: S - L [log units], S being what the comparator sees.
- * The low-pass or circuit, the surround and the additive noise are in it: behind a low-pass of time constant tau it is
- * -tau L_dot on a ramp. The optics' blur isn't (L is behind it), nor the leak (the reference drifts, not S). 0 where nothing of
- * that is on, and where sensor.labels is off; never NaN. */
+/* The front end's contribution to the signal when the event fired: S - L [log units], S being the comparator's input. It
+ * includes the low-pass or circuit, the surround and the additive noise: behind a low-pass of time constant tau it is -tau
+ * L_dot on a ramp. It excludes the optics' blur, because L is behind it, and the leak, which moves the reference and not S. It
+ * is 0 where none of these is on and where sensor.labels is off; it is never NaN. */
 TIDES_API double tides_event_frontend(const tides_event *event);
 
 /* Labels of events, each a column of HDF5 files: /events/cause, /events/fired [ns], when the pixel fired, before the readout,
@@ -101,7 +101,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_finish(tides_event_wr
 /* Flushes and closes what there is, and leaves the .part file. NULL is fine. */
 TIDES_API void tides_event_writer_abandon(tides_event_writer *writer);
 
-/* What is known of a file when it is opened. */
+/* Facts about a file that are known when it is opened. */
 typedef struct tides_event_facts {
     char format[32];  /* "evt3" ...; of HDF5 its layout: "tides", "dsec", "eds", "mvsec", "v2e", "timostoff", "m3ed", "rvt";
                          of a folder that of its files */
@@ -117,8 +117,8 @@ typedef struct tides_event_facts {
     char read_as[160];         /* how columns and unit were decided where the format leaves them open, else "" */
 } tides_event_facts;
 
-/* What the zero of a recording is: its first event; where its container says more, its start, or its first frame, which
- * frames.rebase counts from. */
+/* The zero of a recording's times: its first event, or, where its container says more, its start or its first frame. A run
+ * counts from the first frame where frames.rebase is on. */
 enum { TIDES_ZERO_EVENT = 0, TIDES_ZERO_START, TIDES_ZERO_FRAME };
 
 /* How a file is read: what it doesn't say itself, and what is wanted of it. Fill with tides_event_reading_defaults. */
@@ -150,12 +150,12 @@ typedef struct tides_event_reader tides_event_reader;
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_open(const char *path, const char *format,
                                                                 tides_event_reader **reader, tides_error *error);
 
-/* The same with all that may be said of it; NULL: the defaults. TIDES_BAD_ARGUMENT where the format has no use for something
- * that is given. */
+/* Opens a reader with every option; NULL: the defaults. TIDES_BAD_ARGUMENT where the format has no use for an option that is
+ * given. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_open_as(const char *path, const tides_event_reading *reading,
                                                                    tides_event_reader **reader, tides_error *error);
 
-/* What the file said of itself when it was opened, and what was found since; times as they are read, but for zero_ns. */
+/* Facts that the file gave when it was opened, and those found since; times are as they are read, but for zero_ns. */
 TIDES_API void tides_event_reader_facts(const tides_event_reader *reader, tides_event_facts *facts);
 
 /* The next events, up to `capacity`; `*got` is 0 only at the end of the file (or where capacity is). A damaged file fails
@@ -171,7 +171,7 @@ TIDES_API void tides_event_reader_close(tides_event_reader *reader);
 TIDES_MUST_CHECK TIDES_API tides_status tides_events_labels(const char *path, uint64_t first, size_t count, tides_event *events,
                                                             int64_t *fired, tides_error *error);
 
-/* What a file holds. */
+/* Summary of a file's events. */
 typedef struct tides_event_summary {
     uint64_t count, count_on;  /* events, and those that are ON */
     uint64_t disorder;         /* events earlier than the one before them */
@@ -187,7 +187,7 @@ typedef struct tides_event_summary {
 TIDES_MUST_CHECK TIDES_API tides_status tides_events_summary(const char *path, tides_event_summary *summary,
                                                              tides_error *error);
 
-/* Of the events that a reader still has: all of them where none was read. */
+/* Summarises the events that a reader still has: all of the file's where none was read. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_reader_summary(tides_event_reader *reader, tides_event_summary *summary,
                                                                    tides_error *error);
 

@@ -49,7 +49,7 @@ TIDES_API void tides_exposure_span(const tides_exposure *exposure, int32_t heigh
 TIDES_API size_t tides_exposure_count(const tides_exposure *exposure, int32_t height, double start, double stop);
 TIDES_API double tides_exposure_time(const tides_exposure *exposure, int32_t height, double start, size_t index);
 
-/* What a frame took. Plain value. */
+/* Cost and error of a frame. Plain value. */
 typedef struct tides_exposed {
     double error;   /* largest estimated error of a pixel's mean light [1]; above the tolerance where pixels are unsettled */
     double renders; /* full frames' worth of tiles rendered */

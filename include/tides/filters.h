@@ -34,7 +34,7 @@
 extern "C" {
 #endif
 
-/* What anti-flicker drops, what passes of a burst, and which events rate control lets pass, as said above. */
+/* The modes of anti-flicker, trail and event rate control, as described above. */
 enum { TIDES_AFK_OFF = 0, TIDES_AFK_BAND_STOP = 1, TIDES_AFK_BAND_PASS = 2 };
 enum { TIDES_TRAIL_OFF = 0, TIDES_TRAIL_TRAIL = 1, TIDES_TRAIL_STC_CUT = 2, TIDES_TRAIL_STC_KEEP = 3 };
 enum { TIDES_ERC_CHANCE = 0, TIDES_ERC_FIRST = 1 };
@@ -74,7 +74,7 @@ TIDES_API void tides_filters_defaults(tides_filters *filters);
 /* 1 where a filter is on. */
 TIDES_API int32_t tides_filters_any(const tides_filters *filters);
 
-/* What became of the events: in = out + the sum of dropped. */
+/* Counts of the events: in = out + the sum of dropped. */
 typedef struct tides_filter_stats {
     uint64_t in, out;               /* events given, and passed */
     uint64_t dropped[TIDES_STAGES]; /* by TIDES_STAGE_* */
@@ -97,7 +97,7 @@ TIDES_API void tides_filter_destroy(tides_filter *filter);
 TIDES_MUST_CHECK TIDES_API tides_status tides_filter_apply(tides_filter *filter, tides_event *events, int64_t *fired,
                                                            size_t count, size_t *kept, tides_error *error);
 
-/* What it did since it was made. */
+/* Counts since the filter was made. */
 TIDES_API void tides_filter_stats_get(const tides_filter *filter, tides_filter_stats *stats);
 
 #ifdef __cplusplus

@@ -26,7 +26,7 @@ typedef struct tides_generator {
 /* All kinds; static storage, `count` (nullable) receives how many. */
 TIDES_API const tides_generator *tides_generators(size_t *count);
 
-/* What to make; fill with tides_generate_options_defaults. */
+/* Options of a generated world; fill with tides_generate_options_defaults. */
 typedef struct tides_generate_options {
     uint32_t size;         /* sizeof this struct, set by the defaults function */
     int32_t count;         /* of what the kind counts; 0: its default */
@@ -38,7 +38,7 @@ typedef struct tides_generate_options {
 } tides_generate_options;
 TIDES_API void tides_generate_options_defaults(tides_generate_options *options); /* 0, 0, 0, 1, 1, 346, 260 */
 
-/* What was made. The caller releases it. */
+/* A generated world. The caller releases it. */
 typedef struct tides_world {
     tides_scene *scene;          /* with its objects' motions */
     tides_trajectory *camera;    /* the path that sees it */

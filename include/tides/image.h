@@ -49,7 +49,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_animation_open(const char *path, i
                                                              double pictures_per_second, tides_animation **animation,
                                                              tides_error *error);
 
-/* The same video as it is made, to an open file descriptor (a pipe), which stays the caller's. */
+/* Writes the video, as it is made, to an open file descriptor (a pipe), which stays the caller's. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_animation_stream(int32_t descriptor, int32_t width, int32_t height,
                                                                double pictures_per_second, tides_animation **animation,
                                                                tides_error *error);
@@ -82,8 +82,8 @@ TIDES_API void tides_picture_flow(const double *u, const double *v, int32_t widt
 TIDES_API void tides_picture_depth(const double *depth, int32_t width, int32_t height, double near, double far, uint8_t *rgb);
 TIDES_API void tides_picture_labels(const double *labels, int32_t width, int32_t height, uint8_t *rgb);
 
-/* What colours mean, drawn into the lower right corner of a picture that is large enough (64 px both ways): flow's wheel,
- * white at rest and full at the limit; depth's ramp, the nearest at its left end. */
+/* Draw the key of the colours into the lower right corner of a picture of at least 64 px both ways. Flow has a wheel, white at
+ * rest and full at the limit; depth has a ramp, the nearest at its left end. */
 TIDES_API void tides_picture_flow_key(uint8_t *rgb, int32_t width, int32_t height);
 TIDES_API void tides_picture_depth_key(uint8_t *rgb, int32_t width, int32_t height);
 TIDES_API void tides_picture_events(const tides_event *events, size_t count, const double *base, int32_t width, int32_t height,

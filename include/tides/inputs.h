@@ -31,7 +31,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_run_inputs(const tides_run *run, t
 TIDES_MUST_CHECK TIDES_API tides_status tides_run_apart(const tides_run *run, const char *const *outputs, size_t count,
                                                         tides_error *error);
 
-/* What a fingerprint says. Plain value. */
+/* A fingerprint. Plain value. */
 typedef struct tides_fingerprint {
     uint64_t hash;    /* FNV-1a of 64 bits, of what is said below */
     uint64_t files;   /* looked at */
@@ -47,20 +47,21 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_fingerprints_create(const char *ex
                                                                   tides_error *error);
 TIDES_API void tides_fingerprints_destroy(tides_fingerprints *fingerprints); /* NULL is fine */
 
-/* Of a file: its content. Of a folder: names, sizes and times of last change [ns] of all files below it whose names don't begin
- * with a dot, links followed; a dataset holds gigabytes of pictures, and this reads none of them. A write in place is seen,
- * unless somebody puts the time back; a copy elsewhere with new times is another folder. TIDES_FILE_NOT_FOUND. */
+/* Fingerprint of a file, from its content, or of a folder, from the names, sizes and times of last change [ns] of its files. A
+ * folder's files are all below it whose names don't begin with a dot, links followed. Their content isn't read, because a
+ * dataset holds gigabytes of pictures. So a write in place is seen, unless the time of change is put back, and a copy with new
+ * times is another folder. TIDES_FILE_NOT_FOUND. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_fingerprints_file(tides_fingerprints *fingerprints, const char *path,
                                                                 tides_fingerprint *fingerprint, tides_error *error);
 
-/* Of a run: the run with every default filled in, all its inputs, the library's TIDES_NUMERICS, and `with` (nullable), a text
- * that it depends on besides, such as the device that was asked for. The sizes are of the inputs alone. */
+/* Fingerprint of a run: the run with every default filled in, all its inputs, the library's TIDES_NUMERICS, and `with`
+ * (nullable), a text that the run depends on besides, such as the device asked for. The sizes are those of the inputs alone. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_fingerprints_run(tides_fingerprints *fingerprints, const tides_run *run,
                                                                const char *with, tides_fingerprint *fingerprint,
                                                                tides_error *error);
 
-/* Of texts one after the other, as of one text: FNV-1a of 64 bits over their bytes. For names that a program makes of what they
- * stand for, as a batch's runs have: it stays the same in every version. NULL has no bytes. */
+/* Fingerprint of texts one after the other, as of one text: FNV-1a of 64 bits over their bytes. It serves names derived from
+ * content, such as those of a batch's runs, and is equal in every version. NULL has no bytes. */
 TIDES_API uint64_t tides_fingerprint_text(const char *const *texts, size_t count);
 
 #ifdef __cplusplus

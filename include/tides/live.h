@@ -30,7 +30,8 @@ typedef struct tides_live tides_live;
 /* In the place of an object's number. */
 enum { TIDES_LIVE_CAMERA = -1 };
 
-/* What is told, and for how long; fill with tides_live_options_defaults: the camera alone, no end, no bounds. */
+/* The poses that the caller sets, and for how long; fill with tides_live_options_defaults: the camera alone, no end, no
+ * bounds. */
 typedef struct tides_live_options {
     uint32_t size;
     int32_t camera;         /* 1: it is told where it is; 0: it follows the run's path */

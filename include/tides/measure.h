@@ -56,7 +56,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_exact(tides_session *sessi
                                                             tides_progress progress, void *user, tides_exact *exact,
                                                             tides_error *error);
 
-/* What tides_ideal_settings sets, or-ed together. */
+/* The settings that tides_ideal_settings makes, or-ed together. */
 enum {
     TIDES_IDEAL_THRESHOLDS = 1, /* the method's thresholds are the run's (sensor.threshold_on and _off), where they have keys of
                                    their own and the run gives none of these */

@@ -59,7 +59,7 @@ enum {
 /* Lengths of bins that the Fano factor is taken for. */
 enum { TIDES_FANO_BINS = 3 };
 
-/* What is compared, and how; fill with tides_metrics_options_defaults. */
+/* The metrics wanted and their parameters; fill with tides_metrics_options_defaults. */
 typedef struct tides_metrics_options {
     uint32_t size;             /* sizeof this struct */
     uint32_t wanted;           /* TIDES_METRIC_* */
@@ -96,7 +96,7 @@ typedef struct tides_interval_fit {
     double mean_s, shape_s;  /* NaN without intervals */
 } tides_interval_fit;
 
-/* What can be said of one stream. */
+/* Metrics of one stream. */
 typedef struct tides_stream_metrics {
     uint64_t events;                           /* in the interval and region */
     double on_fraction;                        /* ON events / events */
@@ -151,8 +151,9 @@ typedef struct tides_metrics {
     tides_match match;             /* pairs of events */
 } tides_metrics;
 
-/* What a value of a comparison is: of each stream by itself (a field of tides_stream_metrics) or of both (of tides_metrics);
- * one, or one for each kind of pairs (TIDES_PAIRS) or bin (TIDES_FANO_BINS); and which way is better. */
+/* Description of a value of a comparison. It belongs to each stream (a field of tides_stream_metrics) or to both (of
+ * tides_metrics). It is one number, or one for each kind of pairs (TIDES_PAIRS) or bin (TIDES_FANO_BINS). BETTER is the
+ * direction that is better. */
 enum { TIDES_OF_BOTH = 0, TIDES_OF_STREAM = 1 };
 enum { TIDES_REPEATS_ONCE = 0, TIDES_REPEATS_PAIRS = 1, TIDES_REPEATS_BINS = 2 };
 enum {

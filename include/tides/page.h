@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-/* What of the events is shown, and how at first. */
+/* The events that the page shows, and its first view of them. */
 typedef struct tides_page_options {
     uint32_t size;             /* sizeof this struct */
     int32_t width, height;     /* of the sensor [px]; 0: what the file says, else what the events reach */
@@ -26,7 +26,7 @@ typedef struct tides_page_options {
 /* All of a recording, 10 million events (of some 7 bytes in the page) at most. */
 TIDES_API void tides_page_options_defaults(tides_page_options *options);
 
-/* What a page that was written has. */
+/* Content of a written page. */
 typedef struct tides_page_report {
     uint64_t events;           /* in the page */
     int64_t start_ns, stop_ns; /* the stretch that the page shows */

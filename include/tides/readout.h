@@ -44,7 +44,7 @@
 extern "C" {
 #endif
 
-/* What queues, as said above. */
+/* The queues of a readout, by kind, as described above. */
 enum {
     TIDES_READOUT_TILES = 0,
     TIDES_READOUT_ROWS = 1,
@@ -76,7 +76,7 @@ typedef struct tides_readout {
 } tides_readout;
 TIDES_API void tides_readout_defaults(tides_readout *readout);
 
-/* What became of the events. in = out + dropped + overflowed + waiting, always. */
+/* Counts of the events: in = out + dropped + overflowed + waiting, always. */
 typedef struct tides_readout_stats {
     uint64_t in, out;     /* events given to it; those that left */
     uint64_t dropped;     /* by chance */
@@ -118,7 +118,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_arbiter_push(tides_arbiter *arbite
 TIDES_MUST_CHECK TIDES_API tides_status tides_arbiter_finish(tides_arbiter *arbiter, tides_readout_sink sink, void *user,
                                                              tides_error *error);
 
-/* What it did since it was made. */
+/* Counts since the arbiter was made. */
 TIDES_API void tides_arbiter_stats(const tides_arbiter *arbiter, tides_readout_stats *stats);
 
 #ifdef __cplusplus

@@ -18,8 +18,8 @@ enum {
     TIDES_RULES_GSPLAT = 2  /* gsplat 1.5 */
 };
 
-/* What makes 3DGS continuous in time under TIDES_RULES_SMOOTH, measure by measure; each can be switched off, which brings back
- * inria's jump (tests/bench/own/bench_image.c shows what it costs). Other rules don't read it. */
+/* The measures that make 3DGS continuous in time under TIDES_RULES_SMOOTH. Each can be switched off, which brings inria's jump
+ * back (tests/bench/own/bench_image.c shows what it costs). Other rules don't read them. */
 typedef struct tides_smoothing {
     /* Splat alpha rises from 0 to its full value between these (C2), 0 < begin <= end < 1; equal: a hard cutoff there. */
     double taper_begin, taper_end;
@@ -93,7 +93,7 @@ typedef struct tides_frame {
     double *plane[TIDES_CHANNELS]; /* by TIDES_Y, TIDES_L ... */
 } tides_frame;
 
-/* What a renderer or a run did. Plain value; counts only grow. */
+/* Counts of a renderer or a run. Plain value; counts only grow. */
 typedef struct tides_render_stats {
     uint64_t tile_jobs;              /* (tile, time) pairs composited, whole or in part; */
     uint64_t blocks;                 /* (4x4 block, time) pairs of these */
@@ -146,7 +146,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_set_progress(tides_render
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_frame(tides_renderer *renderer, const tides_trajectory *camera,
                                                              double time, const tides_frame *frame, tides_error *error);
 
-/* What it did since it was made. */
+/* Counts since the renderer was made. */
 TIDES_API void tides_renderer_stats(const tides_renderer *renderer, tides_render_stats *stats);
 
 #ifdef __cplusplus

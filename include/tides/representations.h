@@ -11,8 +11,8 @@
 extern "C" {
 #endif
 
-/* What is done to a voxel grid's cells that aren't 0; those that are stay 0. Where all are equal, only the mean is taken
- * away. */
+/* Normalisation of the cells of a voxel grid that aren't 0; cells at 0 stay 0. Where all values are equal, only the mean is
+ * subtracted. */
 enum {
     TIDES_NORMALISE_NONE = 0,
     TIDES_NORMALISE_POPULATION = 1, /* (value - mean) / standard deviation over n: E2VID */

@@ -56,12 +56,12 @@ typedef struct tides_run tides_run;
 TIDES_MUST_CHECK TIDES_API tides_status tides_run_load(const char *file, const char *const *overrides, size_t count,
                                                        tides_run **run, tides_error *error);
 
-/* The same from JSON text; `directory` is what relative paths refer to. */
+/* Reads a run from JSON text; relative paths in it refer to `directory`. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_run_parse(const char *text, const char *directory, const char *const *overrides,
                                                         size_t count, tides_run **run, tides_error *error);
 
-/* The same run with more overrides, as if they had stood behind those that it was read with. `base` isn't changed, nor needed
- * afterwards. */
+/* A copy of a run with more overrides, which act as if they stood behind those that `base` was read with. `base` isn't changed,
+ * nor needed afterwards. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_run_vary(const tides_run *base, const char *const *overrides, size_t count,
                                                        tides_run **run, tides_error *error);
 
@@ -71,7 +71,7 @@ TIDES_API void tides_run_destroy(tides_run *run); /* NULL is fine */
  * object that is seen. */
 enum { TIDES_TRACKS_RANDOM = 0, TIDES_TRACKS_GRID = 1, TIDES_TRACKS_INSTANCE = 2 };
 
-/* What the run file says, as the structs that the library takes. Plain value; strings live as long as the run. */
+/* The run file's values, as the structs that the library takes. Plain value; strings live as long as the run. */
 typedef struct tides_run_values {
     tides_intrinsics intrinsics; /* zeros where neither given nor yet taken from the path file */
     tides_image_params image;    /* image.*, scene.background */
@@ -112,8 +112,8 @@ TIDES_API int32_t tides_preset_at(size_t index, char name[TIDES_PRESET_NAME]);
  * there is none. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_preset_read(const char *name, char **text, tides_error *error);
 
-/* What a reader of the run file may not expect of it, a line each, such as which values a preset didn't get to set; "" where
- * there is nothing. The run's, and lives as long. */
+/* Notes on the run file that may surprise its reader, a line each, such as the values that a preset didn't get to set; "" where
+ * there are none. The string belongs to the run and lives as long. */
 TIDES_API const char *tides_run_notes(const tides_run *run);
 
 /* 1 where the file or an override says `key` ("sensor.threshold_on"), 0 where it has its default or the preset's value, or is

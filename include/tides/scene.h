@@ -1,4 +1,4 @@
-/* What is looked at: one or more sets of Gaussians, each at rest or moving as a rigid object.
+/* A scene: one or more sets of Gaussians, each at rest or moving as a rigid object.
  *
  * Parameters are raw, as trained: opacity is a logit, scale a logarithm, quaternions (wxyz) need not be normalised, colour
  * is spherical harmonics in INRIA's order and sign (reference: Kerbl et al. 2023; constants in kernels/sh.h). */
@@ -64,10 +64,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add(tides_scene *scene, cons
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_append(tides_scene *scene, int32_t index, const tides_pose_sample *samples,
                                                            size_t count, tides_error *error);
 
-/* The same for Gaussians that move by themselves, `gaussians` being the motion's canonical ones. The motion is taken over on
- * success. Its own time, start to stop, runs from second 0 of the scene to duration_s (0: stop - start seconds); what it
- * gives is then moved by the trajectory and scaled like any object. TIDES_BAD_FILE where motion and Gaussians don't belong
- * together. */
+/* Adds Gaussians that move by themselves, `gaussians` being the motion's canonical ones. The motion is taken over on success.
+ * Its own time, start to stop, runs from second 0 of the scene to duration_s (0: stop - start seconds). The moved Gaussians are
+ * then moved by the trajectory and scaled like any object. TIDES_BAD_FILE where motion and Gaussians don't belong together. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add_moving(tides_scene *scene, const tides_gaussians *gaussians,
                                                                tides_motion *motion, double duration_s,
                                                                const tides_trajectory *trajectory, double scale,
@@ -97,17 +96,17 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_add_file(tides_scene *scene,
                                                              const tides_trajectory *trajectory, double scale,
                                                              tides_error *error);
 
-/* What becomes of a file's Gaussians that can't be rendered (NaN, Inf, a zero quaternion ...): the file is refused, or they are
- * left out, which tides_scene_notes tells. Those that a motion moves stay: then the file is refused. */
+/* Treatment of a file's Gaussians that can't be rendered (NaN, Inf, a zero quaternion ...). ERROR: the file is refused. DROP:
+ * they are left out, and tides_scene_notes says so; the file is still refused where a motion moves them. */
 enum { TIDES_INVALID_ERROR = 0, TIDES_INVALID_DROP = 1 };
 
 /* How files are read. Fill with tides_scene_options_defaults: ERROR, no part. */
 typedef struct tides_scene_options {
     uint32_t size;
-    /* Of a file that holds more than it shows at first, which part is read instead: a glTF's scene and an .h5's object by name
-     * or number, a streamed SOG's level of detail (0: the finest), a trained model's iteration. NULL: the glTF's default
-     * scene, all objects, the finest level, the newest iteration; tides_scene_notes says what else there is. Where a file
-     * has no parts, or not this one: TIDES_BAD_ARGUMENT. */
+    /* The part to read of a file that has several: a glTF's scene or an .h5's object by name or number, a streamed SOG's level
+     * of detail (0: the finest), a trained model's iteration. NULL: the glTF's default scene, all objects, the finest level,
+     * the newest iteration; tides_scene_notes lists the other parts. Where a file has no parts, or not this one:
+     * TIDES_BAD_ARGUMENT. */
     const char *part;
     int32_t invalid; /* TIDES_INVALID_* */
     int32_t reserved;
@@ -144,7 +143,7 @@ TIDES_API int32_t tides_scene_is_file(const char *file);
  * renamed. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_save(const tides_scene *scene, const char *file, tides_error *error);
 
-/* What a file of that name can't hold of the scene, and loses: a sum of TIDES_LOSES_*. */
+/* The properties of the scene that a file of that name can't hold: a sum of TIDES_LOSES_*. */
 enum {
     TIDES_LOSES_HARMONICS = 1, /* all SH but the constant: colours don't change with the view */
     TIDES_LOSES_TRAINED = 2,   /* tides_scene_trained */
@@ -154,8 +153,8 @@ enum {
 };
 TIDES_API int32_t tides_scene_losses(const tides_scene *scene, const char *file);
 
-/* What a user of the scene may not expect of its files, a line each: what was left out of one, or isn't known; "" where
- * there is nothing. The scene's, until it is added to. */
+/* Notes on the scene's files that may surprise a user, a line each: parts left out of a file, or unknown; "" where there are
+ * none. The string belongs to the scene and is valid until the scene is added to. */
 TIDES_API const char *tides_scene_notes(const tides_scene *scene);
 
 /* Number of objects; all Gaussians; the largest SH degree. */

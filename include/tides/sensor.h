@@ -14,7 +14,7 @@
 extern "C" {
 #endif
 
-/* What a pixel does for refractory_s after an event.
+/* Behaviour of a pixel for refractory_s after an event.
  *   HOLD          it is held in reset, and its reference is the signal at the end: what the circuit does
  *   DROP_KEEP     crossings are dropped, and the reference stays: what is left fires at the end (v2e)
  *   DROP_CONSUME  crossings are dropped, and the reference moves with them: that contrast is lost (ESIM) */

@@ -25,7 +25,7 @@ typedef struct tides_session tides_session;
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_load(const char *file, const char *const *overrides, size_t count,
                                                            const char *device, tides_session **session, tides_error *error);
 
-/* The same of a run that was read before, on an open device (nullable: as above). Both must outlive the session. */
+/* Opens a session of a run that was read before, on an open device (nullable: as above). Both must outlive the session. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_open(const tides_run *run, tides_device *device, tides_session **session,
                                                            tides_error *error);
 
@@ -37,7 +37,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_vary(const tides_session *
 
 TIDES_API void tides_session_close(tides_session *session); /* NULL is fine */
 
-/* What a session has. Plain value; what it points to is the session's, and lives as long. */
+/* Facts about a session. Plain value; its pointers belong to the session and live as long. */
 typedef struct tides_session_facts {
     tides_run_values values;        /* of its run */
     tides_intrinsics intrinsics;    /* of its images; on frames width and height alone */
@@ -52,8 +52,8 @@ typedef struct tides_session_facts {
 } tides_session_facts;
 TIDES_API void tides_session_get(const tides_session *session, tides_session_facts *facts);
 
-/* What a reader of the run may not expect of what was opened, a line each: a path whose poses leap or have no times. "" where
- * there is nothing. The session's, and lives as long; tides_run_notes has what there is to say of the run file. */
+/* Notes on the opened files that may surprise the run's reader, a line each, such as a path whose poses leap or have no times;
+ * "" where there are none. The string belongs to the session and lives as long. Notes on the run file are tides_run_notes'. */
 TIDES_API const char *tides_session_notes(const tides_session *session);
 
 /* Runs it whole, whatever its method: `sink` gets the events in order, from the simulator, its readout, or a baseline. `stats`
@@ -68,8 +68,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_run(tides_session *session
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_simulator(tides_session *session, tides_progress progress, void *user,
                                                                 tides_simulator **simulator, tides_error *error);
 
-/* What the run's sensor has drawn for each pixel, and what sensor.maps gave it, as an HDF5 file which sensor.maps of another
- * run takes: two runs then share a sensor, but for what comes by chance in time. */
+/* Writes the values that the run's sensor has drawn for each pixel, and those that sensor.maps gave, as an HDF5 file. Given as
+ * sensor.maps of another run, the file makes both runs share a sensor, but for chance in time. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_maps(tides_session *session, const char *path, tides_error *error);
 
 /* A renderer of the run's scene by its image rules; TIDES_UNSUPPORTED for runs on frames. The optics' blur
@@ -86,7 +86,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_silence(tides_session *ses
 
 /* -- what else a camera's rig records ------------------------------------------------------------------------------------ */
 
-/* What was written. Plain value. */
+/* Counts of what was written. Plain value. */
 typedef struct tides_session_taken {
     uint64_t count;     /* frames, samples, or times of tracks */
     uint64_t tracks;    /* points followed */
@@ -106,7 +106,7 @@ typedef struct tides_session_taken {
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_frames(tides_session *session, const char *path, tides_progress progress,
                                                              void *user, tides_session_taken *done, tides_error *error);
 
-/* What an IMU measures from time.start to time.stop as imu.* says: where a calibration has it (T_cam_imu of rig.file, or
+/* Samples of an IMU from time.start to time.stop, by imu.*. It sits where a calibration has it (T_cam_imu of rig.file, or
  * EuRoC's folder of camera.file), else in the camera's place, with its axes. .csv has EuRoC's columns [ns, rad/s, m/s^2], .txt
  * ECD's [s, m/s^2, rad/s], with the biases that are in it in NAME_bias.csv or .txt beside; .npz has all of tides_imu_sample.
  * `done` is nullable. As tides_trajectory_imu; TIDES_UNSUPPORTED: another ending, a run on frames. */
@@ -146,7 +146,7 @@ typedef struct tides_recording {
 } tides_recording;
 TIDES_API void tides_recording_defaults(tides_recording *recording);
 
-/* What became of it; kept up to date while it is made, for progress to tell. Plain value. */
+/* State of a recording, kept up to date while it is made, for progress to report. Plain value. */
 typedef struct tides_recorded {
     uint64_t events;     /* in the file so far */
     uint64_t collapsed;  /* tides_event_writer_collapsed */
@@ -170,8 +170,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_write(tides_session *sessi
                                                             const tides_recording *how, tides_progress progress, void *user,
                                                             tides_recorded *done, tides_stats *stats, tides_error *error);
 
-/* The same from a simulator, to `stop` [s]: `facts` go into the file, its run (nullable) also into checkpoints. The simulator
- * stands where it was stopped. */
+/* Records from a simulator, to `stop` [s]: `facts` go into the file, its run (nullable) also into checkpoints. The simulator is
+ * left where it was stopped. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_write(tides_simulator *simulator, double stop, const char *path,
                                                               const tides_event_file *facts, const tides_recording *how,
                                                               tides_progress progress, void *user, tides_recorded *done,

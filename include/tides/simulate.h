@@ -53,9 +53,9 @@ enum {
     TIDES_UNSOLVED_IMAGE = 5
 };
 
-/* What has steps of its own under RISK and ERROR, with `local`: a 16x16 tile, or a 4x4 block of pixels, so that only the blocks
- * in which something asks for a sample are composited. AUTO: blocks where events are looked up, which makes up for what
- * smaller units see less of; else tiles. */
+/* The unit that has steps of its own under RISK and ERROR, with `local`: a 16x16 tile, or a 4x4 block of pixels. With blocks,
+ * only those in which something asks for a sample are composited. AUTO: blocks where events are looked up, because looks make
+ * up for what smaller units see less of; else tiles. */
 enum { TIDES_UNIT_TILE = 0, TIDES_UNIT_BLOCK = 1, TIDES_UNIT_AUTO = 2 };
 
 /* Weights of the risk score: coverage, contributors, |alpha_dot|. */
@@ -91,7 +91,7 @@ typedef struct tides_stepping {
 } tides_stepping;
 TIDES_API void tides_stepping_defaults(tides_stepping *stepping);
 
-/* What a run did. Field for field what --stats writes (DESIGN 6); tides_stats_table lists them. */
+/* Counts of a run. Field for field what --stats writes (DESIGN 6); tides_stats_table lists them. */
 typedef struct tides_stats {
     tides_render_stats render;              /* of its renderer */
     uint64_t events, events_on, events_off; /* that pixels fired */
@@ -119,8 +119,8 @@ typedef struct tides_stats {
     double simulated_s, run_time_s, real_time_factor; /* simulated / run time */
     double time_compare_s, time_sink_s, time_other_s; /* wall time of the comparator, the sink, the rest [s] */
     uint64_t peak_memory_bytes;                       /* of the process */
-    /* Of `steps`, those that rest on a probe: an evaluation inside a step that they are a part of, compared with its model in
-     * value and rate. All under error control but where min_step_s leaves macro steps whole. */
+    /* The part of `steps` that rests on a probe: an evaluation inside a step that they are a part of, compared with its model
+     * in value and rate. Under error control that is all of them, but where min_step_s leaves macro steps whole. */
     uint64_t steps_probed;
     /* Accepted although above the tolerance, because what a probe saw is no more than rounding of S in single precision:
      * shorter steps would see as much. */
@@ -208,9 +208,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_simulator_run(tides_simulator *sim
                                                             void *sink_user, tides_progress progress, void *user,
                                                             tides_error *error);
 
-/* What the run has done so far, restored parts of it included: totals up to the time reached. Of this moment rather than of
- * the run are worst_residual (before the first step 0) and peak_memory_bytes. Costs one pass over the pixels; call it
- * between runs, from the thread that runs, or from a sink. */
+/* Counts of the run up to the time reached, restored parts of it included. worst_residual (0 before the first step) and
+ * peak_memory_bytes are of this moment rather than of the run. Costs one pass over the pixels; call it between runs, from the
+ * thread that runs, or from a sink. */
 TIDES_API void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats);
 
 /* The state of every pixel, planes (height x width), caller's memory, each nullable: the signal at the time reached as the

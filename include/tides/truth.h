@@ -102,7 +102,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_truth_read(const char *path, tides
 
 /* -- events -- */
 
-/* What an event's pixel saw when it fired. */
+/* Ground truth at an event's pixel when it fired. */
 typedef struct tides_event_truth {
     double flow_u, flow_v;      /* [px/s] */
     double depth, alpha;        /* [scene units], [1] */
