@@ -161,7 +161,7 @@ static void td_bitonic_level(__global long *keys, int n, int stride, int flip) {
     barrier(CLK_GLOBAL_MEM_FENCE);
 }
 
-/* The same by the whole work-group, whose writes of the keys are done. */
+/* Sorts keys by the whole work-group, whose writes of the keys are done; n as above. */
 static void td_bitonic_sort(__global long *keys, int n) {
     for (int k = 2; k <= n; k *= 2) {
         td_bitonic_level(keys, n, k / 2, 1);

@@ -97,7 +97,7 @@ TD_INLINE void td_finder_start(const td_list *list, int block, td_finder *finder
     finder->words = td_words_of(list->count);
 }
 
-/* What isn't given out moves to the front. */
+/* Moves found places that no group was given to the front, then finds more. */
 TD_INLINE void td_find_more(const td_list *list, const td_image *image, int block, td_finder *finder) {
     int left = finder->end - finder->begin, end = left;
     for (int k = 0; k < TD_GROUP; k += TD_LANES) {

@@ -69,7 +69,7 @@ TD_INLINE td_index td_lay_word(TD_GLOBAL const int *masks, int count, int first)
     return bits;
 }
 
-/* Of a list of `count` masks, by item `me` of `items`. */
+/* Lays the words of a list of `count` masks, by item `me` of `items`. */
 TD_INLINE void td_lay_words(TD_GLOBAL const int *masks, int count, int me, int items, TD_GLOBAL int *words) {
     for (int i = me * TD_LANES; i < td_words_of(count) * TD_TILE_BLOCKS; i += items * TD_LANES) {
         int first = i / TD_TILE_BLOCKS * TD_WORD_PLACES, left = count - first;

@@ -5,7 +5,7 @@
 #ifndef TD_BUILTINS_H
 #define TD_BUILTINS_H
 
-/* What clang may take for granted, as its own header says it. */
+/* Properties that clang may assume of a function, as its own header declares them. */
 #define TD_BUILTIN __attribute__((overloadable))
 #define TD_BUILTIN_PURE __attribute__((overloadable, pure))
 #define TD_BUILTIN_CONST __attribute__((overloadable, const))

@@ -6,7 +6,7 @@
 
 #include "transfer.h"
 
-/* What is seen of a channel so far, Y, and of the splats that take out light now B (soft_order.h). */
+/* A channel's light: Y, composited so far, and B, of the splats that take out light now (soft_order.h). */
 typedef struct td_channel {
     td_lanes y, y_dot, b, b_dot;
 } td_channel;
@@ -39,7 +39,7 @@ TD_INLINE void td_channel_go(td_lanes w, td_lanes w_dot, td_lanes left, td_lanes
     of->b = b * left, of->b_dot = td_fma(b_dot, left, b * -m_dot);
 }
 
-/* What is seen of a splat: in soft order W of what takes light out before it, else its own weight. */
+/* The weight of a splat: in soft order W of the splats that take out light before it, else its own weight. */
 typedef struct td_shown {
     td_lanes w, w_dot;
 } td_shown;

@@ -82,7 +82,7 @@
 #define td_with_colour(image) (td_outputs(image) >= TD_OUT_COLOUR)
 #define td_with_rates(image) (td_outputs(image) != TD_OUT_LUMINANCE)
 #define td_with_decoder(image) (td_decoder(image) != 0)
-/* What is composited where there's no decoder: luminance, and colour beside it; or, where light isn't linear in colours, three
+/* The quantities composited without a decoder: luminance, and colour beside it; where light isn't linear in colours, three
  * channels by themselves (channels.h). */
 #define td_with_luminance(image) (!td_with_decoder(image) && !td_is_coded(image))
 #define td_with_channels(image) (!td_with_decoder(image) && td_with_colour(image) && !td_is_coded(image))

@@ -25,7 +25,7 @@ typedef struct td_composite {
     td_mask live; /* BOUND: not yet terminated */
 } td_composite;
 
-/* What an alpha and its rate become: tau and tau_dot, and where they are above the cut. */
+/* From an alpha and its rate: tau and tau_dot, and a mask of the pixels above the cut. */
 TD_INLINE void td_cap_alpha(const td_image *image, td_lanes alpha, td_lanes alpha_dot, td_lanes *tau, td_lanes *tau_dot,
                             td_mask *seen) {
     td_lanes capped = td_smaller(alpha, td_splat(image->alpha_max));
@@ -51,8 +51,8 @@ TD_INLINE void td_splat_power(TD_GLOBAL const td_real *record, const td_composit
     *rate = td_fma(dx, td_fma(record[TD_R_KXX], dx, td_fma(record[TD_R_KXY], dy, record[TD_R_KX])), alone);
 }
 
-/* What they become: tau and tau_dot, before rules that drop splats; what these want to be left behind the splat: the stop, or
- * -1 where the pixel doesn't see it. */
+/* From alpha and its relative rate: tau and tau_dot, before the rules that drop splats. `wanted` is the transmittance that
+ * these rules want left behind the splat: the stop, or -1 where the pixel doesn't see it. */
 TD_INLINE void td_splat_tau(const td_image *image, td_lanes alpha, td_lanes rate, td_lanes *tau, td_lanes *tau_dot,
                             td_lanes *wanted) {
     td_mask seen;
@@ -91,7 +91,7 @@ TD_INLINE int td_look_ahead(const td_image *image, td_real brightest, const td_c
     return td_any(pixels->live);
 }
 
-/* Of those that blend a splat. */
+/* Counts a contributor at the pixels that blend a splat. */
 TD_INLINE void td_count(const td_image *image, td_mask blended, td_composite *pixels) {
     if (td_with_diagnostics(image)) pixels->contributors = pixels->contributors + td_mask_to_real(blended);
 }

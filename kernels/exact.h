@@ -106,7 +106,7 @@ TD_INLINE td_lanes td_exact_log(td_lanes x) {
     return td_exact_log_from(f, f / (2.0 + f), e);
 }
 
-/* The same, and 1/x, with one division for both; x between 1e-300 and 1e300. */
+/* ln x and 1/x, with one division for both; x between 1e-300 and 1e300. */
 TD_INLINE td_lanes td_exact_log_inverse(td_lanes x, td_lanes *inverse) {
     td_lanes e, f = td_exact_mantissa(x, &e), above = 2.0 + f;
     td_lanes both = 1.0 / (x * above);

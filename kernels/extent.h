@@ -24,7 +24,7 @@ TD_INLINE void td_half_widths(const td_shape *shape, td_lanes *rx, td_lanes *ry)
     *ry = td_fma(td_sqrt(power * shape->c.v), TD_REAL(1.0001), TD_REAL(0.01));
 }
 
-/* What is the same for all tiles that a splat may be in. */
+/* The values of a splat that are equal for all tiles that it may be in. */
 typedef struct td_extent {
     td_lanes u, v, rx, ry;     /* its middle and the box around it */
     td_lanes slope, bend, end; /* of the ellipse's sides (td_block_row) */

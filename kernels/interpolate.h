@@ -67,7 +67,7 @@ TD_INLINE void td_cubic_group(const td_cubic *cubic, TD_GLOBAL const int *places
 
 /* -- the misfit ---------------------------------------------------------------------------------------------------- */
 
-/* What interpolation is measured by. */
+/* Units in which the misfit of interpolation is measured. */
 typedef struct td_misfit_terms {
     td_real duration;       /* from the first row to the last [s] */
     td_real tolerance;      /* of log_luminance */
@@ -131,7 +131,7 @@ TD_INLINE td_lanes td_pixels_per_unit(TD_GLOBAL const td_view *view, const td_im
     return focal * td_sqrt(td_splat(scale)) / nearest;
 }
 
-/* What log_luminance is off by where colours are: the strays of all coefficients, times the most that a basis function up to
+/* Error of log_luminance from colours that stray: the strays of all coefficients, times the most that a basis function up to
  * degree 4 reaches, sqrt(9 / (4 pi)) by the addition theorem, over the luminance of the constant term. */
 TD_INLINE td_lanes td_colour_stray(const td_misfit_terms *terms, const td_image *image, const td_row_arrays *rows,
                                    const td_index row[3]) {

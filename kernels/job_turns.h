@@ -1,6 +1,7 @@
-/* Who does which of a batch's jobs. On a CPU there are as many work-groups as cores, and each takes the next job when it has
- * done one: the longest come first, and PoCL hands half of the groups that are left, up to 32, to whoever asks. With few long
- * lists (an object's scan: 47 tiles) one core had the 24 longest, and the other waited. On a GPU every job has its group. */
+/* Assignment of a batch's jobs to work-groups. On a CPU there are as many work-groups as cores, and each takes the next job
+ * when it has done one, the longest first. A fixed assignment was slower: PoCL gives half of the groups that are left, up to
+ * 32, to the core that asks. With few long lists (an object's scan: 47 tiles) one core then had the 24 longest, and the other
+ * waited. On a GPU every job has its group. */
 #ifndef TD_JOB_TURNS_H
 #define TD_JOB_TURNS_H
 

@@ -15,8 +15,8 @@
 
 #define TD_GLOBAL __global
 #define TD_INLINE static inline __attribute__((always_inline))
-/* What a kernel does, beside it. PoCL makes three functions of a kernel, each with all of it inside unless that is kept apart:
- * three times as much to optimise and to make machine code of, for one that runs. */
+/* Marks a kernel's body, which stands in a function beside it. PoCL makes three functions of a kernel, each with the whole body
+ * inlined unless that is kept apart: three times as much to optimise and to translate, for one that runs. */
 #if TD_LANES > 1
 #define TD_APART static __attribute__((noinline))
 #else
@@ -207,7 +207,7 @@ TD_INLINE td_lanes td_load_lanes(TD_GLOBAL const td_real *array) {
 }
 
 #if defined(TD_REAL_DOUBLE) && TD_LANES > 1
-/* Of an array of floats, widened. */
+/* Loads TD_LANES values of an array of floats, widened. */
 TD_INLINE td_lanes td_load_floats(TD_GLOBAL const float *array) {
 #if TD_LANES == 16
     return convert_double16(vload16(0, array));
@@ -269,7 +269,7 @@ TD_INLINE td_index td_collect_ints(const int lane[TD_LANES]) {
 #endif
 }
 
-/* Of TD_LANES pairs the first and the second ones. */
+/* Splits TD_LANES pairs into their first and their second values. */
 TD_INLINE void td_collect_pairs(const td_real *pair, td_lanes *first, td_lanes *second) {
 #if TD_LANES == 1
     *first = pair[0];

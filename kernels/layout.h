@@ -1,5 +1,5 @@
-/* What crosses the bus: plain structs of 4-byte members (8-byte reals in the double reference), the same on both sides. Sizes
- * and offsets are compared by kernels/layout_check.cl in the tests. */
+/* Data that host and device share: plain structs of 4-byte members (8-byte reals in the double reference), equal on both sides.
+ * The tests compare sizes and offsets by kernels/layout_check.cl. */
 #ifndef TD_LAYOUT_H
 #define TD_LAYOUT_H
 
@@ -39,8 +39,8 @@ enum {
     TD_R_K0, TD_R_KX, TD_R_KY, TD_R_KXX, TD_R_KXY, TD_R_KYY, TD_R_DEPTH, TD_R_DEPTH_DOT
 };
 
-/* What every tile asks of a splat, and is the same for all (extent.h), where tiles share it. STATE: 0 for what isn't visible
- * anywhere, 1, or 2 for what is seen everywhere (td_shape.broken). */
+/* Values of a splat that every tile needs and that are equal for all (extent.h), where tiles share them. STATE: 0 for a splat
+ * that isn't visible anywhere, 1, or 2 for one that is seen everywhere (td_shape.broken). */
 enum {
     TD_X_U = 0, TD_X_V, TD_X_RX, TD_X_RY, TD_X_SLOPE, TD_X_BEND, TD_X_END, TD_X_WIDE, TD_X_HIGH, TD_X_STATE,
     TD_X_DEPTH, TD_X_DEPTH_LOW, TD_X_LIGHT,
@@ -100,7 +100,7 @@ typedef struct td_node_job {
     int padding;
 } td_node_job;
 
-/* What paths are measured by. */
+/* Units in which the misfit of paths is measured. */
 typedef struct td_path_terms {
     td_real tolerance; /* of log_luminance */
     td_real rounding;  /* relative, of one number */
@@ -114,7 +114,7 @@ typedef struct td_view {
     td_real padding;
 } td_view;
 
-/* What lies behind everything at one time. [slot] */
+/* The background at one time. [slot] */
 typedef struct td_backdrop {
     td_real colour[3], luminance, colour_dot[3], luminance_dot;
 } td_backdrop;
@@ -154,7 +154,7 @@ typedef struct td_lens {
 /* From colours to light (transfer.h); resolved by lib/render/transfer.c. */
 typedef struct td_transfer {
     td_real joint, slope, offset, scale, gamma;
-    /* What paths and estimates ask: by how much more ln(light) changes than ln(colour) at most, and the colour whose light is
+    /* Bounds for paths and estimates: by how much more ln(light) changes than ln(colour) at most, and the colour whose light is
      * log_eps; 1 and log_eps where light is linear. */
     td_real steepest, dark;
     td_real sure; /* what more of a channel changes L by more than `stop`, wherever (channels.h) */

@@ -172,7 +172,7 @@ TD_INLINE void td_unbend_plane(const td_image *image, td_lanes x, td_lanes y, td
     }
 }
 
-/* The same by the angle, as t = tan(theta / 2), in which it is nearly linear: G(theta) = rho. */
+/* Solves for the slopes by the angle, as t = tan(theta / 2), in which it is nearly linear: G(theta) = rho. */
 TD_INLINE void td_unbend_angle(const td_image *image, td_lanes x, td_lanes y, td_lanes *a, td_lanes *b) {
     const td_lens *lens = &image->lens;
     td_lanes rho = td_sqrt(td_fma(x, x, y * y)), t = td_clamp(0.5f * rho, TD_REAL(0.0), TD_LENS_WIDEST);
@@ -201,9 +201,10 @@ TD_INLINE void td_ray_of(const td_image *image, td_lanes u, td_lanes v, td_lanes
 
 /* -- bounds, for sweeps -------------------------------------------------------------------------------------------- */
 
-/* What is at least `across` from the axis and no deeper than `deep`, out to `size` around it [scene units], is beyond every
- * corner of the image, `blur` [focal lengths] and more. On the lens' plane a splat's edge is at most `reach` size / z (radtan:
- * carried over to its centre, since d grows by that much at least) or `sideways` size / distance (equidistant) from it. */
+/* Lanes whose splat is beyond every corner of the image by `blur` [focal lengths] and more. The splat is at least `across` from
+ * the axis, no deeper than `deep`, and reaches out to `size` around its centre [scene units]. On the lens' plane a splat's edge
+ * is at most `reach` size / z (radtan: carried over to its centre, since d grows by that much at least) or `sideways` size /
+ * distance (equidistant) from it. */
 TD_INLINE td_mask td_lens_outside(const td_image *image, td_lanes across, td_lanes deep, td_lanes size, td_lanes blur) {
     const td_lens *lens = &image->lens;
     td_lanes r = td_larger(across - lens->reach * size, td_splat(0.0f)) / deep;

@@ -200,7 +200,7 @@ TD_INLINE void td_hexplane_move(TD_GLOBAL const td_mover *mover, TD_GLOBAL const
     TD_GLOBAL const td_real *raw = data + mover->own[TD_HEXPLANE_RECORDS] + features;
     td_index at = gaussian * mover->own[TD_HEXPLANE_STRIDE];
     td_hexplane_grid(mover, data, moment, gaussian, feature);
-    /* What follows the trunk, another layer or a head, begins with a ReLU. */
+    /* The layer behind the trunk, another layer or a head, begins with a ReLU. */
     layer = td_dense(layer, feature, features, hidden, width, 1);
     for (int l = 0; l < mover->own[TD_HEXPLANE_LAYERS]; l++) {
         layer = td_dense(layer, hidden, width, between, width, 1);

@@ -93,7 +93,7 @@ TD_INLINE td_lanes td_log(td_lanes x) {
 #endif
 }
 
-/* The same to some more ulp, and 1/x, with one division for both; x above 1e-18. */
+/* ln x, to some more ulp than td_log, and 1/x, with one division for both; x above 1e-18. */
 TD_INLINE td_lanes td_log_inverse(td_lanes x, td_lanes *inverse) {
 #ifdef TD_REAL_DOUBLE
     return td_exact_log_inverse(x, inverse);

@@ -41,7 +41,7 @@ TD_INLINE td_dual td_path_number(const td_path_cubic *cubic, const td_lanes from
                            td_dual_make(to[k], to[TD_PATH_NUMBERS + k]));
 }
 
-/* What lies between two rows. */
+/* The splat between two rows. */
 TD_INLINE td_path_splat td_path_blend(const td_path_cubic *cubic, const td_lanes from[TD_PATH_STRIDE],
                                       const td_lanes to[TD_PATH_STRIDE]) {
     td_path_splat splat;

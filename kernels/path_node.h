@@ -120,17 +120,16 @@ TD_INLINE td_path_stray td_path_compare(const td_path_splat *path, td_dual path_
     return off;
 }
 
-/* What log_luminance changes by where splat_alpha changes most, for small changes of a splat's numbers, at most: of a splat
- * before black or the other way round (interpolate.h). Of what is seen there an opaque one is all; before black so is a
- * faint one, but for log_eps: there log_luminance changes by luminance / (opacity luminance + log_eps) times what alpha
- * does. From an opacity of 0.05 on less and less of that is counted, for the more a splat takes the less of it is seen by
- * itself; above 0.14 it is nothing (reports of such scenes are 2 to 4 times what is true without). What changes its light
- * may be faint at some time.
+/* The greatest change of log_luminance for small changes of a splat's numbers, where splat_alpha changes most: for a splat
+ * before black, or the other way round (interpolate.h). An opaque splat is all that is seen there. So is a faint one before
+ * black, but for log_eps: log_luminance changes by luminance / (opacity luminance + log_eps) times the change of alpha. From an
+ * opacity of 0.05 on that factor is counted less and less, because a splat that takes more light is seen less by itself. Above
+ * 0.14 it counts nothing; without this, reports of such scenes are 2 to 4 times the true change. Changes of light count in
+ * full, because the splat may be faint at some time.
  *
- * A shift d of the mean changes alpha by e^(-1/2) opacity sqrt(d^T Q d) at most, one standard deviation out; a change D of
- * the covariance by opacity |M|_F / e, M = Q D, on the circle of sqrt 2. |M|_F^2 = tr(M)^2 - 2 det(M) in the coordinates
- * where the splat is round, with tr(M) = ddet / det to first order and det(M) = det(D) / det: without the conic, which would
- * cancel. */
+ * A shift d of the mean changes alpha by e^(-1/2) opacity sqrt(d^T Q d) at most, one standard deviation out; a change D of the
+ * covariance by opacity |M|_F / e, M = Q D, on the circle of sqrt 2. |M|_F^2 = tr(M)^2 - 2 det(M) in the coordinates where the
+ * splat is round, with tr(M) = ddet / det to first order and det(M) = det(D) / det: without the conic, which would cancel. */
 TD_INLINE td_lanes td_path_change(const td_path_splat *own, td_lanes own_a, td_lanes du, td_lanes dv, td_lanes da, td_lanes db,
                                   td_lanes dc, td_lanes ddet, td_lanes dopacity, td_lanes dluminance, td_real log_eps) {
     td_lanes inverse = 1.0f / own->det.v;
@@ -148,8 +147,8 @@ TD_INLINE td_lanes td_path_change(const td_path_splat *own, td_lanes own_a, td_l
     return td_fma(opacity * td_larger(alone * faint * faint, one), place, light);
 }
 
-/* What rounding of the numbers may make of it: mean2d to its last digits, the covariance's entries, which a needle at an angle
- * is sensitive to, by |M|. */
+/* Bound on the part of a change that rounding of the numbers may make: of mean2d, to its last digits, and of the covariance's
+ * entries, by |M|. A needle at an angle is sensitive to them. */
 TD_INLINE td_lanes td_path_noise(const td_path_splat *own, td_lanes own_a, td_real rounding) {
     td_lanes a = rounding * own_a, c = rounding * own->c.v;
     td_lanes inverse = 1.0f / own->det.v;
@@ -185,8 +184,8 @@ TD_INLINE td_dual td_path_a(const td_path_splat *splat) {
     return td_dual_mul(td_dual_fma(splat->b, splat->b, splat->det), td_dual_reciprocal(splat->c));
 }
 
-/* What log_luminance sees of three channels, red as luminance so far: their sum, and of what they are off by the sum of sizes,
- * since what one lacks another doesn't make up for in light. */
+/* Luminance of three channels, that of red being in `luminance` so far: their sum. Errors add by size, since one channel's lack
+ * of light isn't made up for by another's excess. */
 TD_INLINE void td_path_channels(TD_GLOBAL const td_real *beside, td_index row, const td_path_cubic *cubic,
                                 const td_image *image, td_path_splat *own, td_path_stray *off) {
     own->luminance = td_dual_scale(own->luminance, image->luminance[0]);

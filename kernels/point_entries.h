@@ -1,15 +1,17 @@
-/* What is kept of a splat that points see until all are known, and the order they come in: TD_LANES points, a vector for each
- * number. For point_splats.h, which makes entries, and point_light.h, through which light goes.
+/* Entries: the values of a splat that points see, kept in order until all splats are known, for TD_LANES points, a vector for
+ * each number. point_splats.h makes them; point_light.h sends light through them.
  *
- * A tile's list has one order for an interval, by the depths in its middle, and a point one by those at its own time. They are
- * nearly the same, so that an entry's place is mostly the last or near it; but where a surface turns past the camera all of it
- * changes places, and of n splats each would pass some n/2. The order is total, and how it came about makes no difference. */
+ * A tile's list has one order for an interval, by the depths in its middle, and a point one by those at its own time. Both are
+ * nearly equal, so that an entry's place is mostly the last or near it. But where a surface turns past the camera, all of its
+ * splats change places, and each of n would pass some n/2. The order is total, so the result doesn't depend on the way of
+ * sorting. */
 #ifndef TD_POINT_ENTRIES_H
 #define TD_POINT_ENTRIES_H
 
 #include "layout.h"
 
-/* What it takes of the light (point_splats.h), its light, its depth, growth = depth_dot / depth, and which path it has. */
+/* An entry's numbers: the light that the splat takes (point_splats.h), its light, its depth, growth = depth_dot / depth, and
+ * its path. */
 enum {
     TD_E_TAKES = 0,
     TD_E_TAKES_DOT,

@@ -107,7 +107,7 @@ TD_INLINE td_point_light td_point_composite(const td_image *image, TD_GLOBAL td_
     return light;
 }
 
-/* What is behind everything, at rest: luminance, or red, green and blue. */
+/* The background, at rest: luminance, or red, green and blue. */
 typedef struct td_point_backdrop {
     td_real first, first_dot, green, blue;
 } td_point_backdrop;

@@ -63,7 +63,7 @@ TD_INLINE void td_point_curve(TD_GLOBAL const td_real *from, TD_GLOBAL const td_
     }
 }
 
-/* What is beside it. */
+/* The curve of the colours beside it. */
 TD_INLINE void td_point_curve_beside(TD_GLOBAL const td_real *from, TD_GLOBAL const td_real *to, td_real h,
                                      TD_GLOBAL td_real *curve) {
     for (int k = 0; k < TD_BESIDE_NUMBERS; k++) {

@@ -49,8 +49,8 @@ TD_INLINE void td_point_numbers_together(TD_GLOBAL const td_real *curve, const t
     TD_POINT_SHARED(4, e), TD_POINT_SHARED(5, f), TD_POINT_SHARED(6, g), TD_POINT_SHARED(7, h);
 }
 
-/* The same where each lane has a curve of its own, at curves + at[lane]. A curve's eight numbers lie side by side, so that a
- * vector takes them all: two blocks are turned over, where turning the coefficients would be four. */
+/* A splat's numbers where each lane has a curve of its own, at curves + at[lane]. A curve's eight numbers lie side by side, so
+ * that a vector takes them all: two blocks are transposed, where transposing the coefficients would take four. */
 TD_INLINE void td_point_numbers_apart(TD_GLOBAL const td_real *curves, const int *at, const td_real *way, td_point_eight *value,
                                       td_point_eight *slope) {
 #if TD_LANES > 1
@@ -139,7 +139,8 @@ TD_INLINE td_point_view td_point_see(const td_image *image, const td_point_eight
     return view;
 }
 
-/* What is above the cut of a splat: alpha and its rate, in the place of what they come of. May any lane see it? */
+/* Writes a splat's alpha and its rate in the place of the power and slope that they come of. Returns 1 where any lane may see
+ * it. */
 TD_INLINE int td_point_rise(const td_image *image, TD_GLOBAL td_real *view) {
     td_lanes fall = td_exp2(td_load_lanes(view + TD_V_POWER * TD_LANES));
     td_lanes alpha = td_load_lanes(view + TD_V_OPACITY * TD_LANES) * fall;
@@ -148,7 +149,7 @@ TD_INLINE int td_point_rise(const td_image *image, TD_GLOBAL td_real *view) {
     return td_any(alpha >= td_least_seen(image));
 }
 
-/* What it takes of the light. */
+/* Writes the share of light that the splat takes, as compositing needs it. */
 TD_INLINE void td_point_take(const td_image *image, TD_GLOBAL td_real *view) {
     td_lanes takes, takes_dot;
     td_mask above;
@@ -159,7 +160,7 @@ TD_INLINE void td_point_take(const td_image *image, TD_GLOBAL td_real *view) {
     td_store_lanes(view + TD_V_TAKES_DOT * TD_LANES, takes_dot);
 }
 
-/* What it is to the light, and who sees it. To whoever doesn't it is nothing, whatever it is to others. */
+/* A splat's entry, and the mask of the points that see it. For the other points the splat takes and adds nothing. */
 TD_INLINE td_point_entry td_point_enter(const td_image *image, TD_GLOBAL const td_real *view, td_lanes end, td_mask *sees) {
     td_point_entry entry;
     td_lanes none = td_splat(0.0f);

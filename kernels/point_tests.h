@@ -67,7 +67,7 @@ typedef struct td_point_line {
     td_lanes start, way, off;
 } td_point_line;
 
-/* Of an arc from w = begin, `length` long; the first one sets the line. */
+/* Widens a line by an arc from w = begin, `length` long; the first arc sets the line. */
 TD_INLINE void td_point_follow(const td_point_bent *on, int k, int is_first, td_lanes begin, td_lanes length,
                                td_point_line *line) {
     const td_real third = TD_REAL(0.33333333333333333);
@@ -83,7 +83,7 @@ TD_INLINE void td_point_follow(const td_point_bent *on, int k, int is_first, td_
     line->off = td_larger(line->off, td_larger(ends, middle));
 }
 
-/* What TD_LANES splats are in a slice. */
+/* Bounds of TD_LANES splats in a slice. */
 typedef struct td_point_bounds {
     td_point_line u, v;
     td_point_range b, c, det, opacity, depth;

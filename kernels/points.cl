@@ -41,8 +41,8 @@ static td_point_paths td_paths_make(__global const int *path, __global const td_
     return paths;
 }
 
-/* What points need of the `count` Gaussians in `seen`: their curves, c from row[2 c] to row[2 c + 1], lengths[c] seconds apart,
- * depths (Gaussians) to be sorted by, and `records` of tests. */
+/* Arrays that points need of the `count` Gaussians in `seen`: curves, c from row[2 c] to row[2 c + 1], lengths[c] seconds
+ * apart; depths (Gaussians) to be sorted by; and `records` of tests. */
 typedef struct td_splats_to_make {
     __global const td_real *rows, *rows_beside, *lengths;
     __global const int *row, *seen;
@@ -142,8 +142,8 @@ __kernel void td_point_find_misfits(__constant const td_image *image_buffer, __g
                      misfits, stride, asks_each);
 }
 
-/* Of a tile, those of its candidates that have paths, by depth, `listed` (at the candidates), and their tests of the splats'
- * records; keys have twice the room. */
+/* A tile's list: its candidates that have paths, by depth, in `listed` (at the candidates), and their tests, made of the
+ * splats' records. keys have twice the room. */
 typedef struct td_list_to_make {
     __global const int *candidates, *path, *depths;
     __global const float *records;
@@ -218,7 +218,7 @@ __kernel void td_point_make_lists(__global const td_point_tile *tiles, __global 
     td_list_apart(tiles + number, &what, counts + number);
 }
 
-/* What points are asked of: chunks, and an item's own room for `entries`. */
+/* Points to be evaluated, in chunks, and an item's own room for `entries`. */
 typedef struct td_values_to_find {
     __global const td_point_tile *tiles;
     __global const int *counts;

@@ -107,7 +107,7 @@ TD_INLINE td_dual td_dual_fma_own(const td_image *image, td_dual a, td_dual b, t
     return td_moving(image) ? td_dual_fma(a, b, c) : td_dual_fma_still(a, b.v, c);
 }
 
-/* The same for all lanes. */
+/* A dual that is equal in all lanes. */
 TD_INLINE td_dual td_dual_all(td_real v, td_real d) { return td_dual_make(td_splat(v), td_splat(d)); }
 
 /* sum_j (m_j + dt mdot_j) p_j + offset, for a uniform row m of a moving frame */
@@ -279,7 +279,7 @@ TD_INLINE td_shape td_project_bare(TD_GLOBAL const td_view *view, const td_image
 #endif
     shape.depth = z;
     shape.visible = (z.v > image->near) & there;
-    /* What lies behind the near plane is invisible anyway: keep its arithmetic finite. */
+    /* Behind the near plane a splat is invisible anyway: keep its arithmetic finite. */
     td_dual safe = td_dual_select(td_dual_make(td_splat(1.0f), td_splat(0.0f)), z, z.v > image->near);
     td_dual inverse_z = td_dual_reciprocal(safe);
     td_dual x_z = td_dual_mul(x, inverse_z), y_z = td_dual_mul(y, inverse_z);

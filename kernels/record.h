@@ -101,14 +101,14 @@ TD_INLINE void td_store_features(TD_GLOBAL const td_view *view, const td_image *
 
 #define TD_BEHIND_ALL TD_REAL(1e38) /* the depth of padding */
 
-/* What tiles ask of a splat before they know whether it is theirs. */
+/* Values of a splat that a tile needs in order to decide whether the splat touches it. */
 typedef struct td_asked {
     td_extent extent;
     td_lanes depth, depth_low;
     td_mask broken;
 } td_asked;
 
-/* Of Gaussians that are `there`. */
+/* The values for the lanes whose Gaussian is `there`. */
 TD_INLINE td_asked td_asked_of(const td_shape *shape, const td_image *image, td_mask there) {
     td_asked asked;
     asked.extent = td_extent_of(shape, image);
@@ -180,7 +180,7 @@ TD_INLINE void td_project_soon(TD_GLOBAL const int *gaussian, const td_image *im
     }
 }
 
-/* The same for candidates [first, first + TD_LANES) of a job, finding views and places. */
+/* Projects candidates [first, first + TD_LANES) of a job, for which it finds views and places. */
 TD_INLINE void td_project_group(const td_job *job, int first, TD_GLOBAL const int *candidates, TD_GLOBAL const int *object,
                                 TD_GLOBAL const td_view *views, const td_image *image, const td_source *source,
                                 const td_sink *all) {

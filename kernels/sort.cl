@@ -19,8 +19,8 @@ static int td_candidate_of(long key) { return (int)(key & 0xffffffffL); }
 /* Place i of the order to begin with: a hint, or the candidates' own. */
 static int td_hinted(__global const int *hint, int i) { return hint ? hint[i] : i; }
 
-/* What comes of a job: how many keys there are, sorted, among them perhaps some of candidates that touch none of its blocks,
- * and 1 where they were in order. */
+/* Result of sorting a job: the number of keys, among them perhaps some of candidates that touch none of its blocks, and 1 where
+ * they were in order. */
 typedef struct td_sorted {
     int count, kept;
 } td_sorted;
@@ -69,8 +69,8 @@ static td_sorted td_sort_job(__global const td_job *job, __global const int *hin
 
 #endif
 
-/* Those of the sorted candidates that touch the blocks, in their order, by the whole work-group: returns how many. `places`:
- * where their records are, for those that tiles share; or 0. */
+/* Lists the sorted candidates that touch the blocks, in their order, by the whole work-group; returns how many. `places`: the
+ * places of records that tiles share; or 0. */
 static int td_place_splats(__global const long *keys, int n, __global const int *masks, int blocks, __global const int *places,
                            __global int *order, __global int *sorted_masks, __local int *shared) {
     int first = 0, last = n, at = 0;
@@ -103,7 +103,7 @@ static int td_place_splats(__global const long *keys, int n, __global const int 
 #endif
 }
 
-/* Of the whole tile: where a block stops doesn't depend on what is asked for. */
+/* The greatest light of the whole tile, because the place where a block stops doesn't depend on the blocks asked for. */
 static float td_brightest_of(int count, float backdrop, __global const float *lights) {
     float most = backdrop;
     for (int i = 0; i < count / TD_LANES; i++) most = lights[i] > most ? lights[i] : most;

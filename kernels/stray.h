@@ -43,7 +43,7 @@ TD_INLINE td_reach td_reach_at(TD_GLOBAL const td_stray *stray, const td_source 
     return reach;
 }
 
-/* What points of the Gaussians out to `sigmas` standard deviations are off by at most [scene units]. */
+/* Greatest error of points of the Gaussians, out to `sigmas` standard deviations [scene units]. */
 TD_INLINE td_lanes td_stray_of(TD_GLOBAL const td_stray *stray, int level, const td_reach *reach, td_lanes sigmas) {
     return td_fma(td_fma(sigmas, reach->factor, reach->mean), stray->rotation[level], td_splat(stray->position[level]));
 }

@@ -9,7 +9,7 @@
 
 #include "unseen.h"
 
-/* What is swept: 2^level pieces, views and rows at their 2^(level + 1) + 1 times, from one to the next. */
+/* The interval that is swept: 2^level pieces, with views and rows at their 2^(level + 1) + 1 times, from one to the next. */
 typedef struct td_interval {
     TD_GLOBAL const td_view *views;   /* (times x objects) */
     TD_GLOBAL const td_stray *strays; /* (objects) */
@@ -26,7 +26,7 @@ typedef struct td_interval {
 /* Pieces that a passage of the near plane asks for at most: the whole image waits for them. */
 #define TD_CROSSING_MOST TD_REAL(256.0)
 
-/* What is known of TD_LANES Gaussians after some pieces. */
+/* Results for TD_LANES Gaussians after some pieces. */
 typedef struct td_swept {
     td_lanes x0, y0, x1, y1; /* empty: x0 > x1 */
     td_lanes travel;         /* in one piece at most */
@@ -71,7 +71,8 @@ TD_INLINE void td_sweep_opacity(td_shape s[3], const td_image *image, td_real du
     }
 }
 
-/* The same where a splat fades near the plane between the samples: opacity there rises with depth, up to `z1`. */
+/* Gaussians that fade near the plane between the samples: gives all three the greatest opacity there, which rises with depth,
+ * up to `z1`, and the ellipse out to where that one is cut. */
 TD_INLINE void td_sweep_fade(td_shape s[3], const td_image *image, td_lanes opacity, td_lanes z0, td_lanes z1) {
     if (!(image->near_full > image->near)) return;
     td_real scale = 1 / (image->near_full - image->near), cut = td_least_seen(image);
@@ -155,7 +156,7 @@ TD_INLINE td_mask td_sweep_beyond(TD_GLOBAL const td_view *const view[3], const 
 /* Larger of the two sizes of a clamp's ends. */
 TD_INLINE td_real td_sweep_limit(td_real lower, td_real upper) { return upper > -lower ? upper : -lower; }
 
-/* What of a piece is the same for all that is asked. */
+/* A piece's values that are equal for all that is computed of it. */
 typedef struct td_piece {
     td_shape s[3];
     TD_GLOBAL const td_view *view[3];
@@ -244,8 +245,8 @@ TD_INLINE td_span2 td_sweep_mean(const td_piece *piece, const td_image *image) {
     return box;
 }
 
-/* What the paths' strays add to a box, and the pieces that they ask for. A point at X/Z that is off by d is off on the screen
- * by at most f d sqrt(1 + (X/Z)^2) / Z, with the least depth of both. */
+/* Widens a box by the strays of the paths, and returns the pieces that they ask for. A point at X/Z that is off by d is off on
+ * the screen by at most f d sqrt(1 + (X/Z)^2) / Z, with the least depth of both. */
 TD_INLINE td_lanes td_sweep_widen(const td_piece *piece, const td_image *image, const td_span2 *box, td_lanes *wide,
                                   td_lanes *high) {
     td_lanes x = td_larger(td_size(box->x0 - image->cx), td_size(box->x1 - image->cx)) / image->fx;

@@ -1,11 +1,11 @@
-/* What colours mean in light: light = f(colour), channel by channel, for scenes whose colours were trained on pictures as
- * these are coded (image.transfer). IEC 61966-2-1 and powers are of one form,
+/* From colours to light: light = f(colour), channel by channel, for scenes whose colours were trained on pictures in the
+ * pictures' coding (image.transfer). IEC 61966-2-1 and powers are of one form,
  *
  *   f(x) = ((x + offset) scale)^gamma  above the joint, x slope up to it,
  *
- * and go on as they are: above 1 by the same power, below 0 along the tangent in 0 (with a power, 0). So f is C1 in 0 and in
- * 1, and f' never falls. sRGB's two pieces don't quite meet in slope at 0.04045: a kink of 2 %, which is the standard's. The
- * way back is td_transfer_colour (lib/render/transfer.c). */
+ * and go on as they are: above 1 by the same power, below 0 along the tangent in 0 (with a power, 0). So f is C1 in 0 and in 1,
+ * and f' never falls. sRGB's two pieces don't quite meet in slope at 0.04045: a kink of 2 %, which is the standard's. The way
+ * back is td_transfer_colour (lib/render/transfer.c). */
 #ifndef TD_TRANSFER_H
 #define TD_TRANSFER_H
 

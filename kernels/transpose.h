@@ -17,10 +17,10 @@ TD_INLINE void td_index_lanes(td_index index, int lane[TD_LANES]) {
 #endif
 }
 
-/* What processors have single instructions for, within 128 bits (pairs of LOWER and UPPER) and of whole 128 bits (EVEN, ODD);
- * reals are floats where there are sixteen, else doubles.
- * LLVM keeps to it where it is asked for in this order; of a network that interleaved row i with row i + TD_LANES / 2 it made
- * 900 instructions for 16 rows instead of 150. */
+/* Shuffles for which processors have single instructions, within 128 bits (pairs of LOWER and UPPER) and of whole 128 bits
+ * (EVEN, ODD); reals are floats where there are sixteen, else doubles. LLVM keeps to these instructions where they are written
+ * in this order. From a network that interleaved row i with row i + TD_LANES / 2 it made 900 instructions for 16 rows instead
+ * of 150. */
 #if TD_LANES == 16
 #define TD_TURN_LOWER(a, b) \
     (td_lanes)(a.s0, b.s0, a.s1, b.s1, a.s4, b.s4, a.s5, b.s5, a.s8, b.s8, a.s9, b.s9, a.sc, b.sc, a.sd, b.sd)

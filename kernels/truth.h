@@ -29,13 +29,13 @@ enum {
 
 enum { TD_TRUTH_OBJECTS = 8 }; /* whose weights are summed in one pass over the splats */
 
-/* What a pixel sees of a splat at d^T Q d, Q of the splat as it is dilated, is at most this many times as far out in its
- * Gaussian: so it is but for splats thinner than 0.3 px, which the dilation shows where they are not. A disc that is seen
- * from its edge would reach to the horizon. In squares; and a little more, for what single precision makes of 0. */
+/* Most by which a splat seen at d^T Q d, Q of the dilated splat, is farther out in its Gaussian, in squares. That holds but for
+ * splats thinner than 0.3 px, which the dilation shows where they are not: a disc that is seen from its edge would reach to the
+ * horizon. MIDDLE is a little more, for rounding of 0 in single precision. */
 #define TD_TRUTH_REACH TD_REAL(4.0)
 #define TD_TRUTH_MIDDLE TD_REAL(1e-3)
 
-/* What is left of the light that nothing behind changes a digit of. */
+/* The transmittance below which nothing behind changes a digit of the result. */
 #ifdef TD_REAL_DOUBLE
 #define TD_TRUTH_FAINT 1e-16
 #else
@@ -110,8 +110,8 @@ TD_INLINE void td_store_surfaces(TD_GLOBAL const td_view *view, const td_image *
     td_store_records(to->rates, rate);
 }
 
-/* The same for candidates [first, first + TD_LANES) of a job whose records are made; `numbers`: of each object of the store,
- * that of the scene. */
+/* Stores surfaces of candidates [first, first + TD_LANES) of a job whose records are made. `numbers`: the number in the scene
+ * of each object of the store. */
 TD_INLINE void td_surface_group(const td_job *job, int first, TD_GLOBAL const int *candidates, TD_GLOBAL const int *object,
                                 TD_GLOBAL const int *numbers, TD_GLOBAL const td_view *views, const td_image *image,
                                 const td_source *source, TD_GLOBAL const td_real *records, TD_GLOBAL const int *masks,

@@ -16,10 +16,10 @@
 #include "extent.h"
 #include "stray.h"
 
-/* What a place may be off by [px]: times the steepest edge that there is, of splats half a pixel wide (smooth's dilation makes
- * them 0.55 px), a hundredth in S or two, a tenth of a threshold; for wider splats as many times more. On the scenes of `bench
- * accuracy` this asks for no step. Relatively, what shape, opacity and colour may be off by: enough for the samples to show
- * that there is something; the controller then sees to the rest. */
+/* Allowed error of a place [px]. The steepest edge, of splats half a pixel wide (smooth's dilation makes them 0.55 px), turns
+ * it into one or two hundredths in S, a tenth of a threshold; for wider splats it may be as many times more. On the scenes of
+ * `bench accuracy` this asks for no step. SHARE is the allowed relative error of shape, opacity and colour: the samples need
+ * only show that there is a change, which the controller then resolves. */
 #define TD_UNSEEN_PLACE TD_REAL(0.01)
 #define TD_UNSEEN_SHARE TD_REAL(0.02)
 /* Opacities below smooth's cut, 0.2/255, show nothing even before black. */
@@ -104,7 +104,7 @@ TD_INLINE td_lanes td_surplus(td_dual start, td_dual middle, td_dual end, td_rea
     return td_larger(td_size(middle.v - value), 0.25f * duration * td_size(middle.d - rate));
 }
 
-/* The same of all coefficients of colour in luminance, relative to that of the constant term: with the most that a basis
+/* td_surplus of all coefficients of colour, in luminance and relative to that of the constant term: with the most that a basis
  * function up to degree 4 reaches, sqrt(9 / (4 pi)). */
 TD_INLINE td_lanes td_colour_surplus(TD_GLOBAL const td_view *view, const td_image *image, const td_source *source,
                                      const int row[3], td_real duration) {
