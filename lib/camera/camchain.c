@@ -93,7 +93,7 @@ static void multiply(const double a[16], const double b[16], double out[16]) {
     }
 }
 
-/* Of what is rigid. */
+/* Inverts a rigid transform. */
 static void invert(const double t[16], double out[16]) {
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) out[4 * i + j] = t[4 * j + i];
@@ -183,7 +183,7 @@ static tides_status check_models(const reading *r) {
                    r->file, r->chain->count, td_path_quote(r->bent, strlen(r->bent), word));
 }
 
-/* Of no lens the coefficients, if there are any, say nothing. */
+/* Reads the lens. Without a model, or with "none", the coefficients are ignored. */
 static tides_status find_lens(const reading *r, tides_lens *lens) {
     double k[5] = {0};
     *lens = (tides_lens){.model = TIDES_LENS_NONE};
@@ -235,7 +235,7 @@ static tides_status find_place(const reading *r, double T_B_C[16]) {
     return TIDES_OK;
 }
 
-/* What was read of a camera, into the chain. */
+/* Puts the camera that was read into the chain. */
 static tides_status finish_camera(reading *r) {
     static const int needed[] = {KEY_INTRINSICS, KEY_RESOLUTION};
     td_camchain_camera *camera = &r->chain->camera[r->chain->count];

@@ -108,7 +108,7 @@ static tides_status check_options(const tides_path_options *options, tides_error
     return TIDES_OK;
 }
 
-/* What a text's first line with data looks like: its columns, between commas or blanks, and which of them is no number. */
+/* The shape of a text's first line with data: its columns, between commas or blanks, and the first column that is no number. */
 typedef struct text_shape {
     int columns, commas, first_word; /* first_word: columns where all are numbers */
 } text_shape;

@@ -1,4 +1,4 @@
-/* What an IMU on the body measures: the path's exact derivatives, with biases that walk and white noise.
+/* Samples of an IMU on the body: the path's exact derivatives, with biases that walk and white noise.
  *
  * Noise is Kalibr's: a density sigma [unit/sqrt(Hz)] becomes sigma / sqrt(dt) per sample, and a walk's density sigma_b moves
  * the bias by sigma_b sqrt(dt) from sample to sample. Numbers are drawn by (seed, axis, sample), so that the first samples of a
@@ -42,7 +42,7 @@ static tides_status check_densities(const tides_imu *imu, tides_error *error) {
     return TIDES_OK;
 }
 
-/* What nobody but the caller can know; `gravity` in world axes [m/s^2]. */
+/* Checks the values that only the caller can know; `gravity` in world axes [m/s^2]. */
 static tides_status check_known(const tides_imu *imu, double gravity[3], tides_error *error) {
     const double length = td_length3(imu->down);
     if (!(imu->metres_per_unit > 0 && isfinite(imu->metres_per_unit)))

@@ -70,7 +70,7 @@ static double along(const td_lens *lens, double s, double *slope) {
     return s * p.f;
 }
 
-/* The same with what goes on straight from s1. */
+/* G and its derivative by s, with the straight continuation from s1 on. */
 static double along_straight(const td_lens *lens, double s1, double s, double *slope) {
     if (s <= s1) return along(lens, s, slope);
     *slope = lens->straight_slope;
@@ -86,7 +86,7 @@ static double corner_of(const td_image *image) {
     return most;
 }
 
-/* What lies along a radius: s of the corner, and where polynomials end (0: nowhere). */
+/* Places along a radius: s of the corner, and where polynomials end (0: nowhere). */
 typedef struct radius {
     double corner, end;
 } radius;
@@ -116,7 +116,7 @@ static tides_status find_radius(const td_image *image, radius *found, tides_erro
 
 /* -- bounds -------------------------------------------------------------------------------------------------------- */
 
-/* Of the slopes along and across a radius. */
+/* Bounds of the slopes along and across a radius. */
 typedef struct bounds {
     double most, least, outer; /* outer: the least along from the corner on */
 } bounds;

@@ -48,7 +48,7 @@ static int yaml_says(const char *text, const char *key, const char *word) {
     return strncmp(at, word, strlen(word)) == 0;
 }
 
-/* What the camera's file says; `found` is 1 where there is one. */
+/* Content of a sensor's file; `found` is 1 where there is one. */
 typedef struct sensor {
     int found;
     double rotation[9], position[3]; /* sensor to body */
@@ -93,7 +93,7 @@ static tides_status parse_sensor(td_path_reader *reader, const char *file, const
     return TIDES_OK;
 }
 
-/* What `place` beside the path's file says of where a sensor is, of a camera also of its lens. */
+/* Reads `place` beside the path's file: a sensor's pose, and a camera's lens. */
 static tides_status load_sensor(td_path_reader *reader, const char *place, int is_camera, sensor *s) {
     char *file = td_beside(reader->file, place, reader->error), *text = NULL;
     size_t bytes = 0;

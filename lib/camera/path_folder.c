@@ -8,7 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* What is looked for, in this order: datasets that hold several mean the first. */
+/* Files to look for, in this order: a dataset that holds several of them is read by the first. */
 static const char *const places[] = {"images.bin",
                                      "images.txt",
                                      "sparse/0/images.bin",

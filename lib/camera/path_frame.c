@@ -39,7 +39,7 @@ static tides_status read_frame(td_path_reader *reader, const cJSON *object, cons
     return status;
 }
 
-/* What is left of `whole` where `applied` came first. */
+/* The rest of `whole` that remains to be applied after `applied`. */
 static frame without(const frame *whole, const frame *applied) {
     frame left = {.scale = whole->scale / applied->scale};
     for (int i = 0; i < 3; i++) {

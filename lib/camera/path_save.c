@@ -51,7 +51,7 @@ static void write_path(FILE *out, const tides_trajectory *trajectory, const tide
     fputs("  ]\n}\n", out);
 }
 
-/* What tides_path_load would refuse isn't written. */
+/* Refuses intrinsics that tides_path_load would refuse. */
 static tides_status check_intrinsics(const tides_intrinsics *camera, tides_error *error) {
     const tides_lens *lens = &camera->lens;
     const double numbers[] = {camera->fx, camera->fy, camera->cx, camera->cy, lens->k1,

@@ -55,7 +55,7 @@ static double metres_of(const td_columns *c, const int place[NEEDED]) {
     return metres[0] == metres[1] && metres[1] == metres[2] ? metres[0] : 0;
 }
 
-/* What a line's names come to; returns how many of the pose's columns it has, 7 of them are all but the time. */
+/* Finds a header line's names. Returns how many of the pose's columns it has; 7 of them are all but the time. */
 static int match(const td_columns *c, td_path_table *table, int *timed) {
     int found = 0;
     table->place[TIME] = td_columns_time(c, names[TIME], &table->digits);

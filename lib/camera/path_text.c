@@ -1,4 +1,4 @@
-/* What lines of numbers are made of, for the readers of path files that are text. */
+/* Lines of numbers, for the readers of path files that are text. */
 #include "camera/td_path_reader.h"
 
 #include "td_base.h"

@@ -15,7 +15,7 @@
 #define TD_SHORTEST_STEP 2e-4 /* [s] 5 kHz */
 #define TD_LONGEST_STEP 100.0 /* [s] */
 
-/* What the numbers are like. */
+/* Properties of the numbers in the column of times. */
 typedef struct numbers {
     double last, step; /* the largest, and the middle of the steps */
     int whole;         /* 1: none has a fraction */

@@ -59,7 +59,7 @@ static tides_status read_intrinsics(td_path_reader *reader, const cJSON *frame, 
     return TIDES_OK;
 }
 
-/* What the frame has of a key, or else the root. */
+/* The frame's item of a key, or else the root's. */
 static const cJSON *inherited_item(const cJSON *frame, const cJSON *root, const char *key) {
     const cJSON *own = cJSON_GetObjectItemCaseSensitive(frame, key);
     return own ? own : cJSON_GetObjectItemCaseSensitive(root, key);

@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of a rotation's rows, what products of them may be off by. */
+/* Largest error of products of a rotation's rows. */
 static const double orthonormal = 1e-6;
-/* By what a ray may miss its pixel [px]; what is farther from the axis than any ray is is off by more. */
+/* Largest distance between a ray's image and its pixel [px]. A pixel farther from the axis than any ray has a larger one. */
 static const double missed_px = 1e-5;
 
 static tides_status check_rotation(const double r[9], tides_error *error) {

@@ -19,7 +19,7 @@ typedef struct td_path_sample {
     size_t length;          /* of that word */
 } td_path_sample;
 
-/* What a pose's camera is like, as tides_path has it for all. */
+/* The camera of one pose, as tides_path has it for all. */
 typedef struct td_path_view {
     tides_intrinsics intrinsics;
     double field_of_view_x;
@@ -67,7 +67,7 @@ void td_path_spread(td_path_reader *reader);
 
 /* -- order (path_order.c) -- */
 
-/* What a reader of the path may not expect of it: a line of path.notes. */
+/* Adds a line to path.notes: a fact that a reader of the path may not expect. */
 void td_path_note(td_path_reader *reader, const char *format, ...) TD_PRINTF(2, 3);
 
 /* Order of names in which digits are numbers: 2 before 10; below, at or above 0. */
@@ -97,8 +97,8 @@ void td_path_name_place(const td_path_reader *reader, const char *file, size_t p
  * where one is. Counts and what could be several are TIDES_BAD_FILE. `*digits` -1: they are numbers of poses, not times. */
 tides_status td_path_find_unit(td_path_reader *reader, int told, int usual, int *digits);
 
-/* The same, and the samples' times from their words, digit by digit: of those the file writes; spread where they are numbers of
- * poses. */
+/* Finds the unit as td_path_find_unit does, and sets the samples' times from their words, digit by digit, as the file writes
+ * them. Where the words are numbers of poses, the times are spread. */
 tides_status td_path_take_times(td_path_reader *reader, int told, int usual);
 
 /* The camera of a sample (path_views.c). */
@@ -151,8 +151,8 @@ tides_status td_path_refuse_cameras(td_path_reader *reader, int binary);
 const char *td_text_skip(const char *c); /* behind blanks */
 int td_text_ends(const char *c);         /* 1 where the line at `c` holds nothing more */
 
-/* What the lines of a text file have alike, so that a file which was cut within its last line is told: 0.7 of 0.7071 is a
- * number, and eight columns of seventeen are a pose. */
+/* Properties that the lines of a text file share, so that a file cut within its last line is found: 0.7 of 0.7071 is a number,
+ * and eight columns of seventeen are a pose. */
 typedef struct td_text_lines {
     size_t count;
     int columns, decimals; /* of the first line: its commas, and what its last number has behind the point */

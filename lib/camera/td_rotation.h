@@ -21,7 +21,7 @@ void td_rotation_rate(const double q[4], const double q_dot[4], double rotation_
 /* Unit quaternion, w >= 0, of a rotation matrix; the best conditioned of the four formulas is taken. */
 void td_quaternion_from_rotation(const double rotation[9], double q[4]);
 
-/* What is a rotation but for rounded digits becomes the nearest one. */
+/* Replaces a matrix that is a rotation but for rounded digits by the nearest rotation. */
 void td_straighten_rotation(double rotation[9]);
 
 /* q = a b, which may be one of them. */

@@ -18,7 +18,7 @@ size_t td_trajectory_find(const tides_trajectory *trajectory, double epoch, doub
 TIDES_MUST_CHECK tides_status td_trajectory_check_smooth(const tides_trajectory *trajectory, double start, double stop,
                                                          tides_error *error);
 
-/* The same path once more, to the bit: mounted, open, with what it has forgotten. */
+/* Copies a path, equal to the bit: mounted, open, with the samples that it has forgotten. */
 TIDES_MUST_CHECK tides_status td_trajectory_copy(const tides_trajectory *trajectory, tides_trajectory **copy,
                                                  tides_error *error);
 
@@ -26,7 +26,7 @@ TIDES_MUST_CHECK tides_status td_trajectory_copy(const tides_trajectory *traject
 TIDES_MUST_CHECK tides_status td_trajectory_begin(tides_trajectory *trajectory, const tides_pose_sample *first,
                                                   tides_error *error);
 
-/* What was appended after the first `count` samples, taken back. */
+/* Removes the samples that were appended after the first `count`. */
 void td_trajectory_take_back(tides_trajectory *trajectory, size_t count);
 
 /* 1 where an open path has been told up to `offset` seconds after `epoch`; of others always. */

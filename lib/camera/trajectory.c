@@ -90,7 +90,8 @@ int td_curve_value_is_sound(const double value[TD_CURVE_WIDTH], const double rat
     return square > TD_LEAST_LENGTH * TD_LEAST_LENGTH && square < TD_MOST_LENGTH * TD_MOST_LENGTH;
 }
 
-/* What td_samples_check can't see: the curve overflows, or its quaternion strays from the unit sphere between samples. */
+/* Checks what td_samples_check can't see: a curve that overflows, or a quaternion that leaves the unit sphere between
+ * samples. */
 static tides_status check_curve(const tides_trajectory *trajectory, tides_error *error) {
     const tides_pose_sample *s = trajectory->samples;
     for (size_t i = 0; i + 1 < trajectory->count; i++)
@@ -199,7 +200,7 @@ double td_trajectory_slack(const tides_trajectory *t, double epoch, double relat
     return t->is_open ? lost_in_sums + rounding : rounding;
 }
 
-/* Of the samples' body, at the path's own time, within it; `slack` is what that may be off by. */
+/* Pose of the samples' body at a time within the path, on the path's own clock; `slack` is the time's largest error. */
 static void body_at(const tides_trajectory *trajectory, double relative, double slack, tides_pose *pose) {
     const tides_pose_sample *first = trajectory->samples;
     if (!trajectory->curve && !trajectory->is_open) {

@@ -13,7 +13,7 @@
 /* Points of a segment where it is looked at, as trajectory.c does. */
 enum { PROBES = 8 };
 
-/* What the samples can't say: the last segment overflows, or its quaternion strays from the unit sphere. */
+/* Checks what the samples can't show: a last segment that overflows, or whose quaternion leaves the unit sphere. */
 static tides_status check_segment(const tides_trajectory *t, size_t i, tides_error *error) {
     if (t->open.count < 2) return TIDES_OK;
     const td_knot *to = t->open.knot + t->open.count - 1, *from = to - 1;
