@@ -98,7 +98,7 @@ tides_gaussians td_gaussians_view(const td_gaussians *gaussians) {
                              .origin = {gaussians->origin[0], gaussians->origin[1], gaussians->origin[2]}};
 }
 
-/* What a check needs to fail with. */
+/* Status and error with which a check fails. */
 typedef struct complaint {
     tides_status blame;
     tides_error *error;

@@ -48,7 +48,7 @@ static tides_status index_list(const td_gltf *g, const char *key, const cJSON **
     return TIDES_OK;
 }
 
-/* What a file can't be read without; materials, textures and lights don't matter to splats. */
+/* Refuses a file that requires an extension which isn't known here; materials, textures and lights don't matter to splats. */
 static tides_status check_required(const td_gltf *g) {
     static const char *const fine[] = {TD_GLTF_SPLATS,          "KHR_spz_gaussian_splats_compression",
                                        "KHR_mesh_quantization", "KHR_materials_",
@@ -155,7 +155,7 @@ static tides_status add_file(const td_gltf *g, const char *folder, const char *u
     return status;
 }
 
-/* Of a binary file the JSON alone, which comes first: what follows may be gigabytes. */
+/* Reads the JSON alone of a binary file. It comes first, and the rest may be gigabytes. */
 static tides_status read_json(const char *path, cJSON **json, tides_error *error) {
     enum { FRONT = 20 /* of the file and of its first chunk */, JSON_MOST = 1 << 28 };
     unsigned char front[FRONT];

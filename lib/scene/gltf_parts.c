@@ -1,4 +1,4 @@
-/* What a glTF holds beside what is read of it: other scenes, of which one may be chosen, meshes without splats, animations. */
+/* Parts of a glTF beside the one that is read: other scenes, of which one may be chosen, meshes without splats, animations. */
 #include "td_base.h"
 #include "td_gltf.h"
 #include "td_scene.h"

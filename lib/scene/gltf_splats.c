@@ -45,7 +45,7 @@ static int has_splats(const cJSON *json, primitive *p) {
     return splats || draft;
 }
 
-/* What the extension may say that changes what is drawn. */
+/* Refuses values of the extension that change how splats are drawn. */
 static tides_status check_extension(const td_gltf *g, const primitive *p) {
     const char *kernel = td_json_text(p->extension, "kernel"), *space = td_json_text(p->extension, "colorSpace");
     const char *projection = td_json_text(p->extension, "projection"), *unknown = NULL;
@@ -61,7 +61,7 @@ static tides_status check_extension(const td_gltf *g, const primitive *p) {
     return TIDES_OK;
 }
 
-/* What it says of light: a name that begins with "lin" is linear's; what isn't said is the first of the extension's, sRGB. */
+/* The extension's colour space: a name that begins with "lin" is linear; without a name it is the extension's first, sRGB. */
 static void take_space(const primitive *p, td_gaussians *part) {
     const char *space = td_json_text(p->extension, "colorSpace");
     if (space) td_gaussians_tag(part, strncmp(space, "lin", 3) == 0 ? TIDES_TRANSFER_LINEAR : TIDES_TRANSFER_SRGB, 0);

@@ -12,7 +12,7 @@
 
 enum { DEGREE = 3, VERTICES = 34962 };
 
-/* What is written of each Gaussian: a coefficient of SH, or what comes before those. */
+/* The attributes written of each Gaussian, up to the coefficients of SH. */
 enum { POSITION, ROTATION, SCALE, OPACITY, HARMONICS };
 static const int widths[HARMONICS + 1] = {3, 4, 3, 1, 3};
 

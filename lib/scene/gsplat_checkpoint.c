@@ -21,7 +21,7 @@ static int32_t degree_of(const td_value *splats) {
     return -1;
 }
 
-/* What isn't finite is for td_gaussians_check or _drop, which name the Gaussian. */
+/* Reads floats, NaN and Inf included: td_gaussians_check or _drop handle those and name the Gaussian. */
 static tides_status read_floats(const td_value *splats, const char *key, int ndim, const int64_t *shape, float **values,
                                 tides_error *error) {
     const td_tensor *tensor = NULL;

@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of the sequences that the method is trained on (CMU Panoptic); the files don't say. */
+/* Frame rate of the sequences that the method is trained on (CMU Panoptic); the files don't give it. */
 static const double FRAMES_PER_SECOND = 30;
 
-/* What the constructor gets: owned here. */
+/* Arrays for the constructor: owned here. */
 typedef struct frame_arrays {
     int64_t frames, count;
     float *mean, *quaternion, *sh;

@@ -32,7 +32,7 @@ static tides_status read_item(const td_value *capture, size_t index, const char 
     return status;
 }
 
-/* What the constructor gets: owned here. */
+/* Arrays for the constructor: owned here. */
 typedef struct fudan_arrays {
     float *centre, *log_scale, *right, *harmonic;
     int harmonics;

@@ -1,5 +1,5 @@
-/* What lies in a folder, for model_dir.c: the files and numbered folders that trainers leave (iteration_30000), in the order
- * of their numbers. */
+/* Content of a folder, for model_dir.c: the files and numbered folders that trainers leave (iteration_30000), in the order of
+ * their numbers. */
 #include "td_base.h"
 #include "td_model_files.h"
 #include "td_ply.h"

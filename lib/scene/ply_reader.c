@@ -21,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What binding works on. */
+/* Context of binding columns to properties. */
 typedef struct binding {
     const td_ply_file *file;
     const td_ply_header *header;
@@ -256,7 +256,7 @@ static tides_status note_activated(td_gaussians *g, tides_error *error) {
     return status;
 }
 
-/* What the comments say of training, or filter_3D where they don't. */
+/* Takes the training mode from the comments, or from filter_3D where they have none. */
 static tides_status take_mode(const binding *b, td_gaussians *gaussians) {
     const td_ply_word mode = b->header->mode;
     if (has_filter(b) || td_ply_word_reads(mode, "mip")) gaussians->trained = TIDES_TRAINED_ANTIALIASED;
@@ -267,7 +267,7 @@ static tides_status take_mode(const binding *b, td_gaussians *gaussians) {
                    TD_PLY_QUOTE(mode));
 }
 
-/* What they say of light. */
+/* Takes the colour transfer from the comments. */
 static tides_status take_transfer(const binding *b, td_gaussians *gaussians) {
     const td_ply_word kind = b->header->transfer, exponent = b->header->exponent;
     char text[TD_TRANSFER_TEXT], where[160];

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What all functions here need to know. */
+/* Context of all functions here. */
 typedef struct reader {
     const td_ply_file *file;
     const td_ply_element *element;

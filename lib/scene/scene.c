@@ -66,7 +66,7 @@ static tides_status object_fill(td_object *object, td_gaussians *gaussians, cons
     return object->name && object->source ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
-/* What was found out about the file, as lines of the scene that begin with its name. */
+/* Takes the notes on a file over as lines of the scene, which begin with the file's name. */
 static tides_status take_notes(tides_scene *scene, td_gaussians *gaussians, const char *source, tides_error *error) {
     tides_status status = TIDES_OK;
     for (char *line = gaussians->notes, *end; line && status == TIDES_OK; line = end) {
@@ -80,8 +80,8 @@ static tides_status take_notes(tides_scene *scene, td_gaussians *gaussians, cons
 
 static int32_t is_direction(const double v[3]) { return fabs(v[0]) > 0 || fabs(v[1]) > 0 || fabs(v[2]) > 0; }
 
-/* What a file's colours are that doesn't say it: splats are trained on pictures, as these are coded. Of our own format's, which
- * says it since December 2026, that is only a guess. */
+/* Assumes sRGB for a file that doesn't give the transfer of its colours: splats are trained on pictures, and keep their coding.
+ * In our own format, which gives it since December 2026, a missing transfer is only guessed to be sRGB, and a note says so. */
 static tides_status assume_transfer(td_gaussians *gaussians, const char *source, tides_error *error) {
     if (!source || gaussians->says_transfer) return TIDES_OK;
     gaussians->transfer = TIDES_TRANSFER_SRGB;

@@ -74,7 +74,7 @@ static int is_gltf(const beginning *b) {
     return (b->got >= 4 && memcmp(b->bytes, "glTF", 4) == 0) || (!b->folder && td_ends_in(b->file, ".gltf"));
 }
 
-/* What Git leaves in place of a large file that it hasn't fetched. */
+/* The beginning of the file that Git leaves in place of a large file that it hasn't fetched. */
 static const char pointer[] = "version https://git-lfs";
 static int is_pointer(const beginning *b) {
     return b->got >= sizeof pointer - 1 && memcmp(b->bytes, pointer, sizeof pointer - 1) == 0;

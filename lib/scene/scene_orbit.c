@@ -73,8 +73,8 @@ static double quantile(const double *sorted, size_t count, double fraction) {
     return sorted[(size_t)(fraction * (double)(count - 1) + 0.5)];
 }
 
-/* What trainers on photographs have: y down, as their cameras; with a floor across z, and far less along it, z up, as
- * nerfstudio turns scenes. */
+/* Up as trainers on photographs have it: y down, as in their cameras. Where the scene has a floor across z, and far less along
+ * it, z is up, as nerfstudio turns scenes. */
 static void guess_up(const double width[3], double up[3]) {
     const double narrower = fmin(width[0], width[1]);
     const int z_up = width[2] < flat * narrower && fmax(width[0], width[1]) < narrower / flat;

@@ -1,5 +1,5 @@
-/* What a scene's files say of it beside its Gaussians: how these were trained, and what a user should hear; and what of that a
- * file to be written has no place for. */
+/* Facts about a scene's files beside its Gaussians: how these were trained, and notes for the user; and the facts that a file
+ * to be written has no place for. */
 #include "td_base.h"
 #include "td_folder.h"
 #include "td_scene.h"

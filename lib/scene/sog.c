@@ -206,7 +206,7 @@ static tides_status unpack_quaternions(const sog *s, const td_gaussians *g) {
     return status;
 }
 
-/* What each byte of `channels` stands for in `entry`: version 2 has one codebook for all of them. */
+/* Values of the bytes of `channels` in `entry`: version 2 has one codebook for all of them. */
 static tides_status read_codes(const sog *s, const char *entry, int channels, double codes[4][CODEBOOK]) {
     double low[4] = {0}, high[4] = {0};
     tides_status status = s->version == 2 ? read_numbers(s, entry, "codebook", codes[0], CODEBOOK)

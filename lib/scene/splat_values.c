@@ -1,5 +1,5 @@
-/* What the bytes of packed splat files (.splat, .ksplat, .spz, .sog) stand for. In double until the last step, so that a
- * value is rounded once. */
+/* Values of the bytes of packed splat files (.splat, .ksplat, .spz, .sog). In double until the last step, so that a value is
+ * rounded once. */
 #include "td_base.h"
 #include "td_math.h"
 #include "td_splat.h"

@@ -56,8 +56,8 @@ tides_status td_scene_add_model(tides_scene *scene, const td_model_dir *dir, con
 /* gsplat's checkpoint, {"step", "splats": {means, scales, quats, opacities, sh0, shN}}, at rest (gsplat_checkpoint.c). */
 tides_status td_gsplat_read(const char *path, td_gaussians *gaussians, tides_error *error);
 
-/* What the trainer's cfg.yml says of it, in the checkpoint's folder or above: TIDES_TRAINED_*, untouched where it says nothing.
- * TIDES_UNSUPPORTED for 2-D Gaussians. */
+/* Reads how the splats were trained from the trainer's cfg.yml, in the checkpoint's folder or above: TIDES_TRAINED_*, untouched
+ * where it isn't given. TIDES_UNSUPPORTED for 2-D Gaussians. */
 tides_status td_gsplat_tags(const td_model_dir *dir, int32_t *trained, tides_error *error);
 
 #endif

@@ -70,7 +70,7 @@ tides_gaussians td_gaussians_view(const td_gaussians *gaussians);
 /* How two sets together were trained: what one of them says, MIXED where they disagree. */
 int32_t td_trained_join(int32_t a, int32_t b);
 
-/* What a file says of the transfer. */
+/* Records the transfer that a file gives. */
 static inline void td_gaussians_tag(td_gaussians *gaussians, int32_t transfer, double gamma) {
     gaussians->transfer = transfer;
     gaussians->gamma = transfer == TIDES_TRANSFER_GAMMA ? gamma : 0;
@@ -177,7 +177,7 @@ tides_status td_moving_rows(const td_object *object, double time, td_row_visitor
 
 /* From memory; `path` is only for messages. TIDES_BAD_FILE, TIDES_UNSUPPORTED, TIDES_NO_MEMORY. */
 tides_status td_ply_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
-/* The same, in which a Gaussian that can't be told in our terms becomes NaN, for td_gaussians_drop to leave out. */
+/* As td_ply_parse, but a Gaussian that our parameters can't express becomes NaN, for td_gaussians_drop to leave out. */
 tides_status td_ply_parse_leniently(const char *path, const void *data, size_t size, td_gaussians *gaussians,
                                     tides_error *error);
 

@@ -10,7 +10,7 @@
 /* Raised when a reader of the version before couldn't make sense of the file: 2 where a motion is in it, else still 1. */
 enum { TD_SCENE_HDF5_STILL = 1, TD_SCENE_HDF5_VERSION = 2 };
 
-/* What the attribute `trained` of an object says of TIDES_TRAINED_*. */
+/* Values of the attribute `trained` of an object, by TIDES_TRAINED_*. */
 extern const char *const td_trained_names[];
 
 /* The group `motion` of an object; reading leaves NULL where there is none (motion_hdf5.c). */

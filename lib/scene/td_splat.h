@@ -55,7 +55,7 @@ int td_sog_is_lod(const char *path); /* 1 where the file's name is lod-meta.json
  * files that its buffers are in, beside it or below, whatever the part (gltf.c). */
 tides_status td_gltf_parse(const char *path, const void *data, size_t size, td_gaussians *gaussians, tides_error *error);
 tides_status td_gltf_read(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
-/* The same, in which a splat with an opacity that can't be becomes NaN, for td_gaussians_drop to leave out. */
+/* As td_gltf_read, but a splat whose opacity is out of range becomes NaN, for td_gaussians_drop to leave out. */
 tides_status td_gltf_read_leniently(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
 tides_status td_gltf_files(const char *path, const char *part, td_folder *files, tides_error *error);
 
@@ -83,7 +83,7 @@ float td_splat_logit(double opacity);
 /* Natural logarithm of a scale. 0, a flat Gaussian, becomes float's smallest normal number; NaN where negative. */
 float td_splat_log_scale(double scale);
 
-/* What the logit of an opacity stands for, and a quaternion of length 1 (wxyz). */
+/* The opacity of a logit, and the quaternion scaled to length 1 (wxyz). */
 double td_splat_opacity(float logit);
 void td_splat_unit(const float q[4], double out[4]);
 
