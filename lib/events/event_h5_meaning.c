@@ -1,4 +1,4 @@
-/* What the columns of an HDF5 file of events mean, where its layout doesn't settle it: the order of a table's columns, and the
+/* Meaning of the columns of an HDF5 file of events, where its layout doesn't settle it: the order of a table's columns, and the
  * unit of times. */
 #include "td_base.h"
 #include "td_event_h5_source.h"

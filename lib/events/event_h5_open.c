@@ -22,7 +22,8 @@ enum {
     CACHE_SLOTS = 7 /* chunks of a dataset that HDF5 keeps: a prime, as its hash wants */
 };
 
-/* The same layout is twice in the table, because our files have RVT's size of the sensor too, and RVT's no t_offset. */
+/* Rows of the DSEC layout. The table has it twice, because our files have RVT's size of the sensor too, and RVT's no
+ * t_offset. */
 #define DSEC_ROWS {"/events/p", "/events/t", "/events/x", "/events/y"}, {OWN, OWN, OWN, OWN}, 0
 
 static const layout layouts[] = {
@@ -163,7 +164,8 @@ static tides_status check_rows(const td_event_source *source, tides_error *error
     return TIDES_OK;
 }
 
-/* Of an unfinished file of ours `count` says what is there: the rest may have got its rows, and no bytes yet. */
+/* Checks that the rows are stored. In an unfinished file of ours only `count` rows are valid: further rows may exist without
+ * bytes. */
 static tides_status check_storage(const td_event_source *source, tides_error *error) {
     const int own = strcmp(source->format, TD_EVENT_FORMAT) == 0;
     tides_status status = TIDES_OK;
@@ -221,7 +223,7 @@ static tides_status read_offset(td_event_source *source, const layout *found, ti
     return td_fail(error, TIDES_BAD_FILE, "%s: /t_offset should be one integer", source->path);
 }
 
-/* What our own files say about themselves: an unfinished one holds rows beyond its count that mean nothing. */
+/* Reads the facts in our own files. An unfinished one holds rows beyond its count that mean nothing. */
 static tides_status read_own_facts(td_event_source *source, tides_event_facts *facts, tides_error *error) {
     int64_t version = 0, count = 0;
     td_h5_read_text(source->file, "format", source->format, sizeof source->format);
@@ -276,7 +278,8 @@ static const layout *layout_of(const td_event_source *source, layout *unknown) {
     return unknown;
 }
 
-/* What the layout says of its unit, where its times are as it says: whole microseconds, or real seconds. */
+/* The layout's unit of time, as digits from it to nanoseconds, where its times are of the layout's type: whole microseconds, or
+ * real seconds. */
 static int known_digits(const td_event_source *source, const layout *found) {
     const int real = source->columns[TD_H5_T].real;
     if (strcmp(found->name, other) == 0) return -1;

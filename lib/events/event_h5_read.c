@@ -135,7 +135,7 @@ tides_status td_h5_read_from(td_event_stream *stream, uint64_t first, size_t cou
     return td_h5_source_read(source, stream, first, count, events, got, error);
 }
 
-/* What is left of a block may be nothing: 0 events are the end alone. */
+/* Reads the next events. A block may have none left, so it reads on: 0 events mean the end alone. */
 tides_status td_h5_read(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got, tides_error *error) {
     td_event_source *source = stream->state;
     tides_status status = TIDES_OK;

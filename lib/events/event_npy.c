@@ -270,7 +270,7 @@ static tides_status open_npy(td_event_stream *stream, tides_error *error) {
 static tides_status set_fine(td_event_stream *stream, const char *time, tides_error *error) {
     npy_state *state = stream->state;
     state->fine = 1;
-    /* Of 16 bits, the upper fifth is what wrapped: images are 970 px wide, 31040 in 1/32 px. */
+    /* Values of 16 bits in the upper fifth have wrapped: images are 970 px wide, 31040 in 1/32 px. */
     state->limit = strcmp(time, "timestamp") == 0 ? 52429 : 0;
     snprintf(stream->facts.format, sizeof stream->facts.format, "%s", state->limit ? "bs-ergb" : "hs-ergb");
     return find_unit(stream, 3, error);

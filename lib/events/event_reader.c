@@ -40,7 +40,7 @@ static tides_status choose(tides_event_reader *reader, const char *path, tides_e
     return TIDES_OK;
 }
 
-/* What is said of a file has to have a meaning for it: else it would be ignored in silence. */
+/* Refuses an option that has no meaning for the file's format: it would be ignored in silence. */
 static tides_status check_use(const td_event_format *format, const char *path, const tides_event_reading *how,
                               tides_error *error) {
     const struct {
@@ -140,7 +140,7 @@ static int add_time(int64_t a, int64_t b, int64_t *sum) {
     return 1;
 }
 
-/* What is to be added to the file's times; 0 where 64 bits don't hold it. */
+/* The shift to be added to the file's times; returns 0 where 64 bits don't hold it. */
 static int find_shift(const td_event_stream *stream, int64_t *shift) {
     const tides_event_reading *how = &stream->reading;
     if (how->rebase && stream->facts.zero_ns == INT64_MIN) return 0;

@@ -1,5 +1,5 @@
-/* What text formats of event files share once their columns are known (event_rows_open.c): lines, words, numbers, and errors
- * that name the line. */
+/* Parts that text formats of event files share once their columns are known (event_rows_open.c): lines, words, numbers, and
+ * errors that name the line. */
 #include "td_event_rows.h"
 
 #include "td_base.h"

@@ -44,7 +44,7 @@ static int number_columns(char *line, char separator, td_table_column *facts) {
     return count;
 }
 
-/* What the rows from here on hold, of the first one's number of columns; that number. */
+/* Takes facts of the columns from the rows from here on that have as many columns as the first one; returns that number. */
 static int take_sample(scan s, char separator, td_table_column facts[TD_TABLE_COLUMNS_MAX]) {
     char line[TD_ROW_LINE], copy[TD_ROW_LINE];
     int columns = 0;

@@ -130,7 +130,7 @@ static int leave_out_index(const td_table_column *columns, int count, int used[T
     return kept;
 }
 
-/* What keeps a table from being events, as far as one column shows it. */
+/* The reason why a table can't be events, as far as one column shows it. */
 static tides_status why_none(const td_table_column *columns, const int *used, tides_error *error) {
     int times = 0, polarities = 0;
     for (int i = 0; i < TD_ROW_FIELDS; i++) {

@@ -14,7 +14,7 @@ enum { COLUMNS = TD_EVENT_TRUTHS, DEPTH = 2, INSTANCE = 4 };
 
 const char *const td_event_truth_columns[COLUMNS] = {"/events/flow_u", "/events/flow_v", "/events/depth", "/events/alpha",
                                                      "/events/instance"};
-/* What each is asked for by. */
+/* Names by which columns are requested. */
 static const struct {
     const char *name;
     uint32_t columns; /* bit k: column k */

@@ -47,14 +47,15 @@ typedef struct hdf5_writer {
 
 /* ---- t_offset ---- */
 
-/* Of times a microsecond after the first that 64 bits hold; others are refused as too early. */
+/* Rounds a time down to microseconds, if it is a microsecond or more after the earliest that 64 bits hold; earlier times are
+ * refused. */
 static int64_t floor_microseconds(int64_t ns) { return ns / 1000 - (ns % 1000 < 0 && ns >= INT64_MIN + 1000); }
 
 static int64_t offset_for(int64_t start_ns, int64_t stop_ns) {
     return start_ns >= 0 && stop_ns <= TD_EVENT_SPAN ? 0 : floor_microseconds(start_ns);
 }
 
-/* What the sink knows of its recording. */
+/* Sets the offset from the recording's start and stop, where the sink has them. */
 static void place(td_event_sink *sink) {
     hdf5_writer *w = sink->state;
     w->placed = sink->stop_ns > sink->start_ns;
@@ -169,7 +170,7 @@ static tides_status write_hdf5(td_event_sink *sink, const tides_event *events, s
 
 /* ---- surviving, and going on ---- */
 
-/* What is in the buffer becomes the tail. */
+/* Writes the buffer's events as the tail. */
 static tides_status write_tail(const td_event_sink *sink, uint64_t first, tides_error *error) {
     const hdf5_writer *w = sink->state;
     const tides_event_file facts = {sink->width, sink->height, NULL, NULL, sink->labels, 0, 0};

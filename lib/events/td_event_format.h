@@ -13,7 +13,7 @@ enum {
     TD_EVENT_BUFFER = 65536 /* bytes read or written at once */
 };
 
-/* What a format is detected from. */
+/* The beginning of a file, from which its format is detected. */
 typedef struct td_event_probe {
     const char *path;
     uint64_t size;                /* of the file [bytes] */
@@ -70,8 +70,8 @@ static inline uint64_t td_event_number(const td_event_stream *stream, size_t beh
     return stream->done + stream->facts.dropped + behind;
 }
 
-/* What becomes of an event that can't be: TIDES_OK, and counted, where such are to be left out; else its error, with what lets
- * it be left out. */
+/* Handles an event that can't be valid. Where invalid events are to be left out: TIDES_OK, and it is counted. Else its error,
+ * which names the option that leaves such events out. */
 tides_status td_event_invalid(td_event_stream *stream, tides_status status, tides_error *error);
 
 /* ---- a file being written ---- */
@@ -186,7 +186,7 @@ extern const td_event_format td_format_folder;
 tides_status td_event_format_detect(const char *path, const tides_event_reading *how, const td_event_format **format,
                                     tides_error *error);
 
-/* Of a file to write, by its ending; HDF5 where it has none. */
+/* The format of a file to write, by its ending; HDF5 where it has none. */
 tides_status td_event_format_for(const char *path, const td_event_format **format, tides_error *error);
 
 /* Events may follow in a file: order, size, polarity, and what the format itself asks. TIDES_BAD_ARGUMENT,

@@ -17,11 +17,12 @@ typedef struct td_event_rows {
     uint64_t line;    /* number of the last line read */
 } td_event_rows;
 
-/* What a file's beginning is, as far as its text shows. */
+/* Kinds of text that the beginning of a file may be. */
 enum { TD_TEXT_NONE = 0, TD_TEXT_HEADER, TD_TEXT_GEOMETRY, TD_TEXT_COMMAS, TD_TEXT_SIZED, TD_TEXT_BLANKS };
 int td_event_text_kind(const td_event_probe *probe);
 
-/* Of a text that is none of these, but has rows of numbers: why they aren't events. TIDES_OK, and nothing said, of others. */
+/* Fails for a text of none of these kinds that has rows of numbers, with the reason why they aren't events. TIDES_OK for all
+ * other texts. */
 tides_status td_event_text_refuse(const td_event_probe *probe, tides_error *error);
 
 /* The open of all of them: header, columns, unit. `fixed`: what the format says where it was named. */

@@ -15,7 +15,7 @@ enum {
     TD_TABLE_COORDINATE = 8191 /* no sensor has more pixels: what is larger is a time, or 1/32 px */
 };
 
-/* What the first values of a column are. Zeroed to begin with. */
+/* Facts about the first values of a column. Zeroed to begin with. */
 typedef struct td_table_column {
     double least, most, first, last, fall; /* fall: the deepest from one value to the next */
     uint32_t rows, falls;                  /* falls: values below the one before them */
@@ -28,7 +28,7 @@ typedef struct td_table_column {
 /* `decimals` that it is written with: 0 where without a point and an exponent. */
 void td_table_add(td_table_column *column, double value, int decimals);
 
-/* What columns mean. */
+/* Meaning of a table's columns. */
 typedef struct td_table_meaning {
     int column[TD_ROW_FIELDS]; /* of t, x, y, p */
     int digits;                /* 10^digits nanoseconds are a unit of time; -1: not known yet */
