@@ -1,4 +1,4 @@
-/* What to install where there is no device, in the words of this system. */
+/* Advice on what to install where there is no device, with this system's names of packages. */
 #include "td_advice.h"
 
 #include <stdio.h>

@@ -35,8 +35,9 @@ static int is_pocl(const tides_device_info *info) { return strcmp(info->platform
  * where a driver makes vectors of work-items itself, as rusticl does on llvmpipe. */
 static int32_t lanes_of(const tides_device_info *info) { return info->kind == TIDES_DEVICE_CPU && !is_rusticl(info) ? 16 : 1; }
 
-/* The same in double precision: what a register holds, eight with AVX-512, else four. Of eight where registers hold four each
- * takes two of sixteen, and points (kernels/points.h) take 1.4 times as long: a third of that moves them to memory and back. */
+/* Lanes in double precision: the width of a register, eight with AVX-512, else four. A vector of eight, where registers hold
+ * four, takes two of the sixteen registers. Points (kernels/points.h) then take 1.4 times as long: a third of that moves
+ * vectors to memory and back. */
 static int double_lanes_of(cl_device_id id) {
     cl_uint width = 0;
     clGetDeviceInfo(id, CL_DEVICE_NATIVE_VECTOR_WIDTH_DOUBLE, sizeof width, &width, NULL);
@@ -234,7 +235,7 @@ tides_status tides_device_set_threads(tides_device *device, int32_t threads, tid
 
 int32_t tides_device_threads(const tides_device *device) { return device->threads; }
 
-/* What the environment says of threads. */
+/* Takes the number of threads from the environment. */
 static tides_status take_threads(tides_device *device, tides_error *error) {
     const char *asked = getenv("TIDES_THREADS");
     char *end = NULL;

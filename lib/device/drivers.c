@@ -14,7 +14,7 @@
 /* Where loaders look where no variable says so (ocl-icd, Khronos). */
 static const char vendors[] = "/etc/OpenCL/vendors";
 
-/* What the drivers that were looked at are. */
+/* Findings about the drivers. */
 typedef struct drivers {
     char *text; /* TD_TROUBLE_MAX */
     int count, pocl;
@@ -42,7 +42,7 @@ static int try_folder(const char *folder) {
     return file >= 0 ? 0 : failed;
 }
 
-/* The same of one that needn't be there: of the nearest above that is. */
+/* try_folder for a folder that needn't exist: tries the nearest folder above it that does. */
 static int try_below(const char *folder) {
     struct stat there;
     char *above = td_plain_path(folder, NULL);
@@ -70,7 +70,7 @@ const char *td_cache_trouble(char text[TD_TROUBLE_MAX]) {
 
 /* ---- libraries ---- */
 
-/* What `said`, dlerror's, means, and what to do. */
+/* Explains dlerror's text, `said`, and adds the remedy. */
 static void explain(drivers *d, const char *entry, const char *library, const char *said) {
     const char *path = getenv("LD_LIBRARY_PATH");
     const int older = strstr(said, "version `") != NULL, shadowed = older && path && path[0];

@@ -14,7 +14,7 @@ int td_near_is_had(cl_device_id id, int32_t kind) {
            (has & CL_DEVICE_SVM_FINE_GRAIN_BUFFER) != 0;
 }
 
-/* What goes with a buffer. */
+/* Objects that are freed with a buffer. */
 typedef struct shared {
     cl_context context;
     void *memory;

@@ -66,7 +66,7 @@ static tides_status fail_build(const tides_device *device, cl_program program, c
     return status;
 }
 
-/* What programs are built in: one precision, so many lanes. */
+/* The dialect of a program: its precision and its number of lanes. */
 typedef struct dialect {
     int is_double, lanes;
 } dialect;

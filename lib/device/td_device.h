@@ -57,7 +57,7 @@ tides_status td_cl_fail(tides_error *error, cl_int code, const char *call);
 tides_status td_kernel_create(tides_device *device, const char *files, const char *defines, const char *name, cl_kernel *kernel,
                               tides_error *error);
 
-/* The same in double precision (TD_REAL_DOUBLE, td_double_lanes). TIDES_UNSUPPORTED where the device has none. */
+/* td_kernel_create in double precision (TD_REAL_DOUBLE, td_double_lanes). TIDES_UNSUPPORTED where the device has none. */
 tides_status td_kernel_create_double(tides_device *device, const char *files, const char *defines, const char *name,
                                      cl_kernel *kernel, tides_error *error);
 

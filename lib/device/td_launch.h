@@ -22,8 +22,8 @@ tides_status td_buffer_grow(tides_device *device, td_buffer *buffer, size_t byte
 
 /* Reserves and copies `bytes` from host memory; blocking. */
 tides_status td_buffer_write(tides_device *device, td_buffer *buffer, const void *data, size_t bytes, tides_error *error);
-/* The same, but memory that is shared is `data` itself: it outlives the buffer and stays as it is, and TD_BUFFER_SLACK bytes
- * behind its end may be read. Nobody writes to the buffer before it has grown. */
+/* td_buffer_write, but memory that is shared is `data` itself: it must outlive the buffer and stay unchanged, and
+ * TD_BUFFER_SLACK bytes behind its end may be read. Nothing may write to the buffer before it has grown. */
 tides_status td_buffer_lend(tides_device *device, td_buffer *buffer, void *data, size_t bytes, tides_error *error);
 tides_status td_buffer_read(tides_device *device, const td_buffer *buffer, void *data, size_t bytes, tides_error *error);
 /* To `offset` bytes into a buffer that is large enough; blocking. */
@@ -36,8 +36,8 @@ tides_status td_buffer_read_at(tides_device *device, const td_buffer *buffer, si
 tides_status td_buffer_read_part(tides_device *device, const td_buffer *buffer, void *data, size_t offset, size_t bytes,
                                  tides_error *error);
 
-/* The same without waiting, but where memory is shared, for what was launched before: `data` must stay as it is until the queue
- * has finished, and td_buffer_send doesn't reserve. */
+/* Write and read without waiting, but where memory is shared, for kernels launched before: `data` must stay unchanged until the
+ * queue has finished, and td_buffer_send doesn't reserve. */
 tides_status td_buffer_send(tides_device *device, const td_buffer *buffer, const void *data, size_t bytes, tides_error *error);
 tides_status td_buffer_fetch(tides_device *device, const td_buffer *buffer, void *data, size_t bytes, tides_error *error);
 
