@@ -11,7 +11,7 @@ const char *const td_hexplane_heads[TD_HEADS] = {"pos_deform", "scales_deform", 
 static const char *const head_flags[TD_HEADS] = {"no_dx", "no_ds", "no_dr", "no_do", "no_dshs"};
 static const uint64_t head_outputs[TD_HEADS] = {3, 3, 4, 1, TD_HEXPLANE_SH_MAX};
 
-/* Of plane (i, j): which axis, x y z t, is its width and which its height. */
+/* The axes, of x y z t, that are the width and the height of plane (i, j). */
 static const int plane_axes[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
 const td_field *td_hexplane_plane(const tides_motion *motion, int level, int plane) {

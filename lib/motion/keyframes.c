@@ -46,7 +46,7 @@ static tides_status check(const tides_motion *motion, const tides_gaussians *gau
 
 /* -- slopes --------------------------------------------------------------------------------------------------------- */
 
-/* Those of the C2 spline, TD_CURVE_WIDTH channels at a time; `knots` (T) is scratch. */
+/* Slopes of the C2 spline, TD_CURVE_WIDTH channels at a time; `knots` (T) is scratch. */
 static tides_status spline_slopes(const td_keyframes *keys, const double *value, double *slope, td_knot *knots,
                                   tides_error *error) {
     for (int first = 0; first < keys->channels; first += TD_CURVE_WIDTH) {

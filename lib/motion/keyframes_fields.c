@@ -63,7 +63,7 @@ void td_keyframes_gather(const td_keyframes *keys, td_key_range range, int64_t g
     }
 }
 
-/* Those of Catmull and Rom: through the frames on both sides; at an end, half the slope of its interval, as if the end's frame
+/* Slopes of Catmull and Rom: through the frames on both sides. An end has half the slope of its interval, as if the end's frame
  * stood there twice. */
 void td_keyframes_differences(const td_keyframes *keys, td_key_range range, const double *value, double *slope) {
     for (int64_t i = 0; i < range.count; i++) {

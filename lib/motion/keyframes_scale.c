@@ -7,9 +7,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* What frames may be off the cubic through others for these to be enough: of an axis' length, a rotation times an axis' ratio,
- * a scale's logarithm, and an opacity's or colour's share. As in kernels/unseen.h, enough for samples to show that there is
- * something. */
+/* Largest distance of frames from the cubic through others for these to be enough. It is a share of an axis' length, a rotation
+ * times an axis' ratio, a scale's logarithm, and a share of an opacity or colour. As in kernels/unseen.h, samples then show
+ * that there is a change. */
 static const double most_off = 0.02;
 
 /* The first frame after tau. */
@@ -46,7 +46,7 @@ double td_keyframes_scale(const tides_motion *motion, double from, double to) {
     return least;
 }
 
-/* What each channel may be off by, (channels): by the Gaussian's own axes. */
+/* Allowed distance of each channel, (channels), by the Gaussian's own axes. */
 static void allow(const td_keyframes *keys, const tides_gaussians *gaussians, int64_t i, double *allowed) {
     const double own[3] = {gaussians->log_scale[3 * i], gaussians->log_scale[3 * i + 1], gaussians->log_scale[3 * i + 2]};
     double least = fmin(own[0], fmin(own[1], own[2])), most = fmax(own[0], fmax(own[1], own[2]));
@@ -124,8 +124,8 @@ void td_keyframes_scales(const tides_motion *motion, const tides_gaussians *gaus
     free(allowed);
 }
 
-/* What frames of something that rests may be off by, of what they may be off elsewhere: exposed frames see less of it than
- * their tolerance. */
+/* Allowed distance of the frames of a Gaussian at rest, as a share of that elsewhere: exposed frames see less of it than their
+ * tolerance. */
 static const double off_at_rest = 0.1;
 
 tides_status td_keyframes_find_resting(const tides_motion *motion, const tides_gaussians *gaussians, double from, double to,

@@ -100,7 +100,8 @@ static void slice(const double l[4], const double r[4], const double scale[4], d
     }
 }
 
-/* The same for one that doesn't: its scale in time is the variance itself, as their code has it. */
+/* Factor and variance in time of a Gaussian that doesn't tilt in time: its scale in time is the variance itself, as in the
+ * method's code. */
 static void stand(const double q[4], const double scale[4], double *row, double *variance) {
     double w = q[0], x = q[1], y = q[2], z = q[3];
     const double r[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),

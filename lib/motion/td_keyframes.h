@@ -7,7 +7,7 @@
 
 enum { TD_KEYS_MEAN = 0, TD_KEYS_QUATERNION, TD_KEYS_LOG_SCALE, TD_KEYS_LOGIT, TD_KEYS_SH, TD_KEYS_PARTS };
 
-/* What is given per frame; absent parts are NULL. `channels` in all, the SH entries last. */
+/* Fields given per frame; absent parts are NULL. `channels` in all, the SH entries last. */
 typedef struct td_keyframes {
     const td_field *time, *part[TD_KEYS_PARTS];
     const td_field *mean_rest; /* NULL: means are exact */
@@ -32,7 +32,7 @@ typedef struct td_key_range {
 } td_key_range;
 static inline td_key_range td_keyframes_all(const td_keyframes *keys) { return (td_key_range){0, keys->frames}; }
 
-/* Of a mean at a frame, relative to the Gaussians' origin. */
+/* A mean at a frame, relative to the Gaussians' origin. */
 double td_keyframes_mean(const td_keyframes *keys, int64_t frame, int64_t gaussian, int axis);
 
 /* One Gaussian's channels over some frames, (count x channels), quaternions normalised and of one sign. */
