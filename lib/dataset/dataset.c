@@ -21,7 +21,7 @@ int32_t tides_dataset_layout_at(size_t index, tides_dataset_layout *layout) {
     return 1;
 }
 
-/* What is being made. */
+/* A dataset that is being made. */
 typedef struct job {
     td_dataset set;
     td_writer writers[WRITERS_MAX];
@@ -211,7 +211,7 @@ static void give_poses(job *j, const td_member *camera) {
     }
 }
 
-/* What an IMU in the camera's place measures, with the camera's axes. */
+/* Gives the writers the samples of an IMU in the camera's place, with the camera's axes. */
 static void give_imu(job *j, const td_member *camera) {
     const tides_run_values *v = &camera->facts.values;
     tides_imu imu = v->imu;

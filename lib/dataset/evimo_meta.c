@@ -61,7 +61,7 @@ static void put_place(td_pickler *p, const char *name, double scale, const td_pl
     td_pickler_dict_end(p);
 }
 
-/* Of an object in the camera: R_c^T R_o and R_c^T (t_o - t_c). */
+/* Pose of an object in the camera: R_c^T R_o and R_c^T (t_o - t_c). */
 static tides_status find_object(const td_writer *w, int32_t index, const td_place_at *camera, td_place_at *place,
                                 tides_error *error) {
     tides_object object;

@@ -84,7 +84,7 @@ static void free_files(files *names) {
     free(names->seen);
 }
 
-/* What a small file says, up to its first line's end; "" where there is none. */
+/* Reads the first line of a small file; "" where there is none. */
 static void read_word(const char *path, char *word, size_t bytes) {
     char *text = NULL;
     size_t length = 0;

@@ -62,7 +62,7 @@ static tides_status begin_events(td_writer *w, dsec *d, tides_error *error) {
     return status == TIDES_OK ? write_rectify_map(w, error) : status;
 }
 
-/* What is of the left event camera. */
+/* Begins the files of the left event camera. */
 static tides_status begin_truth(td_writer *w, dsec *d, tides_error *error) {
     static const char head[] = "# from_timestamp_us, to_timestamp_us\n";
     tides_status status = td_text_in_folder(&d->forward, w->folder, "flow/forward_timestamps.txt", error);

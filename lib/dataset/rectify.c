@@ -7,8 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Of a camera's own axes, how much of x and z is along the view's at least: 60 degrees. Beyond it a view has little left of
- * what its camera sees. */
+/* Least component of a camera's own x and z axes along the view's: cos 60 degrees. Beyond that little of the camera's image is
+ * left in the view. */
 static const double alike = 0.5;
 
 /* By how much [1, px, m] a pair may be off for its images to be rectified ones as they are: rounding of numbers in a file. */
@@ -96,7 +96,7 @@ static tides_status rectify_pair(const td_dataset *set, td_member *left, td_memb
 
 /* -- all of them ----------------------------------------------------------------------------------------------------------- */
 
-/* What a camera has alone: its lens straightened. */
+/* Begins the view of a camera alone: its lens straightened. */
 static void begin_view(const td_member *camera, td_view *view) {
     *view = (td_view){.intrinsics = camera->facts.intrinsics, .path = camera->facts.camera};
     memset(&view->intrinsics.lens, 0, sizeof view->intrinsics.lens); /* TIDES_LENS_NONE */

@@ -73,7 +73,7 @@ static void put_text(td_buffer *b, const char *text) {
     td_buffer_put(b, text, strlen(text) + 1);
 }
 
-/* What every message begins with. */
+/* Begins a message with the header that every message has. */
 static void begin(td_buffer *b, int64_t ns, const char *frame) {
     static const unsigned char lowest_first[4] = {0, 1, 0, 0};
     int64_t sec = ns / 1000000000, rest = ns % 1000000000;

@@ -1,5 +1,5 @@
-/* What a camera sees at the dataset's times: pictures, and ground truth with the displacements to the times beside it. Through
- * a lens or turned, what is rectified is another view, which is rendered too where a layout has it. */
+/* Images of a camera at the dataset's times: pictures, and ground truth with the displacements to the times beside it. Where
+ * the camera has a lens or is turned, the rectified view is another one, which is rendered too where a layout has it. */
 #include "td_dataset.h"
 
 #include <stdlib.h>
@@ -50,7 +50,7 @@ static int shows(const scenes *s, const td_writer *w, int kind) {
 
 /* -- pictures -------------------------------------------------------------------------------------------------------------- */
 
-/* Of an instant. */
+/* Renders an instant. */
 static tides_status render(scenes *s, int64_t us) {
     tides_frame frame = {{NULL}};
     frame.plane[TIDES_R] = plane(s, R), frame.plane[TIDES_G] = plane(s, G), frame.plane[TIDES_B] = plane(s, B);

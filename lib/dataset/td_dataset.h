@@ -21,7 +21,7 @@ typedef struct td_view {
     int32_t differs;              /* 0: it is what the camera sees */
 } td_view;
 
-/* What a rectified view is of: ground truth is the event cameras', rectified as a pair; pictures are the others'. */
+/* Use of a rectified view: ground truth is the event cameras', rectified as a pair; pictures are the others'. */
 enum { TD_TRUTH, TD_PICTURE, TD_KINDS };
 
 /* A camera of the rig, varied from the session that was given. */

@@ -14,7 +14,7 @@ typedef struct td_evimo_meta {
 } td_evimo_meta;
 
 void td_evimo_begin(td_evimo_meta *meta, tides_error *error);
-/* Of the camera and, in its axes, of all objects. `picture`: whether there is one of the same number. */
+/* Adds the poses of the camera and, in its axes, of all objects. `picture`: whether there is a picture of the same number. */
 void td_evimo_pose(td_evimo_meta *meta, const td_writer *w, const td_place_at *at);
 void td_evimo_imu(td_evimo_meta *meta, const td_writer *w, const tides_imu_sample *sample);
 void td_evimo_frame(td_evimo_meta *meta, const td_writer *w, size_t id, const td_place_at *at, int32_t picture);

@@ -26,7 +26,7 @@ tides_status td_mcap_channel(td_mcap *mcap, const char *topic, const char *type,
 /* A message at `ns`; those of a channel in the order of time, channels in any. */
 tides_status td_mcap_message(td_mcap *mcap, int channel, int64_t ns, const td_buffer *message, tides_error *error);
 
-/* What a bag's metadata.yaml says. */
+/* Facts for a bag's metadata.yaml. */
 uint64_t td_mcap_count(const td_mcap *mcap, int channel); /* -1: of all */
 void td_mcap_range(const td_mcap *mcap, int64_t *first, int64_t *last);
 
