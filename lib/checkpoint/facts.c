@@ -1,6 +1,6 @@
-/* What makes two simulators parts of one run: everything that decides events, as numbers, and where it is too much for that, as
- * checksums. Left out is what doesn't: the stop (a run may be extended), tiles, batches, and the device as far as it computes
- * in the same precision. Which keys of a run file are which, the parameter table says (lib/run/params_table.c). */
+/* Facts that make two simulators parts of one run: all values that decide events, as numbers, or as checksums where there are
+ * too many. Values that don't are left out: the stop (a run may be extended), tiles, batches, and the device as far as it
+ * computes in the same precision. The parameter table tells the keys of a run file apart (lib/run/params_table.c). */
 #include "motion/td_motion.h"
 #include "run/td_params.h"
 #include "td_checkpoint.h"
