@@ -1,4 +1,4 @@
-/* What stands still in a room: a brick wall with two posters, a wooden table, and three balls. */
+/* The parts of a room that stand still: a brick wall with two posters, a wooden table, and three balls. */
 #include "generate/td_generate.h"
 #include "tides/image.h"
 #include "td_math.h"
