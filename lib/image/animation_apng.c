@@ -52,7 +52,7 @@ static tides_status put_data(tides_animation *a, const uint8_t *data, size_t siz
     return put_chunk(a, "fdAT", number, sizeof number, data, size, error);
 }
 
-/* What stands before the first picture's data, with room for the controls. */
+/* Writes the chunks before the first picture's data, with room for the controls. */
 static tides_status put_opening(tides_animation *a, const uint8_t *png, size_t size, tides_error *error) {
     tides_status status = td_animation_put(a, png, size, error);
     a->counter_at = (long)size;

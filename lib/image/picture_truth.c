@@ -70,7 +70,8 @@ void tides_picture_labels(const double *labels, int32_t width, int32_t height, u
 
 /* -- keys ------------------------------------------------------------------------------------------------------------------ */
 
-/* Of a picture's shorter side: how large a key is, and how far from the borders. */
+/* Sizes of a key by a picture's shorter side: the least side that gets one [px], the key's part of the side, and its distance
+ * from the borders. */
 enum { KEY_LEAST = 64, KEY_SHARE = 6, KEY_MARGIN = 3 };
 
 static int32_t key_size(int32_t width, int32_t height) {

@@ -5,7 +5,7 @@
 
 #include <stdint.h>
 
-/* What isn't a number stands out: no map below contains this magenta. */
+/* Magenta, for values that aren't numbers: no map below contains it. */
 #define TD_COLOUR_NAN \
     { 255, 0, 255 }
 

@@ -13,8 +13,8 @@ struct tides_exr {
     float *pixels; /* (count x height x width) */
 };
 
-/* What OpenEXRCore reads or writes through. With our own stream its messages reach us instead of stderr, and the system's
- * reason for a failed write isn't lost. */
+/* The stream that OpenEXRCore reads or writes through. With our own stream its messages reach us instead of stderr, and the
+ * system's reason for a failed write isn't lost. */
 typedef struct td_exr_stream {
     int descriptor;
     char message[300]; /* the first thing that went wrong, in OpenEXR's or the system's words; "" */

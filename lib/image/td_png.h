@@ -7,7 +7,7 @@
 #include <png.h>
 #include <stdio.h>
 
-/* What went wrong, in libpng's words: the error pointer of a png_struct whose handlers are the ones below. */
+/* libpng's text of a failure: the error pointer of a png_struct whose handlers are the ones below. */
 typedef struct td_png_message {
     char text[200];
 } td_png_message;
