@@ -105,7 +105,8 @@ tides_status td_page_begin(td_page *page, const char *path, const tides_page_opt
 
 /* -- the end --------------------------------------------------------------------------------------------------------------- */
 
-/* What is shown is what was asked for and exists: of the recording's stretch where it is known, else of its events. */
+/* Sets the stretch shown: the part of the requested stretch that lies within the recording's where that is known, else within
+ * its events. */
 static void find_stretch(td_page *page) {
     const tides_page_options *o = &page->options;
     tides_page_report *r = &page->report;
@@ -128,7 +129,7 @@ static int add_ns(cJSON *json, const char *name, int64_t ns) {
     return cJSON_AddStringToObject(json, name, text) != NULL;
 }
 
-/* Of a recording in which all are the signal's there is nothing to tell apart. */
+/* Adds the names of the causes, unless all events are the signal's. */
 static int add_causes(cJSON *json, const td_page *page) {
     static const char *const causes[TIDES_CAUSES] = {"signal", "leak", "shot noise", "hot pixel"};
     cJSON *names = cJSON_AddArrayToObject(json, "causes");

@@ -42,7 +42,8 @@ static void close_source(source *s) {
     free(s->truth);
 }
 
-/* What isn't shown needs nothing from beside the events; late ones may come at any place. */
+/* Whether any event of a block is shown: data beside the events is read for such blocks alone. Late events may come at any
+ * place. */
 static int any_shown(const source *s, size_t count, const tides_page_options *o) {
     for (size_t i = 0; i < count; i++)
         if (s->events[i].t >= o->start_ns && s->events[i].t < o->stop_ns) return 1;
@@ -84,7 +85,7 @@ static tides_status pump(source *s, td_page *page, tides_progress progress, void
     return status == TIDES_OK ? check_stretch(s, page, row, error) : status;
 }
 
-/* What the options leave open, the file says. */
+/* Fills the options that were left open from the file. */
 static void fill_in(td_page *page, const source *s) {
     tides_page_options *o = &page->options;
     const char *name = td_base_name(s->path);
