@@ -12,7 +12,7 @@
 
 enum { SIDE_MAX = 65536 };
 
-/* Of |n|, n standard normal: sqrt(1 - 2 / pi). */
+/* Standard deviation of |n|, n standard normal: sqrt(1 - 2 / pi). */
 static const double half_normal_sigma = 0.60281027498905630;
 
 void tides_readout_defaults(tides_readout *readout) {

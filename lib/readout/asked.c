@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* What `count` events take on the bus [ns], rounded up. */
+/* Time of `count` events on the bus [ns], rounded up. */
 static int64_t bus_time(const tides_arbiter *a, int64_t count) { return (count * a->event_ps + 999) / 1000; }
 
 /* Reads the first `count` events of a queue, the first of them at `first`, each `apart` [ps] after the one before. */

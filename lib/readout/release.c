@@ -1,4 +1,4 @@
-/* What has left, in order: waiting and jitter make it come out of order within a bounded time. */
+/* Events that have left, put in order: waiting and jitter make them come out of order within a bounded time. */
 #include "td_release.h"
 #include "td_base.h"
 
