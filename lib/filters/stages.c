@@ -1,4 +1,4 @@
-/* What each filter does with an event (include/tides/filters.h has the laws). */
+/* Each filter's decision on an event (include/tides/filters.h has the laws). */
 #include "td_filter.h"
 #include "td_random.h"
 

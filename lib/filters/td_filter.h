@@ -18,14 +18,15 @@ enum {
     TD_FILTER_HEADER = TD_FILTER_ERC + 3
 };
 
-/* Of a filter that counts events by periods: number of the one that the event before was in, its events so far, and those of
+/* State of a filter that counts events by periods: the number of the last event's period, the events so far in it, and those in
  * the period before it. */
 enum { TD_PERIOD_NUMBER, TD_PERIOD_COUNT, TD_PERIOD_BEFORE };
 
-/* Of a cell of AFK: the last turn to OFF and to ON; polarity of the last event, or 0; the counter; 1 where it flickers. */
+/* State of a cell of AFK: the last turn to OFF and to ON; polarity of the last event, or 0; the counter; 1 where it
+ * flickers. */
 enum { TD_CELL_OFF, TD_CELL_ON, TD_CELL_POLARITY, TD_CELL_COUNTER, TD_CELL_FLICKERS, TD_CELL };
 
-/* Of a pixel of the trail filter: time of its last event; that one's polarity, or 0; 1 where the pixel is armed. */
+/* State of a pixel of the trail filter: time of its last event; that one's polarity, or 0; 1 where the pixel is armed. */
 enum { TD_TRAIL_LAST, TD_TRAIL_POLARITY, TD_TRAIL_ARMED, TD_TRAIL };
 
 struct tides_filter {
