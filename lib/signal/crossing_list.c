@@ -9,7 +9,7 @@ static inline td_model model_of(const td_crossing_list *list, int k) {
     return (td_model){{list->control[0][k], list->control[1][k], list->control[2][k], list->control[3][k]}};
 }
 
-/* What a model is beyond a level, upwards or downwards, as a polynomial of the place: to come near a crossing it needn't be
+/* Excess of a model over a level, upwards or downwards, as a polynomial of the place. To come near a crossing it needn't be
  * rounded as td_level_excess is. */
 typedef struct beyond {
     double c0, c1, c2, c3;
@@ -32,7 +32,7 @@ static inline double next_place(const beyond *p, double s, double *excess) {
     return s - *excess * slope / (slope * slope - *excess * bent);
 }
 
-/* The same; to the middle of what is left between *low and *high where it would leave that. */
+/* A step of Halley's that stays between *low and *high, which it narrows; where it would leave them it goes to their middle. */
 static inline void go_on(const beyond *p, double *place, double *low, double *high) {
     double excess;
     const double s = *place, next = next_place(p, s, &excess);

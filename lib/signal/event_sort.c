@@ -13,7 +13,7 @@
 /* Below this, insertion beats clearing the counters. */
 enum { FEW = 48 };
 
-/* What keys count from, and how many bits they have. */
+/* Least values, from which keys count, and numbers of bits. */
 typedef struct range {
     int64_t t;
     uint32_t x, y;
@@ -26,7 +26,7 @@ static int bits_of(uint64_t value) {
     return bits;
 }
 
-/* Of times. */
+/* Range of times. */
 TD_WIDE static range find_times(const tides_event *events, size_t count) {
     int64_t least = events[0].t, most = least;
     for (size_t i = 1; i < count; i++) {
@@ -37,7 +37,7 @@ TD_WIDE static range find_times(const tides_event *events, size_t count) {
     return (range){.t = least, .bits = bits_of((uint64_t)most - (uint64_t)least)};
 }
 
-/* Of places. */
+/* Range of places. */
 static range find_places(const tides_event *events, size_t count) {
     range least = {.x = events[0].x, .y = events[0].y}, most = least;
     for (size_t i = 1; i < count; i++) {

@@ -35,14 +35,14 @@ static inline double td_level_solve(const td_level *at, double low, double high,
     return td_root(td_level_excess, td_level_slope, at, at->rise > 0.0 ? 1.0 : -1.0, low, high, guess);
 }
 
-/* What rounding makes of an excess at most, several times over; it is so far below what the excess is within a few Newton steps
- * of a place of the same sign that a search which ends there ends on the place. */
+/* Largest rounding of an excess, several times over. The excess exceeds it by so much within a few Newton steps of a place of
+ * the same sign that a search which ends there ends on the place. */
 static inline double td_level_rounding(const td_level *at) {
     const double *b = at->model->control;
     return 64 * DBL_EPSILON * (fabs(b[0]) + fabs(b[1]) + fabs(b[2]) + fabs(b[3]) + fabs(at->reference) + fabs(at->rise));
 }
 
-/* Of a nanosecond: how near a place is to be known, so that few are near the end of theirs. */
+/* Distance within which a place is to be known [ns], so that few are near the end of their nanosecond. */
 #define TD_NEAR_ENOUGH_NS 0x1p-11
 
 #endif

@@ -44,7 +44,8 @@ static inline double td_model_value(const td_model *model, double s) {
     return u * u * (u * b[0] + 3.0 * s * b[1]) + s * s * (3.0 * u * b[2] + s * b[3]);
 }
 
-/* The same, within the range of the control values, by which tiles are rejected: rounding mustn't lift extrema out of it. */
+/* A model's value, kept within the range of the control values, by which tiles are rejected: rounding mustn't lift extrema out
+ * of it. */
 static inline double td_model_value_within(const td_model *model, double s) {
     const double *b = model->control;
     const double low = td_lesser(td_lesser(b[0], b[1]), td_lesser(b[2], b[3]));

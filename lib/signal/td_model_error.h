@@ -12,15 +12,15 @@ static inline double td_embedded(double rise, double rate0, double rate1) {
     return 4.0 / 27.0 * (bent < 0 ? -bent : bent);
 }
 
-/* What step control takes for the error of a step's cubic [log units]: from the embedded estimate of its own ends, and the
+/* Error of a step's cubic, as step control estimates it [log units]: from the embedded estimate of its own ends, and the
  * deviation at the place where it was cut out of a longer one. The deviation bounds it from both sides, and between the bounds
- * the step's own estimate decides: a kink leaves one part as rough as the whole was and the other smooth.
+ * the step's own estimate decides: a kink leaves one part as rough as the whole was and the other part smooth.
  *
  * TD_PROBE_MOST: wherever a kink is, both parts' errors are about the deviation at most (lib/solver/steps/probe.c).
- * TD_PROBE_LEAST: of a smooth signal the parts have a fourteenth. The ends of a part with a kink in its middle say nothing of
- * it, and that mustn't hide more than what 1 / TD_PROBE_LEAST tolerances let through. TD_PROBE_EMBEDDED: the cubic is an order
- * better than the quadratic in the embedded estimate. With 0.7 the scenes of tides bench accuracy have the errors at a
- * tolerance that they had when the embedded estimate alone was held against it. */
+ * TD_PROBE_LEAST: the parts of a smooth signal have a fourteenth of the deviation. The ends of a part don't show a kink in its
+ * middle, which mustn't hide more than 1 / TD_PROBE_LEAST tolerances. TD_PROBE_EMBEDDED: the cubic is an order better than the
+ * quadratic in the embedded estimate. With 0.7 the scenes of tides bench accuracy have the errors at a tolerance that they had
+ * when the embedded estimate alone was held against it. */
 #define TD_PROBE_MOST 1.0
 #define TD_PROBE_LEAST 0.25
 #define TD_PROBE_EMBEDDED 0.7

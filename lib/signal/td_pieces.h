@@ -13,7 +13,8 @@ typedef struct td_node {
     double S_dot; /* [log units/s] */
 } td_node;
 
-/* Of a pixel in a step. A busy pixel has some ten events in a step; of more than TD_NODES_MAX / 2 the times are the model's. */
+/* Limits of a pixel in a step. A busy pixel has some ten events in a step; beyond TD_NODES_MAX / 2 events the times are the
+ * model's. */
 enum { TD_NODES_MAX = 48, TD_PIECES_MAX = TD_NODES_MAX + 1 };
 
 /* Piece k is over [from[k], from[k + 1]], its model over [0, 1] within it. from[0] = 0, from[count] = 1; neighbours have the
@@ -41,7 +42,7 @@ static inline double td_pieces_place(const td_pieces *pieces, int k, double s) {
     return (s - pieces->from[k]) / (pieces->from[k + 1] - pieces->from[k]);
 }
 
-/* The same, looked for from piece k on, which is near. */
+/* td_pieces_find, searched from piece k on, which is near. */
 static inline int td_pieces_find_from(const td_pieces *pieces, int k, double s) {
     while (k > 0 && !(pieces->from[k] < s)) k--;
     while (k + 1 < pieces->count && pieces->from[k + 1] < s) k++;
