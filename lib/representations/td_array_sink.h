@@ -5,7 +5,7 @@
 #include "td_base.h"
 #include "tides/representations.h"
 
-/* What is kept of each window until the file ends. */
+/* Facts of each window that are kept until the file ends. */
 typedef struct td_array_window {
     int64_t start_ns, stop_ns;
     uint64_t events;
