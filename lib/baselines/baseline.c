@@ -184,7 +184,7 @@ tides_status td_baseline_push(tides_baseline *b, double time, double offset, con
     b->now = now;
     status = b->frames ? b->method->step(b, Y, error) : b->method->first(b, Y, error);
     b->frames++;
-    /* What lies before this frame may have no successor before it; a stamp at the frame itself may. */
+    /* No event made later has a stamp before this frame's time less `late_s`; at that time itself there may be more. */
     return status == TIDES_OK ? give(b, td_baseline_ns(now - b->method->late_s), sink, user, error) : status;
 }
 

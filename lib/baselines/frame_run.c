@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a run holds. */
+/* State of a run on frames. */
 typedef struct frame_run {
     tides_baseline *baseline;
     const tides_frame_supply *supply;
@@ -116,7 +116,7 @@ static tides_status run_sequence(frame_run *r, tides_error *error) {
 
 /* -- renders --------------------------------------------------------------------------------------------------------------- */
 
-/* What bounds ESIM's next interval, of the frame just rendered: the largest |L_dot| [1/s] or the fastest motion [px/s]. */
+/* The bound of ESIM's next interval, from the frame just rendered: the largest |L_dot| [1/s] or the fastest motion [px/s]. */
 static tides_status find_fastest(const frame_run *r, double time, double *fastest, tides_error *error) {
     const tides_frame_supply *supply = r->supply;
     if (r->baseline->params.esim.adaptive_sampling == TIDES_ESIM_MOTION)

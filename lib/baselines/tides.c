@@ -31,7 +31,7 @@ static tides_status check(const tides_baseline *b, tides_error *error) {
         return td_fail(error, TIDES_UNSUPPORTED,
                        "sensor: surround_lambda_px isn't available on frames, whose steps have no common pieces; leave it at "
                        "0");
-    /* What the sensor itself checks when it is made, at the first frame. */
+    /* The sensor itself makes these checks when it is made, at the first frame. */
     td_frontend frontend;
     td_additive_noise noise;
     td_kick kick;

@@ -85,7 +85,7 @@ static tides_status allocate(tides_baseline *b, td_v2e_state *s, tides_error *er
     return TIDES_OK;
 }
 
-/* What is drawn once per pixel. */
+/* Draws the values that a pixel has once for all. */
 static void draw_pixels(tides_baseline *b, td_v2e_state *s) {
     const tides_v2e *p = &b->params.v2e;
     for (size_t i = 0; i < b->pixels; i++) {
