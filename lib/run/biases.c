@@ -59,8 +59,8 @@ static const td_bias *prophesee(const td_biases *biases, const char *name) {
     return td_biases_find(biases, whole);
 }
 
-/* Of Gen3.1, whose biases are millivolts: thresholds go with their distance from bias_diff, from the preset's at the plugin's
- * own 300, 385 and 222 mV. No maker says so: it is TIDES' law, of which only the sign is sure. */
+/* Thresholds of Gen3.1, whose biases are millivolts: they go with their distance from bias_diff, from the preset's at the
+ * plugin's own 300, 385 and 222 mV. No maker publishes this: it is TIDES' own law, of which only the sign is sure. */
 static tides_status by_ratio(const bias_job *job, const td_biases *biases) {
     static const double factory_on = 385 - 300, factory_off = 300 - 222;
     const td_bias *diff = prophesee(biases, "diff"), *on = prophesee(biases, "diff_on"), *off = prophesee(biases, "diff_off");
@@ -77,7 +77,7 @@ static tides_status by_ratio(const bias_job *job, const td_biases *biases) {
     return status;
 }
 
-/* What there is no law of, published or ours. */
+/* Notes the biases that no law, published or ours, maps to a value. */
 static tides_status keep_others(const bias_job *job, const td_biases *biases, int thresholds) {
     char kept[300] = "";
     size_t used = 0;

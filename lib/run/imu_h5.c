@@ -4,7 +4,7 @@
 #include "archive/td_h5_driver.h"
 #include "run/td_imu_file.h"
 
-/* What is written. */
+/* The data to write. */
 typedef struct all_samples {
     const tides_imu_sample *samples;
     size_t count;

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is found, as it is found. */
+/* Inputs in the order in which they are found. */
 typedef struct found {
     const char *key;
     char *path;
@@ -44,7 +44,7 @@ static tides_status add(list *l, const char *key, char *path) {
 
 /* -- what lies beside a file -------------------------------------------------------------------------------------------- */
 
-/* Those of `names` (ended by NULL) that are there, in the folder itself or, of a file, in the folder that holds it. */
+/* Adds the files of `names` (ended by NULL) that exist, in the folder itself or, for a file, in the folder that holds it. */
 static tides_status add_beside(list *l, const char *key, const char *path, const char *const *names) {
     char *folder = td_is_folder(path) ? td_format(l->error, "%s/", path) : td_folder_prefix(path, l->error);
     tides_status status = folder ? TIDES_OK : TIDES_NO_MEMORY;
@@ -59,8 +59,8 @@ static tides_status add_beside(list *l, const char *key, const char *path, const
     return status;
 }
 
-/* What the readers of paths look for beside a file: COLMAP's cameras (colmap.c), EuRoC's camera on the body (path_euroc.c), the
- * scene of nerfies (path_nerfies.c). */
+/* Adds a path and the files that readers of paths look for beside it: COLMAP's cameras (colmap.c), EuRoC's camera on the body
+ * (path_euroc.c), the scene of nerfies (path_nerfies.c). */
 static tides_status add_path_file(list *l, const char *key, const char *path) {
     static const char *const names[] = {"cameras.bin",         "cameras.txt",      "sensor.yaml",
                                         "../cam0/sensor.yaml", "scene.json",       "metadata.json",
@@ -105,7 +105,7 @@ static tides_status add_ending(list *l, const char *key, const char *path, const
     return status;
 }
 
-/* What the file names, each meta.json with its pictures. What is wrong with the file is its reader's to say. */
+/* Adds the files that a file names, each meta.json with its pictures. Faults of the file are left to its reader to report. */
 static tides_status add_parts(list *l, const char *key, const char *path, const char *part,
                               tides_status (*find)(const char *path, const char *part, td_folder *files, tides_error *error)) {
     td_folder parts = {NULL, 0, 0};
@@ -120,7 +120,8 @@ static tides_status add_parts(list *l, const char *key, const char *path, const 
     return status;
 }
 
-/* What is read of a trained model: of its newest iteration where it is a folder, among checkpoints and pictures. */
+/* Adds the files that are read of a trained model: of its newest iteration where it is a folder, among checkpoints and
+ * pictures. */
 static tides_status add_model(list *l, const char *key, const td_model_dir *model) {
     static const char *const names[] = {"cfg_args", "cfg.yml", "../cfg.yml", NULL};
     tides_status status = TIDES_OK;
@@ -131,7 +132,7 @@ static tides_status add_model(list *l, const char *key, const td_model_dir *mode
     return status == TIDES_OK ? add_beside(l, key, model->folder, names) : status;
 }
 
-/* What isn't a scene is for its reader to refuse. */
+/* Adds a scene's files. A path that isn't a scene is left to its reader to refuse. */
 static tides_status add_scene(list *l, const char *key, const char *path, const cJSON *chosen) {
     td_model_dir model;
     const char *part = cJSON_IsString(chosen) ? chosen->valuestring : NULL;
@@ -234,7 +235,7 @@ tides_status tides_run_inputs(const tides_run *run, tides_run_input **inputs, si
 
 /* -- what mustn't be written -------------------------------------------------------------------------------------------- */
 
-/* Those of `outputs` that a folder of frames is read for: pictures (frames_folder.c). */
+/* Checks the `outputs` that would be among the frames read from a folder: pictures (frames_folder.c). */
 static tides_status check_frames(const tides_run_input *input, const char *const *outputs, size_t count, tides_error *error) {
     tides_status status = TIDES_OK;
     for (size_t i = 0; status == TIDES_OK && i < count; i++)

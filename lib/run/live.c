@@ -31,9 +31,9 @@ struct tides_live {
     int finished;
 };
 
-/* What clocks that add intervals up may lose until they are a step's end still, beside what the grid takes for rounding
- * (lib/solver/steps/grid.c): half of what open paths allow (lib/camera/trajectory.c), so that a path that was told up to
- * then covers the step. Then, what of two times may be rounding. */
+/* A time still counts as a step's end where a clock that adds intervals up has lost this much [s], beside the rounding that the
+ * grid allows (lib/solver/steps/grid.c). It is half of the loss allowed to open paths (lib/camera/trajectory.c), so that a path
+ * given up to then covers the step. slack_of adds the rounding of two times. */
 static const double lost_in_sums = 0.5e-10;
 static double slack_of(const tides_live *live, double time) {
     return lost_in_sums + DBL_EPSILON * (fabs(live->start) + fabs(time));
@@ -176,7 +176,7 @@ static tides_trajectory *path_of(const tides_live *live, int32_t object) {
     return object == TIDES_LIVE_CAMERA ? live->camera : td_scene_told(live->scene, object);
 }
 
-/* What `error` is about. */
+/* Puts the camera or the object's number before `error`. */
 static tides_status fail_of(int32_t object, tides_status status, tides_error *error) {
     if (object == TIDES_LIVE_CAMERA) return td_fail_within(error, status, "the camera");
     return td_fail_within(error, status, "object %d", (int)object);
@@ -272,8 +272,8 @@ static int keep_events(void *user, const tides_event *events, size_t count) {
     return 0;
 }
 
-/* What poses before the time reached said is no longer asked for, but for the image at the run's start: of that the second step
- * keeps all that pixels ask for later (td_solve_keep_start). */
+/* Forgets poses before the time reached, which aren't needed any more, but for the image at the run's start: the second step
+ * keeps all that pixels need of it later (td_solve_keep_start). */
 static void forget(tides_live *live) {
     enum { STEPS_THAT_LOOK_BACK = 2 };
     if (live->options.keep || td_simulator_reached(live->simulator).step < STEPS_THAT_LOOK_BACK) return;

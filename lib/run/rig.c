@@ -23,7 +23,7 @@ static const cJSON *chosen(const tides_run *run) {
     return NULL;
 }
 
-/* What a camera has of its own, below what --set says. */
+/* Applies the values that a camera has of its own; --set overrides them. */
 static tides_status apply(tides_run *run, const cJSON *object, const char *group, tides_error *error) {
     const cJSON *item;
     cJSON_ArrayForEach(item, object) {

@@ -56,7 +56,7 @@ static cJSON *list_of(const td_camchain *chain, double units_per_metre) {
     return NULL;
 }
 
-/* What `from` has over what `to` has; objects are gone into. */
+/* Puts the items of `from` over those of `to`; objects are merged item by item. */
 static int merge(cJSON *to, const cJSON *from) {
     const cJSON *item;
     cJSON_ArrayForEach(item, from) {

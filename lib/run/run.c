@@ -19,7 +19,7 @@ static const char *run_text(const tides_run *run, const char *key) {
     return cJSON_IsString(value) ? value->valuestring : NULL;
 }
 
-/* What no single row can say. */
+/* Checks rules that no single row of the table can express. */
 static tides_status check_whole(const tides_run *run, tides_error *error) {
     size_t count;
     const tides_param *rows = tides_params(&count);
@@ -161,7 +161,7 @@ static char *run_of_frames(const char *file, tides_error *error) {
 
 int32_t td_run_is_video(const char *file) { return td_frames_is_video(file); }
 
-/* What the values of pictures stand for is nobody's to know. */
+/* Notes that values of pictures are taken as linear light, because the pictures don't give their transfer. */
 static tides_status note_frames(tides_run *run, const char *file, tides_error *error) {
     char line[300];
     if (!td_is_folder(file) || is_given(run, "frames.transfer", TD_GIVEN_SET)) return TIDES_OK;

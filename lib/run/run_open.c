@@ -24,7 +24,7 @@ static tides_status check_cover(const tides_run *run, const tides_trajectory *tr
                                                          : "");
 }
 
-/* What there is to say of a path; `key` names it. */
+/* Notes on a path; `key` is the run file's key for it. */
 static tides_status note_path(const tides_run *run, const tides_path *path, const char *file, const char *key, double duration,
                               char **notes, tides_error *error) {
     const int camera = strcmp(key, "camera.file") == 0;
@@ -40,7 +40,8 @@ static tides_status note_path(const tides_run *run, const tides_path *path, cons
                    camera ? "; camera.duration_s says how long they last" : "; duration_s beside it says how long they last");
 }
 
-/* What a file brought into the scene, from object `first` on, must cover the run too: an .h5 may hold moving objects. */
+/* Checks that the motions a file brought into the scene, from object `first` on, cover the run too: an .h5 may hold moving
+ * objects. */
 static tides_status check_motion(const tides_run *run, const tides_scene *scene, int32_t first, const char *file,
                                  const char *key, tides_error *error) {
     tides_status status = TIDES_OK;
@@ -170,9 +171,9 @@ static double scale_of_one_side(const tides_intrinsics *own, const tides_intrins
     return own->height && !own->width ? (double)own->height / path->height : 0;
 }
 
-/* What the run file and the path file say together. The path file's focal length and centre belong to its own image size:
- * they are taken only where the run keeps that size or names one side alone, which scales them; of two sides neither cropping
- * nor scaling is what everybody means. An angle of view holds at any size. */
+/* Merges the intrinsics of the run file and the path file. The path file's focal length and centre belong to its own image
+ * size. They are taken only where the run keeps that size or names one side alone, which scales them; two given sides could
+ * mean cropping or scaling. An angle of view holds at any size. */
 static tides_status merge_intrinsics(const tides_run *run, const tides_path *file, tides_intrinsics *merged,
                                      tides_error *error) {
     tides_run_values values;

@@ -1,4 +1,4 @@
-/* What a run file says, as the structs that the library takes: each row of the parameter table into its field. */
+/* A run file's values, as the structs that the library takes: each row of the parameter table into its field. */
 #include "td_params.h"
 #include "td_run.h"
 
@@ -42,7 +42,7 @@ static void put(const td_param *row, const cJSON *value, const char *text, void 
     memcpy(field, &whole, sizeof whole);
 }
 
-/* What follows from several keys, or stands in several structs. */
+/* Sets values that follow from several keys, or stand in several structs. */
 static void derive(const tides_run *run, tides_run_values *values) {
     tides_baseline_params *baseline = &values->baseline;
     tides_frames_options *frames = &values->frames;

@@ -128,7 +128,7 @@ static int32_t is_among(const char *const *names, const char *key) {
     return 0;
 }
 
-/* What cameras of a rig may differ in, where another one of them is chosen. */
+/* Keys in which cameras of a rig may differ, where another one of them is chosen. */
 static const char *const lens[] = {"camera.width", "camera.height", "camera.fx", "camera.fy", "camera.cx",
                                    "camera.cy",    "camera.lens",   "camera.k1", "camera.k2", "camera.k3",
                                    "camera.k4",    "camera.p1",     "camera.p2", NULL};

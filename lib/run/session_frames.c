@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a frame is made in. */
+/* State of writing frames. */
 typedef struct frame_job {
     const tides_session_facts *facts;
     const char *folder;
@@ -66,7 +66,8 @@ static tides_status write_times(const frame_job *job, const char *name, size_t c
 
 /* -- the run --------------------------------------------------------------------------------------------------------- */
 
-/* What an earlier run of more frames has left: its times before anything is written, its further frames at the end. */
+/* Removes files that an earlier run of more frames has left: its times before anything is written, its further frames at the
+ * end. */
 static tides_status remove_older(const frame_job *job, size_t from, tides_error *error) {
     static const char *const times[] = {"timestamps.txt", "exposure_timestamps.txt"};
     int removed = 1;

@@ -14,7 +14,7 @@ enum { PICTURES = 17 };
 /* Changes of L below this are rounding of single precision, of things that don't move [log units]. */
 static const double at_rest = 1e-5;
 
-/* What the pictures showed. */
+/* Findings from the pictures. */
 typedef struct shown {
     int pictures;
     double change;   /* largest difference of a pixel's L between two of them */
@@ -81,7 +81,7 @@ static tides_status look(tides_session *session, shown *seen, tides_error *error
 
 /* -- words ----------------------------------------------------------------------------------------------------------------- */
 
-/* Of TIDES's own method: which pixels have no event to give. */
+/* Reason why no pixel of TIDES's own method has an event to give. */
 static int say_pixels(const tides_run_values *v, const shown *seen, char text[TIDES_SILENCE]) {
     const int own = strcmp(v->method, "tides") == 0;
     if (own && v->sensor.dead_pixel_fraction >= 1)

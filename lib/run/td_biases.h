@@ -30,7 +30,8 @@ TIDES_MUST_CHECK tides_status td_biases_read(const char *path, td_biases *biases
 /* By name, whatever its case; NULL where the file has none. */
 const td_bias *td_biases_find(const td_biases *biases, const char *name);
 
-/* What a DAVIS' or a DVS128's make of a pixel by the formulas of biases_law.c; 0: the file doesn't say, or no formula holds. */
+/* Values of a pixel from the biases of a DAVIS or a DVS128, by the formulas of biases_law.c; 0: the file doesn't say, or no
+ * formula holds. */
 typedef struct td_bias_units {
     double threshold_on, threshold_off; /* [log units] */
     double refractory_s;                /* [s] */

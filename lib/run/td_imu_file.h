@@ -4,7 +4,7 @@
 
 #include "tides/imu.h"
 
-/* What of a sample is an array of its own: doubles. */
+/* A part of a sample that is an array of its own: doubles. */
 typedef struct td_imu_column {
     const char *name, *unit;
     size_t offset, width;

@@ -99,12 +99,12 @@ void td_run_free_values(cJSON **values);
 /* params.c: what the values are where a run says nothing; files, texts and intrinsics are NULL and 0. */
 void td_run_values_defaults(tides_run_values *values);
 
-/* What an entry of scene.objects says of its trajectory's file, by the names of td_object_path_keys (run_value.c, ended by
- * NULL): as camera.time_unit and the like say it of the camera's. */
+/* Takes the options of a trajectory's file from an entry of scene.objects, by the names of td_object_path_keys (run_value.c,
+ * ended by NULL). They act as camera.time_unit and the like act for the camera's file. */
 void td_run_object_path(const cJSON *object, tides_path_options *options);
 extern const char *const td_object_path_keys[];
 
-/* What opening a run finds beside what it opens. */
+/* Facts found while a run is opened, beside the opened objects. */
 typedef struct td_opening {
     char *notes;      /* what a reader of the run may not expect, for the caller to free; NULL: nothing */
     int32_t unframed; /* 1: cameras are nerfstudio's, and no dataparser_transforms.json was there */
