@@ -22,7 +22,7 @@
 
 enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_GO = -1, CLI_DESCRIBED = -2 };
 
-/* What every command takes. */
+/* Options of every command. */
 typedef struct cli_common {
     int32_t quiet, verbose, json, help;
     const char *device;  /* NULL: not given */
@@ -122,7 +122,7 @@ void cli_note(const cli_common *common, const char *format, ...) CLI_PRINTF(2, 3
 void cli_tell_lines(const cli_common *common, const char *lines);                    /* each line one; not with -q */
 /* Prints facts as JSON, or as aligned text; deletes them. NULL facts: out of memory. */
 int cli_print_facts(cJSON *facts, int32_t json);
-/* The same as --json and --quiet have it: with --quiet alone nothing is printed. */
+/* cli_print_facts for --json and --quiet: with --quiet alone nothing is printed. */
 int cli_report_facts(cJSON *facts, const cli_common *common);
 /* A quoted field, its quotes doubled; a comma and a text, a number, or nothing. */
 void cli_csv_text(FILE *file, const char *text);

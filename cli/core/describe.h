@@ -4,7 +4,7 @@
 
 #include "cli.h"
 
-/* What an option's value is, from the word that the usage line has for it. */
+/* Kinds of values of an option, by the word that the usage line has for it. */
 enum {
     DESCRIBE_NOTHING = 0,
     DESCRIBE_FILE,

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a command's first word may be, "bash|zsh" of its usage line or KIND; 0 where it is a file. */
+/* Whether a command's first word is one of a few, by "bash|zsh" of its usage line or KIND; 0 where it is a file. */
 static int has_choices(const cli_command *command) {
     return describe_choice(command) || strncmp(command->arguments, "KIND ", 5) == 0;
 }

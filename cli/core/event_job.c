@@ -1,4 +1,4 @@
-/* What convert and cut do with event files: run the conversion, say what came of it. */
+/* The work of convert and cut on event files: run the conversion, print its result. */
 #include "event_job.h"
 
 #include <stdio.h>

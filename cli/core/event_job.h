@@ -19,7 +19,7 @@ int cli_size(const cli_command *command, const char *option, const char *text, i
 /* The table of formats, for --help. */
 void cli_help_formats(void);
 
-/* The same of scenes. */
+/* The table of scene formats, for --help. */
 void cli_help_scenes(void);
 
 #endif

@@ -1,4 +1,4 @@
-/* What pages of results are made of. */
+/* Parts of pages of results. */
 #include "html.h"
 
 #include <math.h>

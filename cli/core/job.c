@@ -12,7 +12,7 @@
 /* Longest stretch of events in the preview's event panel [s]: about a frame of a camera. */
 #define PREVIEW_WINDOW_S 0.010
 
-/* What a job holds while it works. */
+/* State of a job at work. */
 typedef struct job_state {
     tides_session *session;
     tides_session_facts facts;
@@ -132,7 +132,7 @@ static void print_summary(const tides_stats *stats, const tides_session_facts *s
 
 /* -- the run  */
 
-/* What --preview can't be had with, before the run begins. */
+/* Refuses --preview for a run without rendered images, before the run begins. */
 static tides_status check_frames(const cli_job *job, const tides_session_facts *facts, tides_error *error) {
     if (facts->frames && (job->preview || job->exr))
         return cli_error(error, TIDES_UNSUPPORTED,

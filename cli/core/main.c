@@ -147,7 +147,7 @@ static const cli_command commands[] = {
 
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
-/* What most people want first. */
+/* The commands that most people want first. */
 static void print_start(void) {
     printf("    tides demo -o demo                      a moving scene, its events and pictures of both\n"
            "    tides simulate scene.ply -o events.h5   events of a splat file, seen from an orbit that is found\n"

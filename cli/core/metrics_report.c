@@ -21,7 +21,7 @@ static void bin_name(const char *prefix, double bin_s, char name[48]) {
         snprintf(name, 48, "%s_%.6gus", prefix, 1e6 * bin_s);
 }
 
-/* Of value `i` of a row; "" behind the last. */
+/* Name of value `i` of a row; "" behind the last. */
 static const char *name_of(const tides_metric *row, int i, const tides_metrics_options *o, char name[48]) {
     static const char *const kinds[TIDES_PAIRS] = {"", "_same", "_split"};
     const int count = row->repeats == TIDES_REPEATS_ONCE    ? 1

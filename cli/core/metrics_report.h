@@ -8,10 +8,11 @@
  * memory. */
 cJSON *cli_metrics_json(const tides_metrics *metrics, const tides_metrics_options *options);
 
-/* The same as text: the streams' values side by side, then the comparison's. */
+/* Prints the report as text: the streams' values side by side, then the comparison's. */
 void cli_metrics_print(const cJSON *report);
 
-/* What a number of the comparison means, and which way is better, from the library's table; NULL: it is none. */
+/* Meaning of a number of the comparison, and the direction that is better, from the library's table; NULL: there is no such
+ * number. */
 enum { CLI_MEANING = 160 };
 const char *cli_metric_meaning(const char *name, char text[CLI_MEANING]);
 

@@ -1,4 +1,4 @@
-/* What the tool writes: error lines, facts as text or JSON, small files. */
+/* Output of the tool: error lines, facts as text or JSON, small files. */
 #include "cli.h"
 
 #include <errno.h>

@@ -9,7 +9,7 @@
 /* Rates have long tails: edges are a hundred times faster than surfaces, which should be seen too. */
 #define RATE_SHARE 0.96
 
-/* What `share` of the magnitudes stay below, so that one pixel doesn't turn the panel white; 0 where flat. */
+/* The value that `share` of the magnitudes stay below, so that one pixel doesn't turn the panel white; 0 where flat. */
 static double robust_limit(const double *values, size_t count, double share) {
     double *sorted = malloc(count * sizeof *sorted);
     if (!sorted) return 0;

@@ -28,7 +28,7 @@ typedef struct cli_reading {
 #define CLI_READING_FILE(r) CLI_FROM(r), CLI_COLUMNS(r), CLI_UNIT(r), CLI_STREAM(r), CLI_DROP_INVALID(r)
 #define CLI_READING_CLOCK(r) CLI_REBASE(r), CLI_OFFSET(r)
 
-/* What the library is to be told; CLI_GO or CLI_USAGE. */
+/* Options of the command line for the library's reader; CLI_GO or CLI_USAGE. */
 int cli_reading_parse(const cli_command *command, const cli_reading *given, tides_event_reading *reading);
 
 /* One line on stderr each, unless quiet: how columns were told apart, what time 0 is, what was left out. */

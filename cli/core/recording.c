@@ -31,7 +31,7 @@ int cli_stretch_parse(const cli_command *command, cli_stretch *s) {
     return CLI_GO;
 }
 
-/* What wasn't given is the recording's: where it says so its stretch, else that of its events. */
+/* Fills a start and stop that weren't given from the recording: its stretch where it has one, else that of its events. */
 static void fill_in(cli_stretch *s, const cli_window *recording) {
     const tides_event *events = recording->events;
     const size_t count = recording->count;

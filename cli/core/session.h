@@ -1,4 +1,4 @@
-/* What commands do with a run file: frames of it, previews, the main job, its statistics. */
+/* Work of commands on a run file: frames of it, previews, the main job, its statistics. */
 #ifndef CLI_SESSION_H
 #define CLI_SESSION_H
 
@@ -25,7 +25,8 @@ typedef struct cli_frame {
     double *displacement[CLI_DISPLACEMENTS]; /* u, v and visible, to where things are at displacement_to [s] */
     double displacement_to;
 } cli_frame;
-/* What is wanted: and ground truth, plane k as CLI_FRAME_TRUTH << k; displacement to the frame's displacement_to, given. */
+/* Planes to render, or-ed together. Ground truth has plane k as CLI_FRAME_TRUTH << k; displacement is that to the frame's
+ * displacement_to, which must be set. */
 enum { CLI_FRAME_PLAIN = 0, CLI_FRAME_RGB = 1, CLI_FRAME_DEPTH = 2, CLI_FRAME_TRUTH = 4, CLI_FRAME_DISPLACEMENT = 1 << 20 };
 tides_status cli_frame_render(tides_session *session, double time, int32_t wanted, cli_progress *progress, cli_frame *frame,
                               tides_error *error);

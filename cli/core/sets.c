@@ -12,7 +12,7 @@ static int32_t of_manifest; /* 1: sets aren't typed: all are of the run file's f
 
 void cli_sets_of_manifest(void) { of_manifest = 1; }
 
-/* What both names lead to, where both lead somewhere. */
+/* 1 where both names exist and lead to different files. */
 static int32_t differ(const char *here, const char *beside) {
     struct stat a, b;
     return stat(here, &a) == 0 && stat(beside, &b) == 0 && (a.st_dev != b.st_dev || a.st_ino != b.st_ino);
