@@ -36,7 +36,7 @@ static void print_counts(const batch *b, size_t done, size_t earlier, size_t fai
         printf("summary           %s/summary%s\n", b->directory, b->shards == 1 ? ".json and .csv" : "-*");
 }
 
-/* What came of it: the failures last, where nobody misses them. */
+/* Prints the batch's result: the failures last, where they are seen. */
 static int report(const batch *b) {
     size_t done = 0, failed = 0, earlier = 0;
     int code = batch_summary(b);

@@ -13,7 +13,7 @@ typedef struct camera_texts {
     const char *output, *scene, *size, *fov, *up, *target, *from, *to, *start, *stop, *turn, *shake, *sway, *frequency, *seed;
 } camera_texts;
 
-/* What they say, or what the scene or a default says in their place. */
+/* Values of the options, with the scene's or defaults in place of those that weren't given. */
 typedef struct camera_plan {
     tides_intrinsics intrinsics;
     double up[3], target[3], from[3], to[3];

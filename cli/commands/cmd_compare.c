@@ -118,7 +118,7 @@ static tides_status check_outputs(const comparison *c, tides_error *error) {
     return status;
 }
 
-/* What can't be compared is said before anything long begins. */
+/* Opens the run and refuses one that can't be compared, before anything long begins. */
 static tides_status prepare(comparison *c, tides_error *error) {
     tides_status status = check_outputs(c, error);
     if (status == TIDES_OK) status = cli_session_open(c->run, c->sets, c->common, NULL, 0, &c->open, error);

@@ -46,8 +46,9 @@ static int convert_scene(const char *in, const char *out, const tides_scene_opti
     return code;
 }
 
-/* What opens as events is events; HDF5, numpy and ZIP files may hold a scene as well. Neither, or events that lack something
- * that their reader names (a plugin): its reason is the one that helps. */
+/* 1 where the file is converted as a scene: HDF5, numpy and ZIP files may hold events or a scene, and a file that opens as
+ * events is one of events. A file that is neither, or lacks a part that the events' reader names (a plugin), is left to that
+ * reader, whose reason helps more. */
 static int is_scene(const char *in) {
     tides_event_reader *reader = NULL;
     tides_error error;

@@ -76,7 +76,7 @@ static tides_status sweep_facts(const tides_scene *scene, double start, double s
     return TIDES_OK;
 }
 
-/* Of scenes in which something moves: the share of Gaussians, the time that all objects cover, and where they get to. */
+/* Facts of scenes in which something moves: the share of Gaussians, the time that all objects cover, and where they get to. */
 static tides_status motion_facts(const tides_scene *scene, cJSON *facts, tides_error *error) {
     int64_t moving = 0;
     for (int32_t i = 0; i < tides_scene_objects(scene); i++) {
@@ -97,7 +97,7 @@ static tides_status motion_facts(const tides_scene *scene, cJSON *facts, tides_e
     return sweep_facts(scene, start, stop, facts, error);
 }
 
-/* What its colours are of light: as .ply files say it, or that objects differ. */
+/* The transfer of the scene's colours, by its name in .ply files, or "mixed" where objects differ. */
 static const char *transfer_of(const tides_scene *scene) {
     int32_t transfer;
     double gamma;
@@ -430,7 +430,7 @@ static tides_status array_facts(const char *start, size_t got, cJSON *facts) {
 
 /* ------------------------------------------------------------------------------------------------------------------- */
 
-/* Of folders that hold no event files the path's reader says best what is wrong, unless no path is there. */
+/* Facts of a folder. Where it holds no event files, the path's reader has the best reason to give, unless there is no path. */
 static tides_status folder_facts(const char *file, cJSON *facts, tides_error *error) {
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
     if (open_events(file) != TIDES_FILE_NOT_FOUND) return events_facts(file, NULL, facts, error);

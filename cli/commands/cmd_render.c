@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What was asked for. */
+/* The frame requested. */
 typedef struct render_request {
     const char *run, *exr, *png, *time, *rectify;
     const char *truth;           /* names of it, separated by commas */
@@ -17,7 +17,7 @@ typedef struct render_request {
 
 #define TRUTH(name) (CLI_FRAME_TRUTH << TIDES_TRUTH_##name)
 
-/* What --truth knows. */
+/* Names for --truth. */
 static const struct truth_kind {
     const char *name;
     int32_t truths;

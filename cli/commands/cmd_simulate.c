@@ -24,7 +24,8 @@ static const char *operand_of(cli_list *sets, int32_t *names_scene) {
     return operand;
 }
 
-/* What the reader of frames has against a file that frames.file names alone: that they have no times is for the run to say. */
+/* Refuses a file, given without a run file, that the reader of frames can't read. Frames without times are left to the run to
+ * refuse. */
 static int check_frames(const char *file) {
     tides_error error = {TIDES_OK, ""};
     tides_frames_options options;
@@ -36,7 +37,7 @@ static int check_frames(const char *file) {
     return status == TIDES_OK || status == TIDES_BAD_CONFIG ? CLI_GO : cli_fail(&error);
 }
 
-/* What a scene's reader has against a file that scene.file names alone; CLI_GO where it is a scene. */
+/* Refuses a file, given without a run file, with the reason of the scenes' reader; CLI_GO where it is a scene. */
 static int check_scene(const char *file) {
     tides_error error = {TIDES_OK, ""};
     tides_scene *scene = NULL;

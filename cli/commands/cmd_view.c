@@ -71,7 +71,7 @@ static int number_in(const cli_command *command, const char *option, const char 
     return cli_usage(command, "%s %s: should be %g to %g", option, text, low, high);
 }
 
-/* What is written follows from the name: a video, numbered pictures, or one picture unless it is to move. */
+/* Takes the kind of output from its name: a video, numbered pictures, or one picture unless it is to move. */
 static int parse_output(const cli_command *command, const char *fps, const char *most, job *j) {
     if (!j->out) return cli_usage(command, "say where the picture goes: -o OUT.png");
     j->to_stdout = strcmp(j->out, "-") == 0;
@@ -127,7 +127,7 @@ static int parse(const cli_command *command, const arguments *given, job *j) {
     return code;
 }
 
-/* What a page has of it is chosen in it. */
+/* Refuses options of a picture's looks for a page: they are chosen in the page. */
 static int parse_page(const cli_command *command, const arguments *given, job *j) {
     const arguments *g = given;
     if (g->kind || g->time || g->decay || g->bin || g->scale || g->azimuth || g->elevation || g->fps || g->points || g->theme ||

@@ -26,7 +26,7 @@ static tides_status save_path(const tides_trajectory *trajectory, const tides_in
     return status == TIDES_OK ? tides_path_save(path, trajectory, camera, error) : status;
 }
 
-/* What rests goes to `room`; what moves to `fan`, without its path, which goes to fan.json. */
+/* Objects at rest go to `room`; moving ones to `fan`, without their path, which goes to fan.json. */
 static tides_status sort_objects(const tides_scene *scene, tides_scene *room, tides_scene *fan, const char *directory,
                                  tides_error *error) {
     tides_status status = TIDES_OK;

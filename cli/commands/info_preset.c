@@ -1,4 +1,4 @@
-/* What tides info says of a sensor preset: what it is about, and the keys that it sets. */
+/* Facts of a sensor preset for tides info: its subject, and the keys that it sets. */
 #include "info_preset.h"
 
 #include <limits.h>

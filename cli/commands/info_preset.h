@@ -8,7 +8,7 @@
  * else but its version and resolution. Then its facts, or in `status` and `error` what is wrong with it. */
 int32_t info_preset(const char *file, cJSON *facts, tides_status *status, tides_error *error);
 
-/* The same of one that goes by its name; TIDES_FILE_NOT_FOUND: there is none. */
+/* Facts of a preset that is given by its name; TIDES_FILE_NOT_FOUND: there is none. */
 tides_status info_named_preset(const char *name, cJSON *facts, tides_error *error);
 
 /* How many of a preset's values are of a kind: documented, measured, derived, guess, or "not said". */

@@ -1,4 +1,4 @@
-/* What tides frames, imu and tracks share: a run file, one output, and what was written. */
+/* Parts that tides frames, imu and tracks share: a run file, one output, and counts of what was written. */
 #ifndef CLI_TAKE_H
 #define CLI_TAKE_H
 
