@@ -1,5 +1,5 @@
-/* What pictures are drawn on with cairo: pixels, or shapes that are kept and can be written as .svg and .pdf too. The same
- * calls for both; coordinates in px from the top left, pixel centres at .5. */
+/* A canvas to draw pictures on with cairo: pixels, or shapes that are kept and can be written as .svg and .pdf too. Both take
+ * the same calls; coordinates in px from the top left, pixel centres at .5. */
 #ifndef CLI_CANVAS_H
 #define CLI_CANVAS_H
 
@@ -20,7 +20,7 @@ typedef struct canvas_theme {
     canvas_colour series[CANVAS_SERIES];
 } canvas_theme;
 
-/* What the command line says of all pictures; zero: light pixels. */
+/* Style of all pictures, from the command line; zero: light pixels. */
 typedef struct canvas_style {
     int32_t shapes, dark;
     const char *besides; /* ".svg", ".pdf" or NULL: what canvas_write_set writes besides .png */

@@ -145,8 +145,8 @@ static void draw_edges(cli_canvas *canvas, const scene *s, int32_t behind) {
         }
 }
 
-/* Of an axis' four edges the one to label: on the outline, lowest for time and x, leftmost for y. `at` gets its places on the
- * other two axes. */
+/* Chooses the edge to label of an axis' four: on the outline, lowest for time and x, leftmost for y. `at` gets its places on
+ * the other two axes. */
 static int32_t choose_edge(const scene *s, int axis, double at[AXES]) {
     const int second = (axis + 1) % AXES, third = (axis + 2) % AXES;
     double best = -INFINITY;
@@ -220,7 +220,7 @@ static void draw_axis(cli_canvas *canvas, const scene *s, int axis, const range 
 
 /* ---- events ---- */
 
-/* What is far away is smaller and paler: events are drawn in layers, farthest first, each polarity of a layer at once. */
+/* Layers of depth: events are drawn farthest first, each polarity of a layer at once, smaller and paler with distance. */
 enum { PER_DEPTH = 16, LAYERS_MAX = 8 * PER_DEPTH /* the box is closer to the eye than 2 EYE_DISTANCE */ };
 
 typedef struct layers {
