@@ -31,7 +31,7 @@ char *batch_draw_seed(const char *seed, int index) {
     return batch_text("seed=\"%" PRIu64 "\"", random_bits(seed, index, "seed"));
 }
 
-/* What the run file's table says of a key; NULL: no such key, which reading the run will name. */
+/* The row of a key in the run file's table; NULL: no such key, which reading the run will report. */
 static const tides_param *row_of(const char *key) {
     size_t count;
     const tides_param *rows = tides_params(&count);
@@ -57,7 +57,7 @@ static cJSON *between(const char *key, const cJSON *range, double u) {
     return cJSON_CreateString(text);
 }
 
-/* What was drawn for another key, times a number between two. */
+/* The value drawn for another key, times a number between two. */
 static cJSON *times(const cJSON *item, const cJSON *base, double u, double of_base) {
     const cJSON *range = cJSON_GetObjectItemCaseSensitive(item, "times");
     cJSON *first = between(base->string, base, of_base);

@@ -1,4 +1,4 @@
-/* What the folder of a batch's run says of it. */
+/* Facts about a batch's run in its folder. */
 #include "batch.h"
 
 #include <stdlib.h>

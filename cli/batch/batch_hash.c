@@ -1,4 +1,4 @@
-/* What a run of a batch depends on, as a hash (tides_fingerprints_run), and what memory it will want. */
+/* Hash of all that a run of a batch depends on (tides_fingerprints_run), and an estimate of its memory. */
 #include "batch.h"
 
 #include <inttypes.h>
@@ -15,7 +15,7 @@
 /* Where only the path file knows. */
 #define UNKNOWN_PIXELS (1280.0 * 720.0)
 
-/* What a run depends on beside its files: the device, and the command that makes it. NULL: out of memory. */
+/* Text of the inputs that aren't files: the device, and the command that makes the run. NULL: out of memory. */
 static char *circumstances(const batch *b, const batch_run *run) {
     const char *device = b->common->device ? b->common->device : "";
     char *all = run->command ? batch_text("%s\n%s", device, run->command) : batch_text("%s", device);
@@ -41,7 +41,7 @@ static tides_status load(batch_run *run, tides_run **loaded, tides_error *error)
     return tides_run_load(run->file, (const char *const *)run->sets, run->count, loaded, error);
 }
 
-/* What a run reads is none of what its batch writes: its own folder, which is cleared, and the summaries. */
+/* Refuses a run that reads what its batch writes: its own folder, which is cleared, and the summaries. */
 static tides_status check_apart(const batch *b, const batch_run *run, const tides_run *loaded, tides_error *error) {
     const char *const names[] = {"summary.json", "summary.csv"}, *const folder = run->directory;
     tides_status status = TIDES_OK;

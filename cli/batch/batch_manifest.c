@@ -14,7 +14,7 @@ static tides_status wrong(const batch *b, tides_error *error, const char *what, 
     return cli_error(error, TIDES_BAD_CONFIG, "%s: %.200s %s", b->manifest, name, what);
 }
 
-/* What runs have in common: the manifest's "set", and who says what makes them ("command", "options"). */
+/* Parts that runs share: the manifest's "set", and the object with "command" and "options". */
 typedef struct shared {
     const cJSON *set, *how;
 } shared;
@@ -119,7 +119,7 @@ static batch_run *next_run(batch *b, tides_error *error) {
     return run;
 }
 
-/* What a run's command is, from its own entry or the manifest's: "command" and "options". */
+/* Adds a run's command, from its own entry or the manifest's: "command" and "options". */
 static tides_status add_command(const batch *b, batch_run *run, const cJSON *from, tides_error *error) {
     const cJSON *command = cJSON_GetObjectItemCaseSensitive(from, "command"), *option = NULL;
     const cJSON *options = cJSON_GetObjectItemCaseSensitive(from, "options");

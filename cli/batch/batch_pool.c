@@ -61,7 +61,7 @@ static void say(const pool *p, const batch_run *run) {
     }
 }
 
-/* What a finished run took corrects what the others are expected to take. */
+/* Corrects the expected memory of the other runs by a finished run's. */
 static void learn_memory(pool *p, const batch_run *run) {
     char *path = batch_text("%s/stats.json", run->directory);
     cJSON *stats = path ? batch_read_json(path) : NULL;
@@ -109,14 +109,14 @@ static tides_status start(pool *p, batch_run *run, tides_error *error) {
     _exit(code);
 }
 
-/* What the reason of a run that failed may not say, for the disk was full. */
+/* 1 where the disk is full. The reason of a run that failed may not say so. */
 static int32_t has_no_room(const batch *b) {
     enum { LEAST = 1 << 16 }; /* [bytes] a folder with its first files */
     struct statvfs disk;
     return statvfs(b->directory, &disk) == 0 && (double)disk.f_bavail * (double)disk.f_frsize < LEAST;
 }
 
-/* What a child that ended had said before it had a log, or in it last. */
+/* Last words of a child that ended: those before it had a log, or else the log's last. */
 static char *words_of(const batch_run *run) {
     char words[1024];
     const ssize_t length = read(run->words, words, sizeof words - 1);

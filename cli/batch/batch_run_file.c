@@ -16,7 +16,7 @@ static int32_t place(cJSON *item, const char *folder) {
     return ok;
 }
 
-/* Of the run file, from the root, with a slash behind it. */
+/* Folder of the run file, from the root, with a slash behind it. */
 static char *folder_of(const char *file) {
     char here[PATH_MAX] = "";
     const char *slash = strrchr(file, '/');
