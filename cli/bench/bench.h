@@ -69,7 +69,7 @@ tides_status bench_add_lit_plane(tides_scene *scene, const bench_lamp *lamp, dou
 
 /* -- measured runs (bench_run.c) -------------------------------------------------------------------------------------- */
 
-/* What every run of a benchmark needs. */
+/* Settings that every run of a benchmark needs. */
 typedef struct bench {
     const cli_common *common;
     const char *directory;
@@ -141,7 +141,7 @@ enum { BENCH_RAN, BENCH_REFUSED, BENCH_STOPPED, BENCH_DIED, BENCH_LATE };
 typedef void (*bench_work)(void *user, void *result);
 tides_status bench_child(bench *b, bench_work work, void *user, void *result, size_t size, double limit_s, int32_t *how,
                          int32_t *signal, tides_error *error);
-/* What the device that `b` names says of itself, into b->info: asked in a process of its own, so that this one has none of the
+/* Puts the facts of the device that `b` names into b->info. A process of its own queries it, so that this one has none of the
  * driver's threads. */
 tides_status bench_ask_device(bench *b, tides_error *error);
 
@@ -152,7 +152,7 @@ cJSON *bench_header(const bench *b, const char *name);
 /* `rows` (nullable) adds the verdicts. */
 int32_t bench_header_scene(cJSON *header, const bench_scene *scene, const bench_rows *rows);
 tides_status bench_write(const bench *b, const char *name, cJSON *header, const bench_rows *rows, tides_error *error);
-/* The same of any rows: one cell per column, the same columns in each row. */
+/* bench_write for any rows: one cell per column, the same columns in each row. */
 enum { BENCH_CELLS_MAX = 40 };
 typedef struct bench_cell {
     const char *name, *text; /* text without quotes; NULL: */
@@ -237,7 +237,7 @@ typedef struct bench_pairs {
     bench_timed with[BENCH_PAIRS], without[BENCH_PAIRS];
 } bench_pairs;
 
-/* What a case costs in a scene: its runs against those of the first case, taken in turns. */
+/* Cost of a case in a scene: its runs against those of the first case, taken in turns. */
 typedef struct bench_cost {
     char scene[64];
     const char *block, *group; /* "mismatch" of "comparator" */

@@ -25,7 +25,7 @@ static int32_t find_spans(const bench_cost *costs, size_t count, span spans[SPAN
     return found;
 }
 
-/* What can't be told from nothing: the largest difference, median or quartile, of runs that differ in nothing [ns]. */
+/* Noise of the measurement: the largest difference, median or quartile, of runs that differ in nothing [ns]. */
 static double noise_of(const bench_cost *costs, span rows) {
     double noise = 0;
     for (size_t i = rows.first; i < rows.last; i++)
@@ -70,7 +70,7 @@ static void draw_panel(cli_canvas *canvas, int32_t column, const bench_cost *cos
     }
 }
 
-/* Of processor time to the first row's. */
+/* Draws ratios of processor time to the first row's. */
 static void draw_ratios(cli_canvas *canvas, const bench_cost *costs, size_t count) {
     const int32_t top = HEADING + TOP;
     plot_panel panel = {.left = LEFT, .top = top, .right = WIDTH - RIGHT, .bottom = top + (int32_t)count * PITCH};

@@ -37,7 +37,7 @@ static int take(void *user, const tides_event *events, size_t count) {
     return 0;
 }
 
-/* What a way works with. */
+/* Context of a way to make a stream. */
 typedef struct making {
     const determinism_job *job;
     cli_common common;

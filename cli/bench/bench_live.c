@@ -127,7 +127,7 @@ static tides_status measure(bench *b, const bench_scene *scene, const live_way *
     return status;
 }
 
-/* What so many percent of the steps stay within [ms]. */
+/* Time that so many percent of the steps don't exceed [ms]. */
 static double percentile(const live_row *row, double percent) {
     const int32_t at = (int32_t)ceil(percent / 100 * row->steps) - 1;
     return row->ms[at < 0 ? 0 : at];

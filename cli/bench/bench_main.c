@@ -82,7 +82,8 @@ static tides_status run(bench *b, const bench_list *all, const bench_entry *of, 
     return status == TIDES_OK ? bench_page(b, all, error) : status;
 }
 
-/* Those with processes of their own first: nothing that has threads may be open in the process that starts them. */
+/* Runs all benchmarks. Those with processes of their own come first: nothing that has threads may be open in the process that
+ * starts them. */
 static tides_status run_all(bench *b, const bench_list *all, tides_error *error) {
     static const cli_list none = {.count = 0};
     tides_status status = TIDES_OK;

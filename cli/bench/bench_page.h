@@ -1,4 +1,4 @@
-/* What a folder of results says, for people: one page that needs nothing else. */
+/* Results of a folder as a page for people: one file that needs nothing else. */
 #ifndef CLI_BENCH_PAGE_H
 #define CLI_BENCH_PAGE_H
 

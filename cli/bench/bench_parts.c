@@ -1,4 +1,4 @@
-/* What the benchmark's scenes are made of: objects of the library's worlds, on paths of their own. */
+/* Parts of the benchmark's scenes: objects of the library's worlds, on paths of their own. */
 #include "bench.h"
 
 #include <math.h>

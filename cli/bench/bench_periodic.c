@@ -1,5 +1,5 @@
-/* What comes back to where it was within a step of the benchmark's: things and cameras that vibrate, and lamps. Error control
- * that looks at the ends of steps alone sees nothing of it. */
+/* Scenes that return to their state within a step of the benchmark's: objects and cameras that vibrate, and lamps. Error
+ * control that looks at the ends of steps alone sees nothing of it. */
 #include "bench.h"
 
 #include <math.h>

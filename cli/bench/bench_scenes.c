@@ -152,7 +152,7 @@ static tides_status orbit_camera(bench_scene *s, tides_error *error) {
     return tides_trajectory_create_orbit(&orbit, &s->camera, error);
 }
 
-/* Of a file with more Gaussians than this the run is a third as long: its exact stream comes from the reference in double, and
+/* Number of Gaussians above which a file's run is a third as long. Its exact stream comes from the reference in double, and
  * takes 100 s of a processor where there are 90 000. */
 #define LARGE_SCENE 50000
 #define LARGE_SCENE_STOP_S 0.002

@@ -11,7 +11,7 @@
 #define LENGTH_QUICK_S 0.003
 #define LOG_EPS 0.01 /* the demo's */
 
-/* Of noise and surround: sizes as in bench blocks. */
+/* The sensors. Noise and surround have the sizes of bench blocks. */
 static const bench_case sensors[] = {
     {"ideal", "preset", {"sensor.preset=ideal"}},
     {"gen4", "preset", {"sensor.preset=gen4"}},

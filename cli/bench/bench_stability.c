@@ -125,7 +125,7 @@ static int32_t cells_of(const void *rows, size_t index, bench_cell cells[BENCH_C
     return sizeof made / sizeof made[0];
 }
 
-/* What the bounds are, beside the results. */
+/* Adds the bounds to the results. */
 static int32_t add_bounds(cJSON *header) {
     cJSON *bounds = cJSON_AddObjectToObject(header, "bounds");
     int32_t ok = bounds != NULL;

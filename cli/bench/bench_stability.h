@@ -7,7 +7,7 @@
 
 /* -- rows (bench_stability_rows.c) ------------------------------------------------------------------------------------ */
 
-/* What a row simulates: a scene and camera, and the stepping, which a row may choose too. */
+/* World of a row: a scene and camera, and the stepping, which a row may choose too. */
 typedef struct stability_world {
     bench_scene scene;
     tides_stepping stepping;

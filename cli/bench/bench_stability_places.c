@@ -18,7 +18,7 @@ static tides_status far_means(stability_world *w, double offset, tides_error *er
     return status == TIDES_OK ? stability_path(w, &slide, &w->scene.camera, error) : status;
 }
 
-/* The same, moved there by its object's path. */
+/* The backdrop, moved `offset` away by its object's path, and the camera there too. */
 static tides_status far_object(stability_world *w, double offset, tides_error *error) {
     static const double not_turned[4] = {1, 0, 0, 0};
     stability_pile pile = {.count = 0};

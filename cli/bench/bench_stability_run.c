@@ -14,7 +14,7 @@ enum { FRAMES = 5, RUNS = 3 };
 
 static const double frame_shares[FRAMES] = {0, 0.13, 0.5, 0.77, 1}; /* of the run, its ends among them */
 
-/* What a device made of a world. */
+/* Results of a world on a device. */
 typedef struct outcome {
     cli_stream stream;
     bench_row row;

@@ -1,4 +1,4 @@
-/* What a row of `tides bench stability` must keep, and whether it does. */
+/* Bounds that a row of `tides bench stability` must keep, and the verdict on them. */
 #include "bench_stability.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* What the rows of `tides bench stability` are made of: splats one by one, a camera's path, and the ordinary world that run
- * times are held against. Nothing here asks libm for anything, so that scenes are the same everywhere. */
+/* Parts of the rows of `tides bench stability`: splats one by one, a camera's path, and the ordinary world that run times are
+ * held against. Nothing here calls libm, so that scenes are the same everywhere. */
 #include "bench_stability.h"
 
 #include <stdlib.h>

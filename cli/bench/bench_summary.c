@@ -1,4 +1,4 @@
-/* What a method needs to reach a target: between its settings, in logarithms, on the envelope of what it reached so far. */
+/* Cost of a method at a target: interpolated between its settings, in logarithms, on the envelope of what it reached so far. */
 #include "bench.h"
 
 #include <math.h>
@@ -81,7 +81,7 @@ static void print_ratio(FILE *out, double above, int32_t bound_above, double bel
     fprintf(out, " %8s", text);
 }
 
-/* What a method needs beside what `base` does. */
+/* Prints a method's cost, and its ratio to that of `base`. */
 static void print_method(FILE *out, const char *scene, const char *label, const char *method, const bench_need *need,
                          const bench_need *base) {
     fprintf(out, "%-13s %-17s %-13s", scene, label, method);

@@ -22,7 +22,7 @@
 #define LEAST_RATE 128000.0
 #define LAST_RATE 512000.0
 
-/* What a benchmark's exact streams are worth. */
+/* Options of a benchmark's exact streams. */
 static tides_exact_options options_of(const bench *b, const bench_scene *scene, int32_t continuous) {
     const double half = b->quick ? 0.5 : 1;
     tides_exact_options how;

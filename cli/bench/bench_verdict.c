@@ -1,5 +1,5 @@
-/* What a scene's rows must show, whatever the machine: estimates that hold, streams that agree, pixels within their thresholds,
- * and an exact stream that is good enough to say so. */
+/* Conditions that a scene's rows must meet on any machine: estimates that hold, streams that agree, pixels within their
+ * thresholds, and an exact stream that is good enough for these. */
 #include "bench.h"
 
 #include <math.h>

@@ -152,7 +152,7 @@ tides_status bench_add_surfaces(tides_scene *scene, int64_t count, tides_error *
 
 /* -- patches -------------------------------------------------------------------------------------------------------------- */
 
-/* What the camera that faces them sees of the plane z = 0 [scene units], from so far away, at 4 by 3. */
+/* Size of the plane z = 0 [scene units] in the view of the camera that faces the patches, and its distance, at 4 by 3. */
 #define VIEW_WIDTH 2.0
 #define VIEW_HEIGHT 1.5
 #define VIEW_DISTANCE 1.8
