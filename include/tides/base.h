@@ -57,8 +57,8 @@ enum {
 #undef TIDES_STATUS_ENUM
 };
 
-/* How values are coded light: LINEAR: they are light; SRGB: light by IEC 61966-2-1; GAMMA: value^gamma. FILE, of what may be
- * told by a file: what that says. */
+/* How values are coded light: LINEAR: they are light; SRGB: light by IEC 61966-2-1; GAMMA: value^gamma. FILE, where a file may
+ * give its coding: that of the file. */
 enum { TIDES_TRANSFER_FILE = -1, TIDES_TRANSFER_LINEAR = 0, TIDES_TRANSFER_SRGB = 1, TIDES_TRANSFER_GAMMA = 2 };
 
 /* "file", "linear", "srgb" or "gamma", as run files have it; NULL of other numbers. */
@@ -90,9 +90,9 @@ TIDES_API const char *tides_version(void);
  * name are found. The answer is the list's own pointer. */
 TIDES_API const char *tides_nearest_name(const char *name, const char *const *names);
 
-/* Called now and then by long work, on the calling thread, with the fraction done in [0, 1] and a word for the stage
- * ("building kernels", "simulating"). A non-zero return stops the work with TIDES_CANCELLED; what was flushed stays. A run asks
- * between the launches of a step, too: one that is stopped there is undone, and goes on from the step's start. */
+/* Called now and then by long work, on the calling thread, with the fraction done in [0, 1] and a word for the stage ("building
+ * kernels", "simulating"). A non-zero return stops the work with TIDES_CANCELLED; flushed data stays. A run also calls it
+ * between the launches of a step: a step that is stopped there is undone, and the run goes on from its start. */
 typedef int (*tides_progress)(void *user, double fraction, const char *stage);
 
 /* TIDES_BAD_FILE where a file, by its first bytes and its name's ending, is of a kind that nothing here reads (a video, a mesh,

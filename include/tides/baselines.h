@@ -2,8 +2,8 @@
  * own sensor on frames, which takes the logarithm to go in straight lines between them.
  *
  * Written from their published algorithms (equations, not code), each with its own parameters under its own names and defaults.
- * What is known to be a defect of an original is left out, unless a parameter asks for it. Random numbers come from the seed,
- * the pixel and a counter, so that a stream depends on nothing else; the originals' own sequences can't be had. */
+ * Known defects of an original are left out, unless a parameter asks for them. Random numbers come from the seed, the pixel and
+ * a counter, so that a stream depends on nothing else; the originals' own sequences can't be had. */
 #ifndef TIDES_BASELINES_H
 #define TIDES_BASELINES_H
 

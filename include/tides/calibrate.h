@@ -2,10 +2,10 @@
  *
  * From one event of a pixel to its next the low-passed ln(Y + log_eps) moves by the threshold of the latter, ON or OFF,
  * whichever event came before. A front end (black level, pole, refractory period, offset of the clocks) is found as the one by
- * which these changes agree best: by the squares of their relative deviations from their medians, which are the thresholds.
- * What a simulation with these values comes out different by is taken off. Nothing begins from a preset.
+ * which these changes agree best: by the squares of their relative deviations from their medians, which are the thresholds. A
+ * simulation with these values is then run, and its deviation is subtracted. Nothing begins from a preset.
  *
- * Leak is told by pixels at rest, as if they had run long before the recording began: a leak of 0.1 Hz fires nothing in the
+ * Leak is measured on pixels at rest, as if they had run long before the recording began: a leak of 0.1 Hz fires nothing in the
  * first ten seconds of a simulation. */
 #ifndef TIDES_CALIBRATE_H
 #define TIDES_CALIBRATE_H
@@ -104,8 +104,8 @@ typedef struct tides_calibration {
 } tides_calibration;
 
 /* Measures the sensor of `recording`, whose light is that of the session's scene and path, or of its frames. TIDES_BAD_ARGUMENT
- * where the two have no time in common, or sizes differ. What doesn't fit together otherwise is said in `refused` and `notes`.
- * Takes 1 GB at most; renders the scene some 700 times a second of the stretch. */
+ * where the two have no time in common, or sizes differ. Other mismatches are reported in `refused` and `notes`. Takes 1 GB at
+ * most; renders the scene some 700 times a second of the stretch. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_calibrate(const char *recording, tides_session *session,
                                                         const tides_calibrate_options *options, tides_progress progress,
                                                         void *user, tides_calibration *found, tides_error *error);

@@ -48,9 +48,9 @@ typedef struct tides_path_options {
     int32_t rebase;    /* 1: `start` is ignored and the first sample is put at 0 */
     int32_t raw_positions; /* nerfies: 1 leaves positions as the camera files have them (as 4DGaussians trains) instead of
                                applying scene.json (as Nerfies, HyperNeRF and Deformable-3D-Gaussians do) */
-    const char *views;     /* which poses to keep, as Python slices with commas between: "7", "0:100:10", "3,5,-1"; NULL: all.
-                              Counted from 0 in the path's order: of times, of images' names, else of the file. What a file
-                              without times has left is spread over `duration` */
+    const char *views;     /* which poses to keep, as Python slices with commas between: "7", "0:100:10", "3,5,-1"; NULL:
+                              all. Counted from 0 in the path's order: of times, of images' names, else of the file. The
+                              poses kept of a file without times are spread over `duration` */
     int32_t body; /* EuRoC: 1 leaves the body's poses as they are instead of putting its camera there (T_BS of sensor.yaml) */
     int32_t reserved;
     const char *frame; /* transforms.json and COLMAP: nerfstudio's dataparser_transforms.json, which puts cameras where
@@ -104,8 +104,7 @@ typedef struct tides_path {
  *   euroc       state_groundtruth csv, `t_ns, x, y, z, qw, qx, qy, qz ...` of the body, with the camera's T_BS from sensor.yaml
  *   kitti       12 numbers per line
  * A folder is searched for one of these (path_folder.c: what for, and in which order). Also serves for objects' trajectories
- * (axes are then whatever the file means by its body frame; what isn't in OpenCV axes is converted). Errors name file, line
- * or key. */
+ * (axes are then those of the file's body frame; others than OpenCV's are converted). Errors name file, line or key. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_path_load(const char *file, const tides_path_options *options, tides_path *path,
                                                         tides_error *error);
 

@@ -53,12 +53,12 @@ typedef struct tides_event_format {
 /* Format number `index` from 0 on, its texts constant; 1, or 0 behind the last. */
 TIDES_API int32_t tides_event_format_at(size_t index, tides_event_format *format);
 
-/* Starts an event file in the named format, or where `format` is NULL in that of the path's ending (tides_event_format_at;
- * HDF5 without one). Every format is streamed, floors times to its tick, bridges the turns
- * of its clock by its own rule, and is written as `path` + ".part", renamed by _finish: `path` is either the old file or a
- * complete new one; what was flushed to the .part stays readable. HDF5, the native one: the DSEC layout (events/{p,t,x,y},
- * ms_to_idx, t_offset), with events/t_ns and our attributes added (lib/events/events_hdf5.c). TIDES_UNSUPPORTED: the format
- * isn't written, or the sensor is too large for it. */
+/* Starts an event file in the named format, or where `format` is NULL in that of the path's ending (tides_event_format_at; HDF5
+ * without one). Every format is streamed, floors times to its tick, bridges the turns of its clock by its own rule, and is
+ * written as `path` + ".part", renamed by _finish: `path` is either the old file or a complete new one; flushed events stay
+ * readable in the .part. HDF5, the native one: the DSEC layout (events/{p,t,x,y}, ms_to_idx, t_offset), with events/t_ns and
+ * our attributes added (lib/events/events_hdf5.c). TIDES_UNSUPPORTED: the format isn't written, or the sensor is too large for
+ * it. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_event_writer_open(const char *path, const char *format,
                                                                 const tides_event_file *file, tides_event_writer **writer,
                                                                 tides_error *error);

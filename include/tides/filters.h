@@ -91,9 +91,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_filter_create(const tides_filters 
 /* NULL is fine. */
 TIDES_API void tides_filter_destroy(tides_filter *filter);
 
-/* Takes `count` events, sorted by time and not before any taken earlier (else TIDES_BAD_ARGUMENT and none is taken). Those that
- * pass stay, in their order, at the front of `events`, `kept` of them, and so do their times in `fired` (count; nullable). How
- * a stream is cut into calls doesn't matter. */
+/* Takes `count` events, sorted by time and not before any taken earlier (else TIDES_BAD_ARGUMENT and none is taken). The events
+ * that pass stay, in their order, at the front of `events`, `kept` of them, and so do their times in `fired` (count; nullable).
+ * The result doesn't depend on how a stream is cut into calls. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_filter_apply(tides_filter *filter, tides_event *events, int64_t *fired,
                                                            size_t count, size_t *kept, tides_error *error);
 

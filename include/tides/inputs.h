@@ -17,17 +17,17 @@ typedef struct tides_run_input {
 } tides_run_input;
 
 /* All that a run reads, each path once, in the order of the keys: what its keys name, and what the readers of those look for
- * beside it, where it is there (COLMAP's cameras.bin beside images.bin, EuRoC's sensor.yaml, timestamps.txt ...). Of the folder
- * of a trained model, or of a dataset whose camera path is asked for, the files that are read of it stand in its place; other
- * folders stand for all that lies below them. What isn't there is listed too where a key names it. Motions from callbacks read
- * no file. Nothing is opened but to see what kind of file it is. The caller frees `inputs` (count) with tides_free, texts and
- * all. */
+ * beside it, where it is there (COLMAP's cameras.bin beside images.bin, EuRoC's sensor.yaml, timestamps.txt ...). The folder of
+ * a trained model, or of a dataset that a camera path is read of, is replaced by the files that are read in it; other folders
+ * stand for all that lies below them. A missing file is listed too where a key names it. Motions from callbacks read no file.
+ * Nothing is opened but to see what kind of file it is. The caller frees `inputs` (count) with tides_free, texts and all. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_run_inputs(const tides_run *run, tides_run_input **inputs, size_t *count,
                                                          tides_error *error);
 
 /* tides_files_apart of a run's inputs, its own file among them, and what is made of it (NULL entries count for nothing). A
- * folder of frames keeps its pictures alone from being replaced. What makes files of a session (tides_session_write and the
- * others) asks this itself; programs that write several files ask of all of them, before long work begins. */
+ * folder of frames keeps its pictures alone from being replaced. The functions that make files of a session
+ * (tides_session_write and the others) call this themselves. Programs that write several files call it for all of them, before
+ * long work begins. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_run_apart(const tides_run *run, const char *const *outputs, size_t count,
                                                         tides_error *error);
 

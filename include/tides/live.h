@@ -12,7 +12,7 @@
  *
  * It is the simulator of every other run on open paths (tides_trajectory_create_open), in the run's steps: to the bit it gives
  * the events of a run that knows the same open paths as a whole. Nothing looks ahead: poses may be told long before they are
- * needed or just in time. What is in between is known once the next pose is, so that a pose acts on events before it.
+ * needed or just in time. The motion between two poses is known once the later one is, so that a pose acts on events before it.
  *
  * Events come by whole steps, start + k stepping.step_s: make that the time between poses (0.001), or a part of it. */
 #ifndef TIDES_LIVE_H
@@ -45,16 +45,16 @@ typedef struct tides_live_options {
 } tides_live_options;
 TIDES_API void tides_live_options_defaults(tides_live_options *options);
 
-/* A live run of the session's scene, from time.start, by its values; `options` is nullable. What is told begins where the
- * run's own path has it then, with its rates: the camera's, and the objects' (those at rest at the identity). The session
- * must outlive it, and isn't used by it any more: several live runs of one session may go on at once, in threads of their
- * own. TIDES_UNSUPPORTED naming the key: a method that sees frames, and sensor.truth. TIDES_OUT_OF_RANGE where what isn't
- * told ends before the run begins. */
+/* A live run of the session's scene, from time.start, by its values; `options` is nullable. A told path begins at the pose and
+ * rates of the run's own path at that time: the camera's, and the objects' (those at rest at the identity). The session must
+ * outlive it, and isn't used by it any more: several live runs of one session may go on at once, in threads of their own.
+ * TIDES_UNSUPPORTED naming the key: a method that sees frames, and sensor.truth. TIDES_OUT_OF_RANGE where what isn't told ends
+ * before the run begins. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_live_open(tides_session *session, const tides_live_options *options,
                                                         tides_progress progress, void *user, tides_live **live,
                                                         tides_error *error);
 
-/* NULL is fine. What a readout still holds is lost, unless the run came to `stop`. */
+/* NULL is fine. Events that a readout still holds are lost, unless the run came to `stop`. */
 TIDES_API void tides_live_close(tides_live *live);
 
 /* Tells where the camera (TIDES_LIVE_CAMERA) or an object is next, all samples or none: tides_trajectory_append. One for the

@@ -2,8 +2,8 @@
  * finite-bandwidth readout"; DESIGN 3.4).
  *
  * Pixels queue; a scanner serves one queue per tick. An event that is served in the tick in which it fired keeps its time; one
- * that had to wait gets the start of the tick that serves it. So nothing leaves before it fired, and an infinite rate (tick_s
- * = 0) changes nothing.
+ * that had to wait gets the start of the tick that serves it. So nothing leaves before it fired, and an infinite rate (tick_s =
+ * 0) changes nothing.
  *
  *   TILES        one FIFO queue per tile. The scanner goes to the next tile, row by row, that has something, and takes up to
  *                K_m = floor(k0 (1 - beta_k psi_m)), at least 1, of its events.
@@ -32,9 +32,9 @@
  *   GAUSSIAN     normal, of mean 0 (the paper's): a stamp may come before its event fired, and events change places
  *   DELAY        never early: |n| sigma / sqrt(1 - 2 / pi), n normal, which is 1.32 sigma late on average
  *
- * What leaves is sorted all the same: an event is held until none that is still to come can be before it, 8.6 sigma_max with
- * GAUSSIAN. Nothing is stamped before the run's start (tides_arbiter_start): what jitter would take there leaves at the start.
- * Random numbers depend on the seed and the event alone. */
+ * Events leave sorted all the same: an event is held until none that is still to come can be before it, 8.6 sigma_max with
+ * GAUSSIAN. Nothing is stamped before the run's start (tides_arbiter_start): stamps that jitter would move there are set to the
+ * start. Random numbers depend on the seed and the event alone. */
 #ifndef TIDES_READOUT_H
 #define TIDES_READOUT_H
 

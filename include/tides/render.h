@@ -119,8 +119,8 @@ typedef struct tides_render_stats {
 /* A scene seen through a camera, on a device. Opaque. */
 typedef struct tides_renderer tides_renderer;
 
-/* A renderer of `scene` through a camera. `device` and `scene` must outlive it; the scene must not change meanwhile.
- * Builds kernels (seconds the first time; `progress`, nullable, is told). Width and height 1..16384. */
+/* A renderer of `scene` through a camera. `device` and `scene` must outlive it; the scene must not change meanwhile. Builds
+ * kernels (seconds the first time; `progress`, nullable, is called). Width and height 1..16384. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_create(tides_device *device, const tides_scene *scene,
                                                               const tides_intrinsics *intrinsics,
                                                               const tides_image_params *params, tides_progress progress,
@@ -135,7 +135,7 @@ TIDES_API void tides_renderer_destroy(tides_renderer *renderer);
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_set_psf(tides_renderer *renderer, double sigma_px, int32_t domain,
                                                                tides_error *error);
 
-/* From now on `progress` (NULL: nobody) is told what share of a call that renders (a frame, ground truth, an exposure) is done,
+/* From now on a call that renders (a frame, ground truth, an exposure) reports the share done to `progress` (NULL: none),
  * before each of its launches on the device. Where it returns other than 0 the call ends with TIDES_CANCELLED, nothing in its
  * outputs is to be used, and the renderer is as good as before. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_renderer_set_progress(tides_renderer *renderer, tides_progress progress,

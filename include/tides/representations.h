@@ -19,7 +19,7 @@ enum {
     TIDES_NORMALISE_SAMPLE = 2      /* the same over n - 1: DSEC */
 };
 
-/* Whose grid. */
+/* The method whose voxel grid is made. */
 enum {
     TIDES_VOXEL_E2VID = 0,   /* 5 bins from the first event to the last, population */
     TIDES_VOXEL_DSEC = 1,    /* 15 bins from the first event to the last, sample (E-RAFT's) */
@@ -35,7 +35,7 @@ typedef struct tides_voxel_options {
     int64_t start_ns, stop_ns;
 } tides_voxel_options;
 
-/* The options of TIDES_VOXEL_*; those of E2VID for anything else. */
+/* The options of TIDES_VOXEL_*; for any other value those of E2VID. */
 TIDES_API void tides_voxel_options_defaults(tides_voxel_options *options, int32_t style);
 
 /* grid (bins x height x width): each event's polarity (1, -1) is shared linearly between the two bins around

@@ -19,15 +19,15 @@ typedef struct tides_scene tides_scene;
 enum { TIDES_SH_DEGREE_MAX = 4 };
 
 /* How Gaussians were trained, and so must be drawn: plainly, or with opacities that are compensated for the dilation
- * (mip-splatting's "antialiased"). UNKNOWN: nobody says; MIXED: parts of it say different things. A run's image.antialias =
- * file goes by it. */
+ * (mip-splatting's "antialiased"). UNKNOWN: no file says; MIXED: parts of the scene differ. A run's image.antialias = file goes
+ * by it. */
 enum { TIDES_TRAINED_UNKNOWN = 0, TIDES_TRAINED_PLAIN = 1, TIDES_TRAINED_ANTIALIASED = 2, TIDES_TRAINED_MIXED = 3 };
 
-/* Gaussians as arrays. Plain value; the arrays belong to whoever filled it. K = (sh_degree + 1)^2.
+/* Gaussians as arrays. Plain value; the arrays belong to the code that filled it. K = (sh_degree + 1)^2.
  *
  * Single precision has no room for means far from (0, 0, 0), as georeferenced scans have them. Give those in double, or
- * relative to an origin. A scene keeps the means of an object that is far away, for how far its Gaussians spread, relative
- * to an origin near them, in which nothing is rounded that was single precision: `origin` of what it gives back
+ * relative to an origin. A scene keeps the means of an object that is far away, for how far its Gaussians spread, relative to
+ * an origin near them, in which nothing is rounded that was single precision: `origin` of what it gives back
  * (tides_scene_object) isn't 0 then. Files are written with the coordinates that they had. */
 typedef struct tides_gaussians {
     int64_t count;              /* N */
@@ -177,8 +177,8 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_object(const tides_scene *sc
 
 /* Object `index`'s Gaussians at `time` [s], raw and in its own coordinates, before its trajectory and scale: fills mean,
  * log_scale, quaternion, opacity_logit and sh of `theta` for all N of them, where those aren't NULL; its rates are left alone.
- * What a motion hides (opacity 0) is 2^-24. TIDES_BAD_ARGUMENT: there is no such object; TIDES_OUT_OF_RANGE where its motion
- * doesn't cover the time, and what a callback returns. */
+ * An opacity of 0, by which a motion hides a Gaussian, becomes 2^-24. TIDES_BAD_ARGUMENT: there is no such object;
+ * TIDES_OUT_OF_RANGE where its motion doesn't cover the time, and what a callback returns. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_gaussians_at(const tides_scene *scene, int32_t index, double time,
                                                                  const tides_theta *theta, tides_error *error);
 
@@ -187,10 +187,10 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_gaussians_at(const tides_sce
 TIDES_API int64_t tides_motion_moving(const tides_motion *motion, const tides_gaussians *gaussians);
 TIDES_API uint64_t tides_motion_knots(const tides_motion *motion);
 
-/* Axis-aligned box of the means, objects at their start or, for a static path, in place. Of objects with a motion these are
+/* Axis-aligned box of the means, objects at their start or, for a static path, in place. For objects with a motion these are
  * the means that the motion starts from (canonical ones of networks, the first keyframe, a polynomial's at each Gaussian's own
- * centre in time): none is evaluated, since that may take seconds, and what a model says of a Gaussian while it is invisible is
- * no part of the scene. So it tells where the scene is, not all that it ever reaches. */
+ * centre in time). No motion is evaluated, since that may take seconds, and a Gaussian's means while it is invisible are no
+ * part of the scene. So it tells where the scene is, not all that it ever reaches. */
 TIDES_API void tides_scene_bounds(const tides_scene *scene, double lower[3], double upper[3]);
 
 /* The times that all objects cover [s]: -INFINITY and INFINITY where all are at rest; start > stop where there are none. */
@@ -220,11 +220,11 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_scene_transfer(const tides_scene *
 TIDES_API int32_t tides_scene_up(const tides_scene *scene, double up[3]);
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_set_up(tides_scene *scene, const double up[3], tides_error *error);
 
-/* An orbit that shows a scene nobody has a camera path for. A thing is seen whole from every side, as large as fits into
- * `field_of_view` [rad], the narrower one of the image; in a place (a capture with what was behind it) the camera goes round
- * the median of the Gaussians, as far from it as half of them are. A turn in 12 s, from 0 to 12 s. `up` NULL: tides_scene_up's,
- * else guessed: -y, as trainers on photographs have it, or z where the scene lies flat across it. For
- * tides_trajectory_create_orbit. An empty scene: TIDES_BAD_ARGUMENT. */
+/* An orbit for a scene without a camera path. A thing is seen whole from every side, as large as fits into `field_of_view`
+ * [rad], the narrower one of the image; in a place (a capture with what was behind it) the camera goes round the median of the
+ * Gaussians, as far from it as half of them are. A turn in 12 s, from 0 to 12 s. `up` NULL: tides_scene_up's, else guessed: -y,
+ * as trainers on photographs have it, or z where the scene lies flat across it. For tides_trajectory_create_orbit. An empty
+ * scene: TIDES_BAD_ARGUMENT. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_scene_orbit(const tides_scene *scene, const double up[3], double field_of_view,
                                                           tides_orbit *orbit, tides_error *error);
 

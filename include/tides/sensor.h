@@ -58,8 +58,8 @@ enum { TIDES_CAUSE_SIGNAL = 0, TIDES_CAUSE_LEAK = 1, TIDES_CAUSE_SHOT = 2, TIDES
 /* Fill with tides_sensor_defaults: thresholds 0.2, 64 events per step, all else off. */
 typedef struct tides_sensor {
     uint32_t size;
-    /* Per pixel and step, >= 1. Error control cuts steps that may have more; what is cut off where it can't, or elsewhere, is
-     * counted and fires at the step's end. */
+    /* Per pixel and step, >= 1. Error control cuts steps that may have more. Further events, where it can't or isn't on, are
+     * counted and fire at the step's end. */
     int32_t max_events_per_step; /* as above */
     double threshold_on;         /* C+ [log units], > 0 */
     double threshold_off;        /* C- [log units], > 0 */

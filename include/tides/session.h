@@ -6,7 +6,8 @@
  *     if (!status) status = tides_session_write(session, "events.h5", NULL, NULL, NULL, NULL, NULL, &error);
  *     tides_session_close(session);
  *
- * What is between, for runs in steps and pictures: tides_session_simulator, tides_session_renderer, tides_session_get. */
+ * The objects in between, for runs in steps and pictures: tides_session_simulator, tides_session_renderer,
+ * tides_session_get. */
 #ifndef TIDES_SESSION_H
 #define TIDES_SESSION_H
 
@@ -29,9 +30,10 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_load(const char *file, con
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_open(const tides_run *run, tides_device *device, tides_session **session,
                                                            tides_error *error);
 
-/* Another session on what `base` has open, with more overrides (tides_run_vary): other methods, sensors, steps. Those that need
- * something else opened (a scene, a size, a device) are TIDES_BAD_CONFIG naming the key; another camera of a rig (rig.camera)
- * has its own place and lens on the same scene. `base` must outlive it; the two are one object where threads are concerned. */
+/* Another session on what `base` has open, with more overrides (tides_run_vary): other methods, sensors, steps. Overrides that
+ * need something else opened (a scene, a size, a device) are TIDES_BAD_CONFIG naming the key; another camera of a rig
+ * (rig.camera) has its own place and lens on the same scene. `base` must outlive it; the two are one object where threads are
+ * concerned. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_vary(const tides_session *base, const char *const *overrides,
                                                            size_t count, tides_session **session, tides_error *error);
 
@@ -126,8 +128,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_session_tracks(tides_session *sess
 
 /* Adds ground truth to a finished HDF5 recording of this session's run, as columns beside its events: /events/flow_u, flow_v
  * [px/s], depth [scene units], alpha, instance (tides_event_truth), each at the time that its event fired; columns that are
- * there are replaced. It takes a copy of the file, and one block of pixels rendered for each event. What sensor.truth asks of
- * tides_session_write. A failure leaves the file as it was; TIDES_UNSUPPORTED for other formats, and for runs on frames. */
+ * there are replaced. It takes a copy of the file, and one block of pixels rendered for each event. tides_session_write does
+ * this where sensor.truth is set. A failure leaves the file as it was; TIDES_UNSUPPORTED for other formats, and for runs on
+ * frames. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_truth(tides_session *session, const char *path, tides_progress progress,
                                                             void *user, tides_error *error);
 
@@ -157,13 +160,13 @@ typedef struct tides_recorded {
     tides_error unsaved; /* why a checkpoint couldn't be, for the first time; the run goes on */
 } tides_recorded;
 
-/* Runs it whole into an event file of any format, with all that the file can say of the run. `how` and what follows are
- * nullable. While it runs, and where it is stopped (TIDES_CANCELLED) or dies, PATH.part holds the events so far; formats that
- * can be gone on with (tides_event_writer_can_resume) also PATH.checkpoint, which holds the state and goes when PATH is
+/* Runs it whole into an event file of any format, with all facts of the run that the format can hold. `how` and what follows
+ * are nullable. While it runs, and where it is stopped (TIDES_CANCELLED) or dies, PATH.part holds the events so far; formats
+ * that can be gone on with (tides_event_writer_can_resume) also PATH.checkpoint, which holds the state and goes when PATH is
  * complete. With keep_checkpoint it stays, as of the last step's beginning, which a longer run has too: resume with a later
  * time.stop then gives the events of one run, to the bit, and PATH is the shorter recording until the longer one is complete.
- * It goes where any other recording takes PATH's place, and one that was copied there from outside is known by its events.
- * A method that sees frames keeps no checkpoints. resume without a checkpoint is TIDES_FILE_NOT_FOUND, with one of another run
+ * It goes where any other recording takes PATH's place, and one that was copied there from outside is known by its events. A
+ * method that sees frames keeps no checkpoints. resume without a checkpoint is TIDES_FILE_NOT_FOUND, with one of another run
  * TIDES_BAD_CONFIG naming what differs, beside events of another run TIDES_BAD_FILE, with a format that can't be gone on with
  * TIDES_BAD_ARGUMENT, and with a method that sees frames TIDES_UNSUPPORTED. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_write(tides_session *session, const char *path,

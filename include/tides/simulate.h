@@ -109,9 +109,9 @@ typedef struct tides_stats {
     uint64_t steps_at_minimum;  /* accepted above the tolerance because they were as short as min_step_s */
     double worst_delay_s;       /* in the readout, jitter aside [s] */
     double worst_error; /* largest estimate among accepted steps [thresholds]; 0 under fixed steps, which estimate none */
-    /* Estimated timing error that so many percent of the events stay below [s]; likewise 0 under fixed steps. Of each event:
-     * what probes saw there, and rounding, by the slope and the curvature of the signal where it fired. Under RISK alone from
-     * the ends of steps where nothing was cut, which may show nothing. */
+    /* Estimated timing error that so many percent of the events stay below [s]; likewise 0 under fixed steps. An event's error
+     * is that which probes saw there, and rounding, by the slope and the curvature of the signal where it fired. Under RISK
+     * alone, where nothing was cut, it comes from the ends of steps, which may show nothing. */
     double error_p50_s, error_p95_s, error_p99_s; /* as above [s] */
     double worst_residual;                /* max over pixels at the end of (S - S_ref) / threshold; below 1 by construction */
     uint64_t tile_steps_still;            /* (tile, step) pairs in which nothing moved: neither rendered nor compared */

@@ -63,9 +63,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_create_open(const tides
                                                                      tides_trajectory **trajectory, tides_error *error);
 
 /* Adds samples to an open path, all or none of them: later than those that it has, less than 179 degrees from one to the next.
- * TIDES_BAD_ARGUMENT naming the sample, counted from the first that the path still has. Of a path that is mounted on a body
- * (tides_trajectory_create_mounted of an open one, which has nothing to do with the body's from then on) they are the body's.
- * */
+ * TIDES_BAD_ARGUMENT naming the sample, counted from the first that the path still has. Where the path is mounted on a body
+ * (tides_trajectory_create_mounted of an open one, which is independent of the body's from then on), the samples are the
+ * body's. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_trajectory_append(tides_trajectory *trajectory, const tides_pose_sample *samples,
                                                                 size_t count, tides_error *error);
 

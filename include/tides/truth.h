@@ -1,5 +1,5 @@
-/* Ground truth: what an image shows, where it is and how it moves, exactly and at any time. A pass of its own beside the image,
- * with the image's weights; what isn't asked for costs nothing. */
+/* Ground truth: what an image shows, where it is and how it moves, exactly and at any time. It is a pass of its own beside the
+ * image, with the image's weights; a plane that isn't asked for costs nothing. */
 #ifndef TIDES_TRUTH_H
 #define TIDES_TRUTH_H
 
