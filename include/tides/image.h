@@ -64,15 +64,16 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_animation_finish(tides_animation *
 /* Removes the unfinished file (numbered pictures stay). NULL is fine. */
 TIDES_API void tides_animation_abandon(tides_animation *animation);
 
-/* Pictures of data, into rgb (height x width x 3), caller's memory. grey: linear values to sRGB grey; `white` is the value
- * shown as white. signed: diverging blue-white-red (colour-blind safe) of values in [-limit, limit]; limit <= 0 takes the
- * 99.5th percentile. events: red ON and blue OFF over `base` (linear, 1 is white; nullable: mid grey), brighter where a pixel
- * fired more often,
+/* Pictures of data, into rgb (height x width x 3), caller's memory.
+ * grey: linear values to sRGB grey; `white` is the value shown as white.
+ * signed: diverging blue-white-red (colour-blind safe) of values in [-limit, limit]; limit <= 0 takes the 99.5th percentile.
+ * events: red ON and blue OFF over `base` (linear, 1 is white; nullable: mid grey), brighter where a pixel fired more often,
  *   violet where it fired both ways.
  * flow: a colour wheel of (u, v), right red, down yellow-green, left cyan, up violet; white at rest, full at `limit`, darker
  *   beyond it; limit <= 0 takes the fastest.
- * depth: near is light, far is dark, from `near` to `far` (else the nearest and farthest there are); 0 is black. labels: whole
- * numbers in colours of their own; negative ones are black. NaN is magenta. */
+ * depth: near is light, far is dark, from `near` to `far` (else the nearest and farthest there are); 0 is black.
+ * labels: whole numbers in colours of their own; negative ones are black.
+ * NaN is magenta. */
 TIDES_API void tides_picture_grey(const double *values, int32_t width, int32_t height, double white, uint8_t *rgb);
 TIDES_API void tides_picture_rgb(const double *r, const double *g, const double *b, int32_t width, int32_t height,
                                  uint8_t *rgb);
