@@ -93,8 +93,8 @@ static void td_clean_64(__global long *keys) {
     TD_EACH_8(TD_STORE_KEYS);
 }
 
-/* Compares each key with its mirror image in runs of k: the first level of a merge of two ascending runs. What would lie behind
- * the n keys is larger than all of them, and stays there: nothing is compared with it. */
+/* Compares each key with its mirror image in runs of k: the first level of a merge of two ascending runs. Keys behind the n
+ * would be larger than all of them, and stay there: they aren't compared. */
 static void td_flip(__global long *keys, int n, int k) {
     for (int run = 0; run < n; run += k)
         for (int i = max(run + k - n, 0); i < k / 2; i += 8) {

@@ -60,7 +60,7 @@ TD_INLINE void td_blend_channel(TD_GLOBAL const td_real *colour, int c, int is_s
     }
 }
 
-/* Blends splats [first, first + count) of a group. A splat with nobody near is blended as in hard order. */
+/* Blends splats [first, first + count) of a group. A splat without a near neighbour is blended as in hard order. */
 TD_INLINE void td_blend_batch(const td_list *list, const td_image *image, const td_group *group, int first, int count,
                               const td_soft_steps *steps, td_soft *soft, td_channels *channels, td_composite *pixels) {
     td_lanes tau[TD_BATCH], tau_dot[TD_BATCH], wanted[TD_BATCH], a[TD_BATCH], a_dot[TD_BATCH];
@@ -138,7 +138,7 @@ TD_INLINE int td_composite_block(const td_job *job, const td_list *list, const t
         td_finish_coded(image, channel, signal);
     else
         td_finish_signal(&shown, backdrop->luminance, backdrop->luminance_dot, image->log_eps, signal);
-    if (!td_with_rates(image)) { /* compilers leave out what nobody stores */
+    if (!td_with_rates(image)) { /* values that aren't stored are left out by compilers */
         td_store_lanes(out, signal[2]);
         return blended;
     }

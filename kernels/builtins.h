@@ -1,7 +1,7 @@
 /* The functions of OpenCL C that kernels call, declared. For PoCL alone (lib/device/program.c): else clang reads 900 KB of
  * declarations for each program, compiled before or not. In this way a program that PoCL has on disk costs a third of the time,
- * and one that it hasn't 0.2 s less. What the functions do is the driver's either way, so that code and bits are the same.
- * Lint's stage `kernels` compiles every program with these alone. */
+ * and one that it hasn't 0.2 s less. The functions are the driver's either way, so that code and bits are the same. Lint's
+ * stage `kernels` compiles every program with these alone. */
 #ifndef TD_BUILTINS_H
 #define TD_BUILTINS_H
 

@@ -1,8 +1,8 @@
-/* The image's decisions as code asks for them: a literal where a program is built for one (TD_BUILD_...; for which,
- * lib/render/opencl_build.c says), else what the image says. What is switched off then comes no further than the compiler's
- * front end. Left to its optimiser it took twice as long to build; and PoCL lays out in memory what a work-item owns before it
- * unrolls loops, where a struct with an array that a loop goes through stays, whether or not the loop is ever reached.
- * (sizeof: the image counts as used.) */
+/* The image's decisions as code asks for them: a literal where a program is built for one (TD_BUILD_...;
+ * lib/render/opencl_build.c lists them), else the image's value. Code that is switched off then comes no further than the
+ * compiler's front end. Left to its optimiser, such code took twice as long to build. PoCL also lays out a work-item's
+ * variables in memory before it unrolls loops: a struct with an array that a loop goes through stays there, whether or not the
+ * loop is ever reached. (sizeof: the image counts as used.) */
 #ifndef TD_CHOICES_H
 #define TD_CHOICES_H
 

@@ -1,8 +1,9 @@
 /* Rows of moving Gaussians between two times for which they have been worked out: the cubic through both rows and their rates
  * (Hermite), its derivative as the rates; and how far off that is.
  *
- * What is the same for all rows of a time the host works out in double: with the step h between the two times and s in [0, 1],
- * value = v0 + W (v1 - v0) + W0 r0 + W1 r1, and the same with the derivatives of W, W0, W1 without v0 for the rate. */
+ * The host computes the weights, which are equal for all rows of a time, in double: with the step h between the two times and s
+ * in [0, 1], value = v0 + W (v1 - v0) + W0 r0 + W1 r1, and the same with the derivatives of W, W0, W1 without v0 for the
+ * rate. */
 #ifndef TD_INTERPOLATE_H
 #define TD_INTERPOLATE_H
 

@@ -1,7 +1,7 @@
 /* The dialect: one spelling of scalars, lanes and masks for OpenCL C and for C.
  *
  * A td_lanes is TD_LANES reals that go through the same arithmetic: sixteen pixels (or Gaussians) on a CPU, eight or four in
- * double precision, one on a GPU, one in the scalar reference. Whoever includes this has declared the dialect:
+ * double precision, one on a GPU, one in the scalar reference. The including file has declared the dialect:
  *   TD_OPENCL         set by the program's prelude, together with TD_LANES = 1, 4, 8 or 16
  *   TD_REAL_DOUBLE    double precision, with the functions of exact.h
  *   TD_UNFUSED        in OpenCL, on devices whose fma() is a long function: multiplies and adds, near the reference's bits
@@ -130,7 +130,7 @@ TD_INLINE td_real td_from_bits(td_word bits) {
 #endif
 typedef td_mask td_index;
 
-/* Asks for a line of memory that is wanted soon. */
+/* Prefetches a line of memory. */
 #if defined(TD_OPENCL) && TD_LANES > 1
 #define td_soon(place) __builtin_prefetch((const void *)(size_t)(place))
 #else

@@ -93,7 +93,7 @@ enum {
 /* clang-format on */
 
 /* Gaussians of one object at one node: gaussians[first .. first + count), rows of td_source, to rows[first ..]; `count` is a
- * multiple of TD_PAD, filled up with TD_NO_GAUSSIAN, whose row is one that nobody reads. */
+ * multiple of TD_PAD, filled up with TD_NO_GAUSSIAN, whose row isn't read. */
 typedef struct td_node_job {
     int slot; /* of the views */
     int first, count;

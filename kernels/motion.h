@@ -2,8 +2,8 @@
  * that the projection reads (layout.h).
  *
  * A model is one header kernels/motion_NAME.h with one function, which movers.h calls for TD_LANES Gaussians of one object at
- * one time. Rates come out per unit of the model's own time tau and become rates per second where they are stored. What is the
- * same for all Gaussians at a time (powers, sines, cells of a grid) the host works out in double: the moment. */
+ * one time. Rates come out per unit of the model's own time tau and become rates per second where they are stored. The host
+ * computes the values that all Gaussians share at a time (powers, sines, cells of a grid) in double: the moment. */
 #ifndef TD_MOTION_H
 #define TD_MOTION_H
 

@@ -2,8 +2,8 @@
  * parameters.
  *
  * The canonical means are fixed, so the product of the three space planes is a constant per Gaussian and channel, worked out
- * when packed, and so are the places in the time planes. What is left are the planes (x,t), (y,t), (z,t), linear in t
- * between two rows: features are products of three piecewise linear functions of t. */
+ * when packed, and so are the places in the time planes. There remain the planes (x,t), (y,t), (z,t), linear in t between two
+ * rows: features are products of three piecewise linear functions of t. */
 #ifndef TD_MOTION_HEXPLANE_H
 #define TD_MOTION_HEXPLANE_H
 

@@ -22,7 +22,7 @@ enum {
     TD_KEYFRAMES_COUNT = 5 /* Gaussians */
 };
 enum { TD_KEYFRAMES_REST_SCALE = 0, TD_KEYFRAMES_REST_OPACITY = 3, TD_KEYFRAMES_REST = 4 };
-/* The moment: the interval's number; weights of x_1 - x_0, x_0' and x_1'; those weights' rates. */
+/* The moment: the interval's number; weights of x_1 - x_0, x_0' and x_1'; the rates of these weights. */
 enum {
     TD_KEYFRAMES_INTERVAL = TD_MOMENT_OWN,
     TD_KEYFRAMES_WEIGHT = TD_MOMENT_OWN + 1,

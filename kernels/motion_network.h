@@ -1,8 +1,8 @@
 /* Deformable 3D Gaussians (Yang et al. 2024): a network of fully connected layers over the sines and cosines of a canonical
  * mean and of t gives how far a Gaussian has moved, turned and grown.
  *
- * The mean's sines don't move and are worked out when packed; those of t, or what the small network over them gives for
- * Blender scenes, are the same for all Gaussians and come with the moment. */
+ * The mean's sines don't move and are worked out when packed. The sines of t, or for Blender scenes the outputs of the small
+ * network over them, are equal for all Gaussians and come with the moment. */
 #ifndef TD_MOTION_NETWORK_H
 #define TD_MOTION_NETWORK_H
 

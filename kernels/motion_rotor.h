@@ -4,9 +4,9 @@
  *   dt = tau - centre     mean = mean_0 + velocity dt     opacity = opacity_0 marginal     marginal = exp(-dt^2 / (2 variance))
  *   sh_j = sum_k cos(2 pi k dt / period) sh_kj
  *
- * Their renderer drops what has marginal <= 0.05: a jump of 5 % of the opacity. Where the image is made continuous (`fades`),
- * it fades instead by a C2 step below that, from a tenth of it: all that their images show stays as it is. Their kernel looks
- * along the direction to the mean at its centre in time, not where it has drifted to: so does this. */
+ * Their renderer drops Gaussians with marginal <= 0.05: a jump of 5 % of the opacity. Where the image is made continuous
+ * (`fades`), it fades instead by a C2 step below that, from a tenth of it: all that their images show stays as it is. Their
+ * kernel looks along the direction to the mean at its centre in time, not where it has drifted to: so does this. */
 #ifndef TD_MOTION_ROTOR_H
 #define TD_MOTION_ROTOR_H
 

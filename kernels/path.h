@@ -1,13 +1,13 @@
 /* Record paths: what a splat is at any time of an interval, from rows worked out at a few times within it, the nodes.
  *
- * What splats do on the screen is far smoother than what pixels see of it. So a splat is projected at nodes only, and is the
- * cubic through the values and the rates of its two neighbouring rows in between (Hermite); the cubic's derivative is its rate.
- * Every image made of paths is one image, whose rates are exactly its own. A splat has 2^level times as many nodes as the
+ * The motion of splats on the screen is far smoother than the light of pixels. So a splat is projected at nodes only, and is
+ * the cubic through the values and the rates of its two neighbouring rows in between (Hermite); the cubic's derivative is its
+ * rate. Every image made of paths is one image, whose rates are exactly its own. A splat has 2^level times as many nodes as the
  * interval has pieces; its rows follow one another.
  *
  * Interpolated are mean2d; b, c and the determinant of the covariance; opacity with antialiasing but without the near plane's
  * fade, which follows the interpolated depth; luminance; depth. The conic is (c, -b, a) / det with a = (det + b^2) / c: sums of
- * what isn't negative, so that a needle's width doesn't cancel, as it would in a c - b^2.
+ * terms that aren't negative, so that a needle's width doesn't cancel, as it would in a c - b^2.
  *
  * Host, device, float and double compile this file. */
 #ifndef TD_PATH_H

@@ -53,7 +53,7 @@ TD_INLINE void td_node_group(const td_node_job *job, int i, TD_GLOBAL const int 
                              TD_GLOBAL const int *object, TD_GLOBAL const td_view *views, const td_image *image,
                              const td_source *source, const td_node_sink *sink) {
     td_index gaussian = td_load_ints(gaussians + job->first + i), row = td_load_ints(rows + job->first + i);
-    if (!td_any(gaussian >= 0)) return; /* padding alone: with one lane, groups would race for the row that nobody reads */
+    if (!td_any(gaussian >= 0)) return; /* padding alone: with one lane, groups would race for this row, which isn't read */
     int leader = gaussians[job->first + (i & ~(TD_PAD - 1))];
     td_source own = td_source_of(source, image, leader);
     TD_GLOBAL const td_view *view = views + job->slot * image->objects + object[td_owner_of(&own, leader)];

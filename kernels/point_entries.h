@@ -87,9 +87,9 @@ TD_INLINE td_point_entry td_point_choose(const td_image *image, const td_point_e
     return entry;
 }
 
-/* Puts an entry in its place among those at k - gap, k - 2 gap ..., in each lane by its own depth; how many it passed. At equal
- * depth, paths decide (td_point_lists). Whoever doesn't see a splat has it in its order all the same, so that splats change
- * places together. */
+/* Puts an entry in its place among those at k - gap, k - 2 gap ..., in each lane by its own depth; returns how many it passed.
+ * At equal depth, paths decide (td_point_lists). A lane that doesn't see a splat has it in its order all the same, so that
+ * splats change places together. */
 TD_INLINE int td_point_insert(const td_image *image, TD_GLOBAL td_real *entries, int k, int gap, const td_point_entry *made) {
     td_point_entry entry = *made;
     const int room = td_point_room(image);

@@ -67,7 +67,7 @@ TD_INLINE void td_point_go(const td_image *image, td_lanes m, td_lanes m_dot, td
     td_channel_go(w, w_dot, left, m_dot, &light->blue);
 }
 
-/* A splat begins to take out light. One with nobody near is of this too, but for rounding. */
+/* A splat begins to take out light. A splat without a near neighbour does so too, but for rounding. */
 TD_INLINE void td_point_begin_channel(TD_GLOBAL const td_real *entry, int k, td_lanes takes, td_lanes takes_dot,
                                       td_channel *of) {
     td_lanes value = td_load_lanes(entry + k * TD_LANES), rate = td_load_lanes(entry + (k + 1) * TD_LANES);

@@ -75,7 +75,7 @@ TD_INLINE void td_point_curve_beside(TD_GLOBAL const td_real *from, TD_GLOBAL co
     }
 }
 
-/* Depth in the middle of the interval, as a number that sorts alike; 0 for whoever is behind the camera then. */
+/* Depth in the middle of the interval, as a number that sorts alike; 0 for a splat that is behind the camera then. */
 TD_INLINE int td_point_depth_key(const td_point_paths *paths, int path) {
     int middle = (paths->slices.pieces << (path & (TD_PATH_LEVELS - 1))) / 2;
     float depth = (float)paths->curves[(path / TD_PATH_LEVELS + middle) * TD_CURVE_REALS + TD_P_DEPTH];

@@ -206,15 +206,15 @@ TD_INLINE void td_point_see_beside(TD_GLOBAL const td_real *beside, const int *c
 
 /* -- a list -------------------------------------------------------------------------------------------------------- */
 
-/* Points on their way down their tile's list: where they are; what splats seen take in all, at least, as an optical depth; how
- * far the farthest of them was; the depth from which on nothing is seen any more; and the entries made for them. */
+/* Points on their way down their tile's list: their places; the least optical depth that the splats seen have in all; the depth
+ * of the farthest of these; the depth from which on nothing is seen any more; and the entries made for them. */
 typedef struct td_point_eye {
     td_lanes x, y, taken, far, end;
     td_point_order order;
 } td_point_eye;
 
-/* Optical depth behind which nothing is seen: 1e-14 of it. What is dropped is told by what the point sees, in the list's order,
- * and by nothing else. */
+/* Optical depth behind which nothing is seen: 1e-14 of it. The splats dropped depend on those that the point sees, in the
+ * list's order, and on nothing else. */
 #define TD_POINT_OPAQUE 32
 #define TD_POINT_NEVER TD_REAL(1e30)
 

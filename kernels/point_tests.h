@@ -214,7 +214,7 @@ TD_INLINE void td_point_place_test(TD_GLOBAL const float *test, const td_point_t
     place[TD_T_DEPTH * TD_PAD] = depth;
 }
 
-/* Or nobody's. */
+/* Stores a test that no point passes, for a place without a splat. */
 TD_INLINE void td_point_place_nobody(TD_GLOBAL float *place) {
     for (int k = 0; k < TD_TEST_REALS; k++) place[k * TD_PAD] = 0;
     place[TD_T_A * TD_PAD] = NAN;

@@ -53,7 +53,7 @@ typedef struct td_splats_to_make {
     td_share groups;
 } td_splats_to_make;
 
-/* First curves' rows of the Gaussians from `first` on, which come soon: to wait for them was a quarter of the time. */
+/* First curves' rows of the Gaussians from `first` on, prefetched: to wait for them was a quarter of the time. */
 enum { TD_SOON_GROUPS = 2 };
 static void td_rows_soon(const td_splats_to_make *of, __global const int *path, int first) {
     const int end = first + TD_LANES < of->count ? first + TD_LANES : of->count;
@@ -153,7 +153,7 @@ typedef struct td_list_to_make {
     int slices, item, items;
 } td_list_to_make;
 
-/* The tests of a place that comes soon. */
+/* Prefetches the tests of a place. */
 enum { TD_SOON_PLACES = 16 };
 static void td_place_soon(const td_list_to_make *of, long key, __global const int *candidates) {
     if (key == TD_LAST_KEY) return;

@@ -1,11 +1,11 @@
 /* Single pixels at single times: L and L_dot on the image made of record paths (path.h), which the solver solves events on.
  *
- * TD_LANES points of one tile, neighbours in place and time, go down their tile's list together, a lane each. Of its splats a
- * quick test leaves those that any of them may see (point_tests.h); each is worked out for all lanes, on its curve at each
- * lane's own time, and entered where that time's depth puts it (point_entries.h). Then light goes through what is entered
- * (point_light.h). What a point gets depends on nothing but itself: to a point that doesn't see it a splat is nothing, to the
- * bit, whoever else does. Every splat counts but those behind what is opaque (TD_POINT_OPAQUE): the image's stop rule doesn't;
- * where it drops splats, or the extent isn't the ellipse, there are no points (lib/render/points.c says so). */
+ * TD_LANES points of one tile, neighbours in place and time, go down their tile's list together, a lane each. A quick test
+ * keeps the splats that any of them may see (point_tests.h); each is worked out for all lanes, on its curve at each lane's own
+ * time, and entered where that time's depth puts it (point_entries.h). Then light goes through the entries (point_light.h). A
+ * point's result depends on nothing but itself: a splat that it doesn't see changes no bit of it, whichever other point sees
+ * the splat. Every splat counts but those behind opaque ones (TD_POINT_OPAQUE): the image's stop rule isn't applied. Where that
+ * rule drops splats, or the extent isn't the ellipse, there are no points (lib/render/points.c). */
 #ifndef TD_POINTS_H
 #define TD_POINTS_H
 
@@ -20,7 +20,7 @@ TD_INLINE int td_point_goes_on(TD_GLOBAL const float *tests, const int *slice, i
     return 0;
 }
 
-/* A curve is wanted soon: four lines of memory. */
+/* Prefetches a curve: four lines of memory. */
 TD_INLINE void td_point_soon(TD_GLOBAL const td_real *curve) {
     td_soon(curve), td_soon(curve + 8), td_soon(curve + 16), td_soon(curve + 24);
 }

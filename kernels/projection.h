@@ -44,7 +44,7 @@ typedef struct td_source {
 } td_source;
 
 #ifdef TD_OPENCL
-/* A kernel's arrays as a source; what is 0 is td_source_of's. */
+/* A kernel's arrays as a source; td_source_of sets the members that are 0 here. */
 TD_INLINE td_source td_source_make(TD_GLOBAL const td_real *geometry, TD_GLOBAL const td_real *rates,
                                    TD_GLOBAL const td_sh_real *sh, TD_GLOBAL const td_real *sh_rates,
                                    TD_GLOBAL const int *owners, int first_rate, int first_moved) {
@@ -263,8 +263,8 @@ TD_INLINE void td_shape_fade(td_shape *shape, td_dual opacity, const td_image *i
     shape->power = 2.0f * td_log(td_select(td_splat(1.0f), opacity.v / cut, shape->visible));
 }
 
-/* Projects Gaussians, but for what td_shape_fade does: opacity is that with antialiasing, `visible` is in front of the near
- * plane and not too narrow to tell. What isn't `there` comes out invisible. */
+/* Projects Gaussians, without the fade of td_shape_fade: opacity is that with antialiasing, `visible` is in front of the near
+ * plane and not too narrow to tell. Lanes that aren't `there` come out invisible. */
 TD_INLINE td_shape td_project_bare(TD_GLOBAL const td_view *view, const td_image *image, const td_gaussian *gaussian,
                                    td_mask there) {
     td_shape shape;

@@ -5,8 +5,8 @@
 #include "extent.h"
 #include "transpose.h"
 
-/* Where a group's records go: TD_LANES neighbours. `colours` only where colour is asked for. What a sort asks of a splat stands
- * beside its record once more: from records, a line of memory each, it took half of the sort's time. */
+/* Where a group's records go: TD_LANES neighbours. `colours` only where colour is asked for. The values that a sort reads stand
+ * beside the record once more: reading them from records, a line of memory each, took half of the sort's time. */
 typedef struct td_sink {
     TD_GLOBAL td_real *records; /* TD_RECORD_STRIDE each */
     TD_GLOBAL td_real *colours; /* td_colour_stride each: r g b and their rates, or features and theirs */
@@ -127,7 +127,7 @@ TD_INLINE td_mask td_store_masks(const td_asked *asked, const td_image *image, c
     return blocks != 0;
 }
 
-/* The light of a group, which is none where nothing of it is in the tile; what isn't a number is left out. */
+/* The light of a group, none where nothing of it is in the tile; values that aren't numbers are left out. */
 TD_INLINE void td_store_light(td_mask in_tile, td_lanes light, const td_sink *sink) {
     sink->lights[0] = td_largest(td_select(td_splat(-1.0f), light, in_tile & (light >= 0.0f)));
 }

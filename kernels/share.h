@@ -1,8 +1,8 @@
 /* Records that the tiles of one time share: each Gaussian of the store that is in some list is projected once, and a tile then
- * asks of its candidates only which of its blocks they reach. What comes out is the same either way (record.h).
+ * asks of its candidates only which of its blocks they reach. The result is equal either way (record.h).
  *
- * A tile reads a row of what is the same for all, a line of memory; records it leaves where they are, and the compositor reads
- * those of what it blends. (Dealing records to the tiles' lists as well took as long as projecting for each.) */
+ * A tile reads a row of the shared values, a line of memory. It leaves records where they are, and the compositor reads the
+ * records of the splats that it blends. (Dealing records to the tiles' lists as well took as long as projecting for each.) */
 #ifndef TD_SHARE_H
 #define TD_SHARE_H
 

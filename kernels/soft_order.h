@@ -6,7 +6,7 @@
  * times colour. All densities fall alike, so that from one splat to the next, x behind it, with m = 1 - exp(-x):
  *   T_after = T exp(-A m),   Y_after = Y + (B/A) (T - T_after),   (A, B)_after = (A, B) exp(-x).
  * So the weights of any number of splats add up to 1 - T, T ends as prod (1 - tau_k), splats of one depth share in proportion
- * to a_k, and all of it has a continuous slope in the depths. A splat with nobody near is blended as in hard order.
+ * to a_k, and all of it has a continuous slope in the depths. A splat without a near neighbour is blended as in hard order.
  *
  * Depth is the splat's, the same for all pixels; only differences of near depths matter. */
 #ifndef TD_SOFT_ORDER_H
@@ -26,12 +26,12 @@
 
 /* Where splats are in depth, such that differences of near ones are exact. */
 typedef struct td_soft_depth {
-    td_lanes z, low; /* rounded; what it is more, relative to z */
+    td_lanes z, low; /* rounded; the rest, relative to z */
     td_lanes growth; /* z_dot / z */
 } td_soft_depth;
 
-/* From each splat of a group to the next: 1 where that is near, else 0; m, its rate, 1 - m, and -m as a power of 2; with nobody
- * near 1, 0, 0 and -log2 e. */
+/* From each splat of a group to the next: 1 where that is near, else 0; m, its rate, 1 - m, and -m as a power of 2; without a
+ * near neighbour 1, 0, 0 and -log2 e. */
 typedef struct td_soft_steps {
     int near[TD_GROUP];
     td_real m[TD_GROUP], m_dot[TD_GROUP], left[TD_GROUP], power[TD_GROUP];
@@ -49,8 +49,8 @@ typedef struct td_soft {
     int open;          /* there are some */
 } td_soft;
 
-/* 1 - exp(-x), to some ulp of itself, for x up to a little above TD_SOFT_REACH: by Taylor's series at x/16, and four times
- * 1 - exp(-2 h) = m (2 - m). What the series leaves out, h^6/5040, shrinks with the slope: below 5e-9 in the end. */
+/* 1 - exp(-x), to some ulp of itself, for x up to a little above TD_SOFT_REACH: by Taylor's series at x/16, and four times 1 -
+ * exp(-2 h) = m (2 - m). The terms left out of the series, h^6/5040, shrink with the slope: below 5e-9 in the end. */
 TD_INLINE td_lanes td_soft_taken(td_lanes x) {
 #ifdef TD_REAL_DOUBLE
     return td_exact_taken(x);

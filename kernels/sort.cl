@@ -59,7 +59,7 @@ static td_sorted td_sort_job(__global const td_job *job, __global const int *hin
     if (me == 0) *shared = 1;
     barrier(CLK_GLOBAL_MEM_FENCE | CLK_LOCAL_MEM_FENCE);
     for (int i = 1 + me; i < job->count; i += items)
-        if (keys[i - 1] > keys[i]) *shared = 0;          /* whoever says so says the same */
+        if (keys[i - 1] > keys[i]) *shared = 0;          /* all writers write 0 */
     barrier(CLK_GLOBAL_MEM_FENCE | CLK_LOCAL_MEM_FENCE); /* of both: the sort writes the keys that are read here */
     done.kept = *shared;
     barrier(CLK_LOCAL_MEM_FENCE);

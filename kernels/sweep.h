@@ -1,9 +1,10 @@
-/* The screen box that a Gaussian's splat stays within while time runs over an interval: what tile candidate lists are made of.
+/* The screen box that a Gaussian's splat stays within while time runs over an interval. Tile candidate lists are made of these
+ * boxes.
  *
  * The interval is taken in pieces, mostly one; their boxes are joined. In each the splat is projected at the start, the middle
  * and the end. Its mean's path lies near the cubic through the ends with their rates; that cubic lies within its Bezier points;
- * and the middle tells how far the path strays from it, where object and camera move as cubics do. What these do otherwise
- * between the samples the host bounds (stray.h), and boxes are as much wider. */
+ * and the middle tells how far the path strays from it, where object and camera move as cubics do. The host bounds their other
+ * motion between the samples (stray.h), and boxes are wider by that much. */
 #ifndef TD_SWEEP_H
 #define TD_SWEEP_H
 

@@ -251,7 +251,8 @@ TD_INLINE td_lanes td_truth_alpha(TD_GLOBAL const td_real *record, const td_imag
     return tau;
 }
 
-/* The median is told by hard order: of coplanar splats, which take out light together, the last one may not be at the pixel. */
+/* The median is found by hard order: of coplanar splats, which take out light together, the last one may not be at the
+ * pixel. */
 TD_INLINE void td_truth_pass(const td_seen *seen, td_real place, td_lanes before, td_truth *pixels) {
     td_mask crossed = (before >= 0.5f) & (pixels->behind < 0.5f);
     pixels->median = td_select(pixels->median, seen->z, crossed);

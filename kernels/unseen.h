@@ -1,8 +1,8 @@
 /* Into how many pieces an interval is to be cut lest a splat does something between samples that none of them shows.
  *
  * Everything is counted in `travel`, in diameters: the step controller halves steps until a splat travels less than half of one
- * in each, so n pieces are asked for by a travel of n / 2. What is smooth within the interval asks for nothing: there the
- * controller's own samples tell. What asks is
+ * in each, so n pieces are asked for by a travel of n / 2. Motion that is smooth within the interval asks for no pieces: the
+ * controller's own samples show it. Pieces are asked for by
  *   - a mean that passes a pixel, by its way in the splat's diameters;
  *   - an ellipse that turns or grows, by the way of its edge: half of what the variance along some direction changes by,
  *     relatively; for a needle of half-axes r1 > r2 that turns by phi, phi r1 / (2 r2);
@@ -57,8 +57,8 @@ TD_INLINE td_lanes td_seen_part(const td_shape *s, const td_image *image) {
     return td_select(td_splat(1.0f), part, part < 1.0f);
 }
 
-/* The most that the variance along some direction changes by relatively [1/s]: the spectral radius of V^-1 V_dot. Of what is
- * longer than is seen, what turns counts for the part that is seen, and what grows for a half at least. */
+/* Greatest relative rate of the variance along any direction [1/s]: the spectral radius of V^-1 V_dot. Where a splat is longer
+ * than its part that is seen, turning counts by that part, and growth by a half at least. */
 TD_INLINE td_lanes td_reshape_rate(const td_shape *s, const td_image *image) {
     td_lanes shrink = td_inverse_scale(s), grow = 1.0f / shrink;
     td_lanes qa = s->conic[0].v * grow, qb = s->conic[1].v * grow, qc = s->conic[2].v * grow;
