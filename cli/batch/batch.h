@@ -53,8 +53,8 @@ typedef struct batch {
 tides_status batch_read(batch *b, tides_error *error);
 void batch_free(batch *b);
 
-/* batch_draws.c: whether `from`, keys with ranges or values, can be drawn from; what run `index` draws, and its own seed, as
- * "seed=N"; NULL: out of memory. */
+/* batch_draws.c: whether `from`, keys with ranges or values, can be drawn from; the values that run `index` draws, and its own
+ * seed, as "seed=N"; NULL: out of memory. */
 tides_status batch_check_draws(const batch *b, const cJSON *from, tides_error *error);
 cJSON *batch_draw(const cJSON *from, const char *seed, int index);
 char *batch_draw_seed(const char *seed, int index);
@@ -67,15 +67,15 @@ tides_status batch_prepare(batch *b, tides_error *error);
 int batch_job(const batch *b, const batch_run *run);
 /* batch_dataset.c: the dataset, and stats.json. */
 tides_status batch_dataset(const batch *b, const batch_run *run, const char *stats, tides_error *error);
-/* batch_command.c: TIDES_BAD_CONFIG where a batch has no such command; what a run makes, in its folder; what it made, or would
- * have by another command, removed; and the command of one that has one, run: its exit code. */
+/* batch_command.c: TIDES_BAD_CONFIG where a batch has no such command; the output of a run in its folder; removal of that
+ * output, or of another command's; and the command of a run that has one, run: its exit code. */
 tides_status batch_check_command(const batch *b, const char *name, tides_error *error);
 /* An item of "options": what it writes must stay in the run's folder. */
 tides_status batch_check_option(const batch *b, const cJSON *option, tides_error *error);
 const char *batch_output(const batch_run *run);
 tides_status batch_clear(const batch_run *run, tides_error *error);
 int batch_command(const batch *b, const batch_run *run);
-/* A file, link or folder, whatever is in it; what isn't there is fine. */
+/* Removes a file, link or folder, with all that is in it; a missing one is fine. */
 tides_status batch_remove(const char *path, tides_error *error);
 /* A line of the tool without its name; the last one that the run's process said. Allocated; NULL: out of memory. */
 char *batch_words(const char *line);

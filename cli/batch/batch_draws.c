@@ -1,7 +1,7 @@
 /* Random draws of a batch: "draw": {"count": N, "seed": "S", "set": {KEY: [LOWEST, HIGHEST] or [VALUE, ...]}}, N runs that have
- * for each key a number between two, or one of a list of other values, or {"of": KEY, "times": [LOWEST, HIGHEST]}: what is
- * drawn for another key, times a number between two, so that thresholds go together; and a seed of its own, where nobody writes
- * one: what learns from many runs would learn a noise that they share.
+ * for each key a number between two, or one of a list of other values, or {"of": KEY, "times": [LOWEST, HIGHEST]}: the value
+ * drawn for another key, times a number between two, so that thresholds go together; and a seed of its own, where none is
+ * written: a model trained on many runs would learn a noise that they share.
  *
  * Each value is a function of (seed, number of the run, key): another key, or more runs, leave what there was as it is. */
 #include "batch.h"

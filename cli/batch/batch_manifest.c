@@ -67,8 +67,9 @@ static tides_status add_sets(batch_run *run, const cJSON *common, const cJSON *o
     return TIDES_OK;
 }
 
-/* "sensor.threshold_on=0.1,seed=2": from what the run sets, so that a grid that grows keeps its names. What a file's name
- * can't hold becomes '-' ('_' where it begins: no hidden folder, no option), and what that or the length loses, a hash says. */
+/* "sensor.threshold_on=0.1,seed=2": from the keys that the run sets, so that a grid that grows keeps its names. Characters that
+ * a file's name can't hold become '-' ('_' at the beginning: no hidden folder, no option). Where that or the length loses
+ * something, a hash is added. */
 static char *grid_name(const batch_run *run, size_t first) {
     char name[NAME_MAX_LENGTH + 1];
     size_t used = 0;

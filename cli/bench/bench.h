@@ -108,8 +108,8 @@ bench_row *bench_rows_add(bench_rows *rows, tides_error *error);
 /* Simulates once; run time and statistics go to the row, the events to the stream (emptied before; nullable). */
 tides_status bench_simulate(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
                             const tides_stepping *stepping, cli_stream *stream, bench_row *row, tides_error *error);
-/* Runs a row again where it was short, for the better run time; else simulates and matches it against the truth. What asks for
- * double precision of a device without is told and left out. */
+/* Runs a row again where it was short, for the better run time; else simulates and matches it against the truth. A row that
+ * needs double precision on a device without it is left out, with a line that says so. */
 tides_status bench_measure(bench *b, const bench_scene *scene, int32_t rules, const tides_sensor *sensor,
                            const tides_stepping *stepping, bench_row *row, tides_error *error);
 /* The parts of exact events, which a row may have: where unset, off, whatever the library's defaults are. */
@@ -125,7 +125,7 @@ void bench_say_row(const bench *b, const bench_row *row);
 /* "smooth", "inria". */
 const char *bench_rules_name(int32_t rules);
 
-/* The scenes called for (all built-in ones where there are no names), each handed to `visit`; those whose files are absent are
+/* The scenes called for (all built-in ones where there are no names), each handed to `visit`; scenes whose files are absent are
  * skipped with a line. */
 typedef tides_status (*bench_visit)(void *user, bench *b, bench_scene *scene, tides_error *error);
 tides_status bench_each_scene(bench *b, const cli_list *names, bench_visit visit, void *user, tides_error *error);
@@ -186,15 +186,15 @@ void bench_summary(const bench_rows *rows, const char *scene, FILE *out);
 typedef struct bench_verdict {
     int32_t rows, estimated, honest;
     int32_t of_image[BENCH_RULES],
-        within_share[BENCH_RULES]; /* runs on an image; those that its exact stream is good enough for */
+        within_share[BENCH_RULES]; /* runs on an image; the ones that its exact stream is good enough for */
     double exact_share[BENCH_RULES], worst_residual;
     double mismatch_percent, default_mismatch_percent; /* NaN without a row at that tolerance */
 } bench_verdict;
 /* 1 where median, p95 and p99 of the true errors are no larger than the run's own estimates of them; 0 where one is; -1 where
  * the run made no estimate, or no event was matched. */
 int32_t bench_is_honest(const bench_row *row);
-/* The largest share that the exact stream's last refinement has in median, p95 or p99; what is below the unit of event times
- * counts as nothing. */
+/* The largest share that the exact stream's last refinement has in median, p95 or p99; errors below the unit of event times
+ * count as 0. */
 double bench_exact_share(const tides_exact *truth, const tides_match *match);
 bench_verdict bench_judge(const bench_rows *rows, const char *scene);
 void bench_print_verdict(const bench_rows *rows, const char *scene, FILE *out);

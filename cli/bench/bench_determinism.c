@@ -1,6 +1,6 @@
 /* `tides bench determinism`: runs of the demo's world, each made in ways that mustn't matter: threads, PoCL's methods, scalar
  * C, sizes of launches, cut in pieces, saved and restored, through a file, killed and resumed. One SHA-256 for each run, or the
- * ways that differ. What is printed has a line "HASH  RUN" for each, for other builds and languages to compare with. */
+ * ways that differ. The output has a line "HASH  RUN" for each, for other builds and languages to compare with. */
 #include "bench_determinism.h"
 #include "demo.h"
 

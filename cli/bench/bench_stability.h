@@ -60,7 +60,7 @@ typedef struct stability_splat {
     double sh; /* of the constant band, grey */
 } stability_splat;
 
-/* Splats as they are added; what fails is told at the end. */
+/* Splats as they are added; a failure is reported at the end. */
 typedef struct stability_pile {
     float *log_scale, *quaternion, *logit, *sh;
     double *mean;

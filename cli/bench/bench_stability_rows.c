@@ -302,7 +302,7 @@ static const stability_case front_ends[] =
      {.name = "psf-20", .sentence = "a PSF of half the view", FRONT_ENDS(FRONT_PSF, 20)},
      {.name = NULL}};
 
-/* Rows above once more, with all parts of exact events. What has no double precision is refused by name. */
+/* Rows above once more, with all parts of exact events. A device without double precision is refused by name. */
 #define EXACT .parts = BENCH_TOGETHER
 
 static const stability_case exact[] =

@@ -1,7 +1,7 @@
-/* The exact streams of a benchmark's scenes (tides_exact_stream): what every error is measured against (DESIGN 7).
+/* The exact streams of a benchmark's scenes (tides_exact_stream), against which every error is measured (DESIGN 7).
  *
- * Those of `smooth` are rendered by the double-precision reference, so that what single precision does to event times counts as
- * an error of whoever uses it. Those of images that jump (`inria`) on the device that is measured. */
+ * Streams of `smooth` are rendered by the double-precision reference, so that errors of event times by single precision count
+ * against the method that uses it. Streams of images that jump (`inria`) are rendered on the device that is measured. */
 #include "bench.h"
 
 /* No level after one that took so many full renders. */

@@ -11,7 +11,7 @@ static void help_layouts(void) {
         printf("  %-11s %s%s\n", layout.name, layout.summary, layout.metric ? " (needs scene.metres_per_unit)" : "");
 }
 
-/* The names one after the other, with commas between; what is none of them is for the library to refuse. */
+/* The names one after the other, with commas between; the library refuses any other name. */
 static int join(const cli_list *layouts, char *text, size_t size) {
     size_t used = 0;
     for (size_t i = 0; i < (size_t)layouts->count; i++) {

@@ -292,7 +292,7 @@ static tides_status open_events(const char *file) {
     return status;
 }
 
-/* HDF5 holds events or a scene; what it is neither of is told with both reasons. */
+/* HDF5 holds events or a scene; a file that is neither is reported with both reasons. */
 static tides_status hdf5_facts(const char *file, cJSON *facts, tides_error *error) {
     tides_error events = {TIDES_OK, ""}, scene = {TIDES_OK, ""};
     if (events_facts(file, NULL, facts, &events) == TIDES_OK) return TIDES_OK;

@@ -1,5 +1,5 @@
-/* Writes the demo's world, the library's fan, as a user would have it: splat files, path files, and a run file that names
- * them. What moves becomes an object of its own, so that the folder shows how a run puts things together. */
+/* Writes the demo's world, the library's fan, as a user would have it: splat files, path files, and a run file that names them.
+ * A moving part becomes an object of its own, so that the folder shows how a run puts objects together. */
 #include "demo.h"
 #include "scene_run.h"
 

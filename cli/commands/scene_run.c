@@ -1,7 +1,7 @@
 /* The run file of a made world. */
 #include "scene_run.h"
 
-/* `name`: { ... } in `parent`; what fails for want of memory shows when the text is printed. */
+/* `name`: { ... } in `parent`; a lack of memory shows when the text is printed. */
 static cJSON *group(cJSON *parent, const char *name) { return cJSON_AddObjectToObject(parent, name); }
 
 static void add_objects(cJSON *scene, const scene_run *run) {

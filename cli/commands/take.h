@@ -9,7 +9,7 @@ typedef tides_status (*cli_taker)(tides_session *session, const char *path, tide
 
 /* `output` and `help` are of its option -o; `report` (nullable) adds to the facts. The exit code. */
 typedef struct cli_take {
-    const char *output, *help, *count; /* "DIR"; what it is; "frames" */
+    const char *output, *help, *count; /* "DIR"; its meaning; "frames" */
     cli_taker take;
     void (*report)(cJSON *facts, const tides_session_taken *taken);
     int32_t renders; /* 1: taken.pairs says whether anything was in view */

@@ -24,7 +24,7 @@ static const char *const style[] =
      ".no{color:var(--no)}.small{color:var(--soft);font-size:13px}\n",
      NULL};
 
-/* A head sorts its column, again the other way: numbers as numbers, and before texts; what is empty comes last. */
+/* A head sorts its column, again the other way: numbers as numbers, and before texts; empty cells come last. */
 static const char *const script[] =
     {"for (const head of document.querySelectorAll('th')) {\n",
      "    const sort = () => {\n",

@@ -12,7 +12,8 @@ tides_status cli_session_open(const char *file, const cli_list *sets, const cli_
 /* Why a run has no events, where it has none. */
 void cli_tell_silence(tides_session *session, const tides_stats *stats);
 
-/* Whoever looks away should hear why all is empty; `who` follows "in view": "", or " of 1 of 2 cameras". */
+/* Prints that nothing of the scene was in view, the reason for an empty result. `who` follows "in view": "", or " of 1 of 2
+ * cameras". */
 void cli_tell_unseen(const cli_common *common, const char *who);
 
 /* frame.c: the wanted planes of one frame, in memory. */

@@ -38,7 +38,7 @@ static tides_status fail(const cli_canvas *canvas, cairo_status_t status, tides_
                      cairo_status_to_string(status));
 }
 
-/* Draws what the canvas has on another surface; what cairo says of both. */
+/* Draws the canvas on another surface; returns cairo's status of both. */
 static cairo_status_t replay(const cli_canvas *canvas, cairo_surface_t *surface, double scale) {
     cairo_t *cairo = cairo_create(surface);
     cairo_scale(cairo, scale, scale);

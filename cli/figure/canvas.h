@@ -44,10 +44,10 @@ int canvas_parse_pictures(const struct cli_command *command, const char *text, c
 /* From one colour to another: all of `b` at share 1. */
 canvas_colour canvas_mix(canvas_colour a, canvas_colour b, double share);
 
-/* canvas.c: blank paper. What goes wrong here or in drawing is told when the canvas is written. */
+/* canvas.c: blank paper. A failure here or in drawing is reported when the canvas is written. */
 cli_canvas canvas_create(const canvas_style *style, int32_t width, int32_t height);
-/* Writes it as the name's ending says, as tides_file_write does: .svg and .pdf of shapes, else .png. The same drawing makes
- * the same bytes. */
+/* Writes it in the format of the name's ending, as tides_file_write does: .svg and .pdf of shapes, else .png. Equal drawings
+ * make equal bytes. */
 tides_status canvas_write(const cli_canvas *canvas, const char *path, tides_error *error);
 int32_t canvas_wants_shapes(const char *path); /* .svg, .pdf */
 /* STEM.png, and what the style has besides. */

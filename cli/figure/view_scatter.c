@@ -129,7 +129,7 @@ static void draw_far_faces(cli_canvas *canvas, const scene *s, const range range
                 if (axis != across) grid_lines(canvas, s, axis, across, end, &ranges[axis]);
 }
 
-/* The box's edges; those that only faces away from the eye share lie behind the events. */
+/* The box's edges; edges that only faces away from the eye share lie behind the events. */
 static void draw_edges(cli_canvas *canvas, const scene *s, int32_t behind) {
     for (int axis = 0; axis < AXES; axis++)
         for (int ends = 0; ends < 4; ends++) {
