@@ -1,5 +1,5 @@
-/* A run from frames, for any method: of a sequence, or of a renderer at a rate or at ESIM's own times; progress and
- * statistics. What a frame makes fire is the baseline's. */
+/* A run from frames, for any method: of a sequence, or of a renderer at a rate or at ESIM's own times; progress and statistics.
+ * The baseline decides on the events of a frame. */
 #include "render/td_render.h"
 #include "td_baseline.h"
 

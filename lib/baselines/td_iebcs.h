@@ -27,7 +27,7 @@ double td_iebcs_noise_period(const tides_baseline *baseline, td_iebcs_noise *noi
 
 /* Events that wait for the readout, and the arbiter's clock. */
 typedef struct td_arbiter {
-    td_event_buffer waiting; /* by time; those with polarity 0 are gone */
+    td_event_buffer waiting; /* by time; entries with polarity 0 are deleted ones */
     size_t next;             /* the first that isn't gone */
     tides_event *scratch;
     size_t scratch_events;

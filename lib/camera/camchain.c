@@ -1,6 +1,6 @@
-/* Kalibr's camera chains. Of YAML what PyYAML and OpenCV write of such a file: mappings two deep, whose values are words,
- * numbers, lists in [] (which may go on in the next line) or of "- ", and rows of either. Anything else is refused, unknown
- * keys too: one that says something of the cameras must not be lost.
+/* Kalibr's camera chains, in the part of YAML that PyYAML and OpenCV write for such a file: mappings two deep, whose values are
+ * words, numbers, lists in [] (which may go on in the next line) or of "- ", and rows of either. Anything else is refused,
+ * unknown keys too, because one may matter to the cameras.
  *
  *     cam1:
  *       camera_model: pinhole

@@ -1,9 +1,9 @@
 /* COLMAP's cameras, as text: lines of `ID MODEL WIDTH HEIGHT PARAMETERS`, '#' starts a comment; or binary, little-endian:
  * uint64 count, then {uint32 id, int32 model, uint64 width, uint64 height, double parameters} each.
  *
- * A model's parameters begin with f, cx, cy or fx, fy, cx, cy; the rest bends lines: radtan's or equidistant's coefficients.
- * What has more of them that aren't 0 (FULL_OPENCV, FOV, THIN_PRISM_FISHEYE) is reported by tides_path.distorted; intrinsics
- * are then of the pinhole that agrees with the lens at its axis.
+ * A model's parameters begin with f, cx, cy or fx, fy, cx, cy; the rest bends lines: radtan's or equidistant's coefficients. A
+ * model with more coefficients that aren't 0 (FULL_OPENCV, FOV, THIN_PRISM_FISHEYE) is reported by tides_path.distorted;
+ * intrinsics are then those of the pinhole that agrees with the lens at its axis.
  * Pixel centres are at 0.5 in COLMAP as in TIDES. */
 #include "camera/td_colmap.h"
 

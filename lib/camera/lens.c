@@ -169,8 +169,8 @@ void td_camera_range(const td_image *image, double range[4]) {
         }
 }
 
-/* Whether kernels find the ray of each pixel, and only one: on a grid. What an equidistant lens shows of what isn't in front of
- * the camera is left out. */
+/* Whether kernels find the ray of each pixel, and only one: on a grid. Directions of an equidistant lens that aren't in front
+ * of the camera are left out. */
 static tides_status check_undone(const td_image *image, tides_error *error) {
     for (int i = 0; i <= GRID; i++)
         for (int j = 0; j <= GRID; j++) {

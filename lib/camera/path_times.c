@@ -1,6 +1,6 @@
-/* In which unit a path file's times are: what is said decides; else the format's own unit where what comes out of it is
- * plausible, or else the one that is. What could be several units, or no times at all, is refused: a path that is played a
- * thousand times too fast looks like one that fits. */
+/* The unit of a path file's times. A unit that is given decides; else the format's own unit where its result is plausible, or
+ * else the one unit whose result is. Numbers that could be in several units, or no times at all, are refused: a path that is
+ * played a thousand times too fast looks like one that fits. */
 #include "camera/td_path_reader.h"
 
 #include "td_columns.h"

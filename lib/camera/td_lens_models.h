@@ -1,5 +1,5 @@
-/* Internal: the models of lenses as files and keys know them: names, and which coefficients in which order. What they do to
- * light is kernels/lens.h's. */
+/* Internal: the models of lenses as files and keys know them: names, and the order of their coefficients. kernels/lens.h has
+ * their effect on light. */
 #ifndef TD_LENS_MODELS_H
 #define TD_LENS_MODELS_H
 

@@ -17,8 +17,8 @@ tides_status td_open_append(td_open *open, const td_knot *knot, int32_t with_rat
 /* The last knot at or before `time`, but never the last; 0 where there is none. */
 size_t td_open_find(const td_open *open, double time);
 
-/* Value and exact derivative at `time`. What is within `slack` of a knot is the knot, to the bit, whether or not the next one
- * has been told. */
+/* Value and exact derivative at `time`. A time within `slack` of a knot is the knot, to the bit, whether or not the next one is
+ * known yet. */
 void td_open_at(const td_open *open, double time, double slack, double value[TD_CURVE_WIDTH], double rate[TD_CURVE_WIDTH]);
 
 /* Drops knots that a curve from `time` on, and rates of those to come, don't need. Returns how many. */

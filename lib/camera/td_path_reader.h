@@ -42,7 +42,7 @@ typedef struct td_path_reader {
     tides_error *error;
 } td_path_reader;
 
-/* Reads `bytes` of a path file that end in a NUL; `file` is for messages. What tides_path_load does once it has the bytes. */
+/* Reads `bytes` of a path file that end in a NUL; `file` is for messages. tides_path_load calls it once it has the bytes. */
 tides_status td_path_parse(const char *file, const char *text, size_t bytes, const tides_path_options *options,
                            tides_path *path, tides_error *error);
 
@@ -104,8 +104,8 @@ tides_status td_path_take_times(td_path_reader *reader, int told, int usual);
 /* The camera of a sample (path_views.c). */
 tides_status td_path_set_view(td_path_reader *reader, td_path_sample *sample, const td_path_view *view);
 
-/* Once all is read: keeps the samples that options->views chooses, and of their cameras what all share: a field that differs
- * becomes 0. Of lenses that differ none can be kept: path.distorted says so. */
+/* Once all is read: keeps the samples that options->views chooses, and the fields that all their cameras share: a field that
+ * differs becomes 0. If lenses differ, none is kept, and path.distorted says so. */
 tides_status td_path_choose(td_path_reader *reader);
 
 /* The file or folder to read where `folder` is given, for the caller to free; NULL where nothing known is in it

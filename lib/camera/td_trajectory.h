@@ -5,7 +5,7 @@
 #include "tides/trajectory.h"
 
 /* Pose and rate `offset` seconds after `epoch`. The path's own time is (epoch - its first sample's) + offset: between times of
- * 2e9 s the difference is exact, so that offsets resolve as finely as near 0, where a sum of both resolves 0.2 us. What is
+ * 2e9 s the difference is exact, so that offsets resolve as finely as near 0, where a sum of both resolves 0.2 us. A time
  * outside the path by no more than these times' own rounding is its end. */
 TIDES_MUST_CHECK tides_status td_trajectory_at(const tides_trajectory *trajectory, double epoch, double offset,
                                                tides_pose *pose, tides_error *error);

@@ -1,6 +1,6 @@
 /* A checkpoint's arrays: the tables of state that the run's parts give (td_state.h), each row a dataset. Values pass through
- * copies in the file's order, so that a file that turns out bad leaves the simulator as it was. What a row means is its
- * part's business. */
+ * copies in the file's order, so that a file that turns out bad leaves the simulator as it was. Each part knows the meaning of
+ * its rows. */
 #include "td_checkpoint.h"
 
 #include <stdlib.h>

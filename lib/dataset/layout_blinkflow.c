@@ -1,7 +1,7 @@
 /* BlinkFlow (Li et al. 2023), of each camera: events_left/events.h5 as DSEC has it, forward_flow/%06d.npy, float32 (height,
  * width, 3): the displacement to the next ground truth [px], and 1 where it is known; and config.yaml. A point that is hidden
  * there has one, too. Its loader puts flow K beside the events of [K, K + 1] / fps, with fps and duration from config.yaml (10
- * and 1 s without it), counted from the events' own 0: that is the first ground truth's time; what fires before is left out.
+ * and 1 s without it), counted from the events' own 0: that is the first ground truth's time; earlier events are left out.
  * config.yaml's `start` is that time in the run [s]. */
 #include "archive/td_npy.h"
 #include "signal/td_step.h"

@@ -1,6 +1,6 @@
 /* Rectified views: pinholes in the cameras' places. Two that are a pair look the same way, and what is between them is along
- * their x: a point is in one row of both, fx baseline / z apart. Of all ways to look that are across the baseline it is the
- * one nearest to the mean of both optical axes, so that cameras that stand right already aren't turned. */
+ * their x: a point is in one row of both, fx baseline / z apart. Their direction is the one across the baseline that is nearest
+ * to the mean of both optical axes, so that cameras that stand right already aren't turned. */
 #include "camera/td_rotation.h"
 #include "td_dataset.h"
 

@@ -23,7 +23,7 @@ tides_status td_mcap_open(char *path, td_mcap **mcap, tides_error *error);
 tides_status td_mcap_channel(td_mcap *mcap, const char *topic, const char *type, const char *schema, int *number,
                              tides_error *error);
 
-/* A message at `ns`; those of a channel in the order of time, channels in any. */
+/* A message at `ns`; messages of a channel come in the order of time, channels in any order. */
 tides_status td_mcap_message(td_mcap *mcap, int channel, int64_t ns, const td_buffer *message, tides_error *error);
 
 /* Facts for a bag's metadata.yaml. */

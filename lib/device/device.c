@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Far more than machines have; what is beyond them isn't listed. */
+/* Far more than machines have; further devices aren't listed. */
 enum { MAX_PLATFORMS = 16, MAX_DEVICES = 64 };
 
 /* Everything that could be opened, in index order. */

@@ -1,7 +1,8 @@
 /* Processes that fork after they used OpenCL: PyTorch's DataLoader with workers, multiprocessing's default on Linux. Without
  * this the child hung in its first clFinish, for ever (PoCL 3.1).
  *
- * What is kept here is about the process, of which there is one: hence the library's only variables that aren't an object's. */
+ * The state kept here belongs to the process, and there is one process: hence the library's only variables that aren't an
+ * object's. */
 #include "td_forked.h"
 
 #include <pthread.h>

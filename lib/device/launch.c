@@ -162,8 +162,8 @@ double td_event_seconds(cl_event *event) {
     return ended > begun ? 1e-9 * (double)(ended - begun) : 0;
 }
 
-/* A call that failed hasn't waited, and commands under way would go on reading and writing memory that is freed next: seen
- * as a crash, now and then. So it is asked again; what refuses twice has lost its device, and its commands. */
+/* A call that failed hasn't waited, and commands under way would go on reading and writing memory that is freed next: seen as a
+ * crash, now and then. So it is called again; a queue that fails twice has lost its device, and its commands. */
 tides_status td_finish(tides_device *device, tides_status status, tides_error *error) {
     if (td_is_forked()) return status == TIDES_OK ? td_check_forked(error) : status;
     cl_int finished = clFinish(device->queue);

@@ -1,6 +1,6 @@
 /* Memory that the host and a device share. A command that moves data costs PoCL 20 us of processor time where the host waits
  * for it, 5 where it doesn't, whatever its size: a thread is woken, and wakes the host. A run of 6 ms (playbot, solved, blocks,
- * paths) had 455 such waits, a fifth of its time. What is shared is written and read in place, once the queue has finished. */
+ * paths) had 455 such waits, a fifth of its time. Shared memory is written and read in place, once the queue has finished. */
 #undef CL_TARGET_OPENCL_VERSION
 #define CL_TARGET_OPENCL_VERSION 200 /* shared virtual memory: the only thing beyond 1.2, and only for devices that have it */
 #include "td_near.h"

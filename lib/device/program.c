@@ -7,7 +7,7 @@
  * -cl-opt-disable, which would leave optimising to the launch: kernels 13 to 18 times slower; or, where always_inline keeps
  * them from being left alone, the same bits, but programs took 2.9 instead of 4.2 s and first launches 5.8 instead of 3.5.
  *
- * What is done instead: those 900 KB declare OpenCL's functions, of which kernels call two dozen. Where clang is told that its
+ * The remedy in use: those 900 KB declare OpenCL's functions, of which kernels call two dozen. Where clang is told that its
  * header was read already, by the guard of that, and the program declares what it calls, 10 to 25 ms are left. */
 #include "td_device.h"
 #include "td_drivers.h"

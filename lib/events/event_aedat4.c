@@ -263,7 +263,7 @@ static int find_packet(td_event_stream *probe, int32_t number, flat *payload) {
 }
 
 /* Frames share the events' clock: where there are some the first one's time is the recording's zero, which frames.rebase counts
- * from, too. What can't be read is left for reading to say. */
+ * from, too. Frames that can't be read are left for reading to report. */
 static void find_zero(td_event_stream *stream) {
     aedat4_state *state = stream->state;
     td_event_stream probe = {.state = state};

@@ -10,7 +10,7 @@
 static const int fields[TD_H5_COLUMNS] =
     {[TD_H5_P] = TD_ROW_P, [TD_H5_T] = TD_ROW_T, [TD_H5_X] = TD_ROW_X, [TD_H5_Y] = TD_ROW_Y};
 
-/* The first values of a column; those that stand for -1 in an unsigned one count as that. */
+/* The first values of a column; values that stand for -1 in an unsigned one count as -1. */
 static herr_t sample(const td_event_source *source, const td_h5_column *c, td_table_column *facts, int *wrapped) {
     const size_t count = source->count < TD_TABLE_SAMPLE ? (size_t)source->count : TD_TABLE_SAMPLE;
     memset(facts, 0, sizeof *facts);

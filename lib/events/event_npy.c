@@ -315,7 +315,7 @@ static tides_status open_npz(td_event_stream *stream, tides_error *error) {
 
 /* ---- reading ---- */
 
-/* To the nearest pixel; what lies beyond the first is clipped to it. */
+/* To the nearest pixel; a place beyond the first pixel is clipped to it. */
 static int take_coordinate(const npy_state *state, int column, size_t index, uint16_t *out) {
     double value;
     if (!stored(&state->columns[column], index, &value) || !(value >= -FINE_WRAP && value <= FINE_WRAP)) return 0;

@@ -205,7 +205,7 @@ static tides_status place(tides_event_reader *reader, size_t count, tides_error 
     return fits ? TIDES_OK : td_fail(error, TIDES_BAD_FILE, "%s: spans more than 292 years", stream->input.path);
 }
 
-/* The format's next events; those before a failure come with it. */
+/* The format's next events; where it fails, the events before the failure are given too. */
 static tides_status ask_format(tides_event_reader *reader, size_t *got, tides_error *error) {
     td_h5_quiet quiet;
     if (reader->format->library) td_h5_quiet_begin(&quiet);

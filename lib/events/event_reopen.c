@@ -89,8 +89,8 @@ static tides_status open_all(td_event_store *store, const char *path, uint64_t r
 
 enum { GAP = 4096 }; /* bytes */
 
-/* HDF5 takes the end of the file from its superblock. What a process wrote just before it died may lie beyond: new things go
- * behind that too. And behind a gap, so that nothing that is freed ends where the file ends: HDF5 would cut the file short
+/* HDF5 takes the end of the file from its superblock. Data that a process wrote just before it died may lie beyond: new data
+ * goes behind that too. And behind a gap, so that nothing that is freed ends where the file ends: HDF5 would cut the file short
  * before the superblock says so, and a death in between would leave a file that can't be opened. */
 static herr_t keep_clear_of_leftovers(hid_t file) {
 #if H5_VERSION_GE(1, 10, 2)

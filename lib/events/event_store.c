@@ -1,6 +1,6 @@
 /* The HDF5 side of an event file being written.
  *
- * What keeps a .part readable whenever the process dies:
+ * Three rules keep a .part readable whenever the process dies:
  *   - between two flushes nothing reaches the file but new chunks in fresh space: whole chunks are written once and never
  *     again (only the last, at the end, is partial), and the metadata cache may not evict;
  *   - a flush has two steps. The first writes chunks and metadata; only then the second sets the attribute `count`. Readers

@@ -1,11 +1,11 @@
 /* Which column of a table of events is what. Other tools write t x y p, x y p t, x y t p and more, in seconds, microseconds and
- * nanoseconds, and most of them no header; what they wrote is found from what each column can be:
+ * nanoseconds, and most of them no header. The columns' meaning is found from their values:
  *   times       have decimals where nothing else has; else they don't fall, and are what lies below 0 or beyond
  *               TD_TABLE_COORDINATE
  *   polarities  are 0 and 1, or -1 and 1
  *   coordinates are whole numbers that a sensor has; x stands before y
  * One value in fifty may be otherwise: real recordings have late events, and damaged ones. Where more
- * than one order is left, the file is refused: whoever made it knows. */
+ * than one order is left, the file is refused: its author knows the order. */
 #include "td_event_table.h"
 
 #include "td_base.h"

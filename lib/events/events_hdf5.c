@@ -19,8 +19,8 @@
  * All datasets are chunked, shuffled and deflated. The microseconds end 71.6 minutes after t_offset, as in DSEC.
  *
  * A file grows as PATH.part; event_store.c says why it stays readable whatever happens to the process. In a .part, ms_to_idx
- * lags behind (whole chunks only), and the datasets may hold rows beyond `count` that mean nothing. What a flush finds after
- * the last whole chunk goes to PATH.part.tail (event_tail.c), from which an interrupted recording is resumed. */
+ * lags behind (whole chunks only), and the datasets may hold rows beyond `count` that mean nothing. At a flush, events after
+ * the last whole chunk go to PATH.part.tail (event_tail.c), from which an interrupted recording is resumed. */
 #include "archive/td_h5_driver.h"
 #include "td_base.h"
 #include "td_event_format.h"

@@ -1,5 +1,5 @@
-/* Internal: one class per format of event files, in one table. A format reads a stream, writes a sink, or both; what is the
- * same for all (opening, checking, renaming, counting) is in event_reader.c and event_writer.c. */
+/* Internal: one class per format of event files, in one table. A format reads a stream, writes a sink, or both. The work that
+ * all share (opening, checking, renaming, counting) is in event_reader.c and event_writer.c. */
 #ifndef TD_EVENT_FORMAT_H
 #define TD_EVENT_FORMAT_H
 
@@ -101,7 +101,7 @@ typedef struct td_event_sink {
     unsigned char held[TD_SINK_HELD];
 } td_event_sink;
 
-/* Appends bytes to the sink's file; a failure is kept in `failed`, and everything after it is dropped. What is held goes to the
+/* Appends bytes to the sink's file; a failure is kept in `failed`, and everything after it is dropped. Buffered bytes go to the
  * file when an append is over (event_writer.c). */
 void td_sink_flush(td_event_sink *sink);
 static inline void td_sink_bytes(td_event_sink *sink, const void *data, size_t bytes) {

@@ -7,7 +7,7 @@
 
 enum { TD_ROW_LINE = 1024 };
 
-/* Where a line's columns are, and how many there are; what a format that is named says of them, before that. */
+/* Columns of a line, and how many there are; before a file is opened, those that the named format has. */
 typedef struct td_event_rows {
     td_table_meaning meaning; /* digits -1: as the header or the values say */
     int columns;

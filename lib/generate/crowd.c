@@ -1,5 +1,5 @@
 /* A crowd: things that fly about before a wall, in turn rigid objects, polynomials and keyframes. The rigid ones are objects
- * each; those of a model share one object and one motion, as in scenes that were trained. */
+ * each; Gaussians of a model share one object and one motion, as in scenes that were trained. */
 #include "generate/td_generate.h"
 #include "td_base.h"
 #include "td_math.h"

@@ -1,7 +1,7 @@
 /* YUV4MPEG2 video as mjpegtools define it: a line of text, then for each picture "FRAME" and its planes Y, Cb, Cr. */
 #include "td_animation.h"
 
-/* ITU-R BT.601 in studio range: Y 16 to 235, Cb and Cr 16 to 240 about 128. What readers assume that aren't told. */
+/* ITU-R BT.601 in studio range: Y 16 to 235, Cb and Cr 16 to 240 about 128. Readers assume it where the file doesn't say. */
 static void to_ycbcr(const uint8_t *rgb, size_t pixels, uint8_t *planes) {
     for (size_t i = 0; i < pixels; i++) {
         const double r = rgb[3 * i] / 255.0, g = rgb[3 * i + 1] / 255.0, b = rgb[3 * i + 2] / 255.0;

@@ -12,8 +12,8 @@ static void note(td_exr_stream *stream, const char *message) {
     if (!stream->message[0]) snprintf(stream->message, sizeof stream->message, "%s", message);
 }
 
-/* The first message says where it began; those that follow are consequences. Only for reading: while writing, OpenEXRCore holds
- * the context's lock here, and asking for the user data would wait for it for ever. */
+/* The first message says where it began; later ones are consequences. Only for reading: while writing, OpenEXRCore holds the
+ * context's lock here, and asking for the user data would wait for it for ever. */
 static void on_read_error(exr_const_context_t context, exr_result_t code, const char *message) {
     void *stream = NULL;
     (void)code;

@@ -1,5 +1,5 @@
 /* Activation: raw parameters of a Gaussian to what the projection reads, values and rates (paper, Sec. 3.2), in double. For the
- * renderer's store and for motions that are worked out on the host; those of kernels activate there (kernels/motion.h). */
+ * renderer's store and for motions that are worked out on the host; motions in kernels activate there (kernels/motion.h). */
 #include "td_activate.h"
 
 #include "camera/td_rotation.h"

@@ -1,5 +1,5 @@
-/* Motion models as data: named arrays and settings, and what is the same for all classes. What a class does with them is in
- * its own file. */
+/* Motion models as data: named arrays and settings, and the code that all classes share. A class's own code is in its own
+ * file. */
 #include "td_motion.h"
 
 #include <float.h>

@@ -1,7 +1,8 @@
-/* The readout arbiter: arrivals to queues, a scanner over ticks, and what has left in order.
+/* The readout arbiter: arrivals to queues, a scanner over ticks, and departures in order.
  *
- * Tick k covers [k tick, (k + 1) tick). What arrives within a tick may leave within it. Ticks in which nothing waits are
- * skipped, whatever their number. Everything is decided by the events' own times, so it doesn't matter how they are pushed. */
+ * Tick k covers [k tick, (k + 1) tick). An event that arrives within a tick may leave within it. Ticks in which nothing waits
+ * are skipped, whatever their number. Everything is decided by the events' own times, so it doesn't matter how they are
+ * pushed. */
 #include "td_arbiter.h"
 #include "td_base.h"
 #include "td_struct.h"
@@ -204,8 +205,8 @@ static tides_status arrive(tides_arbiter *a, const tides_event *event, tides_err
 
 /* -- ticks --------------------------------------------------------------------------------------------------------------- */
 
-/* `count` events of one queue, which have just been put behind what is released, leave in a tick from `start` on: those that
- * waited for it at its start, all of a row at its end. What leaves in a tick is after all of the ticks before. */
+/* `count` events of one queue, which have just been put behind what is released, leave in a tick from `start` on: events that
+ * waited for it at its start, all of a row at its end. Events of a tick are after all of the ticks before. */
 static void leave(tides_arbiter *a, int32_t count, int64_t start) {
     tides_event *events = a->out.events + a->out.count;
     int64_t *fired = a->out.fired + a->out.count, last = events[0].t;

@@ -37,9 +37,9 @@ static inline int is_after(const tides_event *x, int64_t x_fired, const tides_ev
 
 enum { TOGETHER_MAX = 64 }; /* beyond this, comparing all pairs takes longer than sorting */
 
-/* Counts for each event those that are before it: a loop without branches, where a sort of a few events in no order would
- * mispredict most of its branches. Keys are whole numbers below 2^53, which doubles hold; those of a place differ by their
- * turn, which is the order in which they fired. */
+/* Counts for each event the events before it: a loop without branches, where a sort of a few events in no order would
+ * mispredict most of its branches. Keys are whole numbers below 2^53, which doubles hold; keys of one place differ by their
+ * turn, which is the order in which the events fired. */
 void td_release_order(tides_event *events, int64_t *fired, int32_t count) {
     double key[TOGETHER_MAX], rank[TOGETHER_MAX];
     tides_event event[TOGETHER_MAX];
@@ -59,8 +59,8 @@ void td_release_order(tides_event *events, int64_t *fired, int32_t count) {
     }
 }
 
-/* Puts every event where it belongs. What waits is short of a tick or a few widths of jitter out of place, so each moves a
- * few places; gives up, with 0, after `moves` of them. */
+/* Puts every event where it belongs. Waiting puts an event less than a tick out of place, and jitter a few of its widths, so
+ * each moves a few places. Gives up, with 0, after `moves` of them. */
 static int insert_each(td_release *release, size_t moves) {
     tides_event *events = release->events;
     int64_t *fired = release->fired;

@@ -76,7 +76,7 @@ static int32_t is_left_out(const walk *w, const struct stat *folder) {
 
 static tides_status take_folder(walk *w, const char *path, const struct stat *folder, tides_error *error);
 
-/* One entry: its name, and what is below it or its size and time. What goes while this looks isn't there. */
+/* One entry: its name, and what is below it or its size and time. An entry that vanishes meanwhile counts as absent. */
 static tides_status take_entry(walk *w, const char *folder, const char *name, tides_error *error) {
     struct stat facts;
     char *path = td_format(error, "%s/%s", folder, name);

@@ -69,8 +69,8 @@ static tides_status add_path_file(list *l, const char *key, const char *path) {
     return status == TIDES_OK ? add_beside(l, key, path, names) : status;
 }
 
-/* A camera's or object's path. Of a folder the one file that is read of it, however many pictures lie there; nerfies has a
- * folder of cameras. */
+/* A camera's or object's path. For a folder it is the one file that is read in it, however many pictures lie there; nerfies has
+ * a folder of cameras. */
 static tides_status add_path(list *l, const char *key, const char *path) {
     static const char *const names[] = {"scene.json", "metadata.json", "../scene.json", "../metadata.json", NULL};
     char *file = NULL;

@@ -300,7 +300,7 @@ static tides_status fail_lost(tides_error *error) {
                    "out of memory for the events of a live run's step, which are lost; open another run");
 }
 
-/* Where a failure left a step half done the simulator goes no further; what it had given before is there to be had. */
+/* Where a failure left a step half done the simulator goes no further; events that it gave before can still be fetched. */
 static tides_status advance(tides_live *live, double until, double slack, tides_error *error) {
     if (td_simulator_reached(live->simulator).broken && until <= tides_live_reached(live) + slack) return TIDES_OK;
     tides_status status = tides_simulator_run(live->simulator, until + lost_in_sums, keep_events, live, NULL, NULL, error);

@@ -1,5 +1,5 @@
-/* The parameter table as the public sees it: the rows of params_table.c, with the defaults as JSON text. Those are the structs'
- * own (tides_sensor_defaults and others), so that they stand once. */
+/* The parameter table as the public sees it: the rows of params_table.c, with the defaults as JSON text. Defaults are the
+ * structs' own (tides_sensor_defaults and others), so that they stand once. */
 #include "td_params.h"
 #include "td_run.h"
 

@@ -2,10 +2,10 @@
  * the preset.
  *
  * A preset is a JSON object { "about": text, "version": 1, "resolution": [width, height], group: { name: value, ... } } with
- * the names of the run file's groups sensor, frontend, readout and filters, and image's log_eps, the sensor's black level. Of
- * the three before the groups none need be there: the version is that of the values; the resolution is told and sets nothing.
- * A value may be { "value": value, "spread": [low, high], "kind": kind, "source": text } (preset_entry.c). Those of
- * share/presets are in the library, by the names of their files; one's own are found by name in ~/.config/tides/presets. */
+ * the names of the run file's groups sensor, frontend, readout and filters, and image's log_eps, the sensor's black level. The
+ * three members before the groups are optional: the version is that of the values; the resolution is reported and sets nothing.
+ * A value may be { "value": value, "spread": [low, high], "kind": kind, "source": text } (preset_entry.c). Presets of
+ * share/presets are in the library, by the names of their files; a user's own are found by name in ~/.config/tides/presets. */
 #include "device/td_kernel_source.h"
 #include "td_folder.h"
 #include "td_kinds.h"
@@ -141,7 +141,7 @@ static void keep(kept_keys *kept, const char *key) {
 }
 
 /* An override is stronger than any preset, a preset that an override names stronger than the run file's own values, and these
- * than the preset that stands beside them. Of a rig's camera, values are as strong as overrides, and so is its preset. */
+ * than the preset that stands beside them. Values of a rig's camera are as strong as overrides, and so is its preset. */
 static tides_status set(tides_run *run, const tides_param *row, const cJSON *value, kept_keys *kept, tides_error *error) {
     const size_t i = (size_t)(row - tides_params(NULL));
     const int32_t strong = run->given[td_param_find("sensor.preset") - tides_params(NULL)] >= TD_GIVEN_SET;
@@ -200,7 +200,7 @@ static tides_status apply_all(tides_run *run, const char *where, const cJSON *ro
     return status;
 }
 
-/* Whoever asks for a sensor should hear that it isn't quite that one. */
+/* Notes the preset's keys that were given otherwise, because the sensor then isn't quite the preset's. */
 static tides_status note_kept(tides_run *run, const char *where, const kept_keys *kept, tides_error *error) {
     if (kept->count == 0) return TIDES_OK;
     char line[600];

@@ -1,6 +1,6 @@
 /* rig.file: the cameras of a rig out of Kalibr's camchain.yaml, as rig.cameras has them: cam0, cam1 ... with lens, size and
- * place. Its places are in metres, so scene.metres_per_unit must be known where they aren't 0. What rig.cameras says of a
- * camera of that name wins: its kind, its sensor; a name that the file hasn't is refused. */
+ * place. Its places are in metres, so scene.metres_per_unit must be known where they aren't 0. Values in rig.cameras for a
+ * camera of that name win: its kind, its sensor; a name that isn't in the file is refused. */
 #include "camera/td_camchain.h"
 #include "camera/td_lens_models.h"
 #include "td_kinds.h"

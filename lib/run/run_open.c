@@ -1,5 +1,5 @@
-/* Opens what a run names: the scene with its moving objects, and the camera's path with its intrinsics; or the frames. What a
- * reader of the run may not expect of them is noted on the way. */
+/* Opens the files that a run names: the scene with its moving objects, and the camera's path with its intrinsics; or the
+ * frames. Facts that may surprise the run's reader are noted on the way. */
 #include "td_folder.h"
 #include "td_math.h"
 #include "td_run.h"

@@ -1,5 +1,5 @@
-/* A run with everything open that it names, and what is made of that: simulator, renderer. For users of the library, the tool
- * and Python alike. Running is session_run.c's; what a run file says is run.c's, what it names run_open.c's. */
+/* A run with all the files open that it names, and the objects made of them: simulator, renderer. For users of the library, the
+ * tool and Python alike. session_run.c runs it; run.c reads a run file, and run_open.c opens its files. */
 #include "run/td_session.h"
 
 #include "run/td_run.h"
@@ -115,7 +115,7 @@ tides_status tides_session_open(const tides_run *run, tides_device *device, tide
 
 /* -- variations  */
 
-/* Keys of what a session has open, each "group." or a whole key. Of frames, how they are read depends on the rest, too. */
+/* Keys on which the opened files depend, each "group." or a whole key. Frames are also read by the keys of opened_frames. */
 static const char *const opened[] = {"scene.file",    "scene.objects", "scene.duration_s", "camera.", "scene.part",
                                      "scene.invalid", "rig.cameras",   "frames.",          "device",  NULL};
 static const char *const opened_frames[] = {"image.luminance", "ldati.fps", NULL};

@@ -25,7 +25,7 @@ typedef struct td_record {
 tides_status td_record_begin(td_record *record, const char *path, const tides_event_file *facts, const tides_recording *how,
                              tides_progress progress, void *user, tides_recorded *done, tides_error *error);
 
-/* A new file; what an earlier run left goes, its checkpoint first. */
+/* A new file; the files that an earlier run left are removed, its checkpoint first. */
 tides_status td_record_anew(td_record *record, tides_error *error);
 
 /* The file and record->simulator, which is new, where the checkpoint was made. */

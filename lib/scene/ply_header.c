@@ -202,7 +202,7 @@ static int comment_is(const td_ply_line *line, const char *const *names) {
 }
 
 /* "comment up x y z" is ours and "comment Vertical axis: x y z" Brush's; "comment Vertical Axis: z" is nerfstudio's, whose z is
- * up. Of another single axis that comment says nothing: Brush writes y where it doesn't know. */
+ * up. For another single axis that comment is ignored: Brush writes y where it doesn't know. */
 static tides_status parse_up(parser *p) {
     static const char *const ours[] = {"up", NULL}, *const theirs[] = {"Vertical", "axis:", NULL};
     const td_ply_line *line = &p->line;

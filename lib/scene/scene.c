@@ -49,7 +49,7 @@ static tides_status suggest_drop(tides_status status, int32_t drop, tides_error 
                             : "scene.invalid = drop (tides convert --drop-invalid) leaves such Gaussians out");
 }
 
-/* `drop` as of a scene; those that are left out are counted. */
+/* `drop` as in a scene's options; Gaussians that are left out are counted. */
 static tides_status object_fill(td_object *object, td_gaussians *gaussians, const tides_trajectory *trajectory, double scale,
                                 const char *name, const char *source, int32_t drop, int64_t *dropped, tides_error *error) {
     if (!(scale > 0 && scale <= FLT_MAX))

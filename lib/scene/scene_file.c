@@ -1,5 +1,5 @@
-/* Scene files: which reader a file's content asks for, which writer a file's ending asks for. What the bytes mean is each
- * format's own file's. */
+/* Scene files: the reader for a file's content, and the writer for a file's ending. The meaning of the bytes is in each
+ * format's own file. */
 #include "td_base.h"
 #include "td_folder.h"
 #include "td_kinds.h"

@@ -20,7 +20,7 @@
 typedef struct lod {
     const char *path;
     cJSON *meta;
-    const char **names; /* of files; those of the finest level that are used have a count */
+    const char **names; /* of files; the files of the finest level that are used have a count */
     int64_t *counts, files;
     const char *level; /* that is read: "0" */
     int64_t coarsest;  /* level that a leaf has */

@@ -40,11 +40,11 @@ const char *td_method_name(int method);
  * .pt or .npz, or a .ply with the properties of a moving model. */
 int td_model_dir_is(const char *path);
 
-/* `path`: the model's folder, one of the folders point_cloud/iteration_N in it (that iteration is then taken; else the one
- * that `part` (nullable) names, else the newest), or one of the files above; a file's model folder is looked for above it. On
+/* `path`: the model's folder, one of the folders point_cloud/iteration_N in it (that iteration is then taken; else the one that
+ * `part` (nullable) names, else the newest), or one of the files above; a file's model folder is looked for above it. On
  * success the caller frees `dir`. TIDES_BAD_ARGUMENT where there is no such part;
- * TIDES_FILE_NOT_FOUND; TIDES_BAD_FILE where nothing is recognised, telling what was looked for; what the readers of
- * cfg_args and of gsplat's checkpoints say; TIDES_NO_MEMORY. */
+ * TIDES_FILE_NOT_FOUND; TIDES_BAD_FILE where nothing is recognised, naming the files that were looked for; failures of the
+ * readers of cfg_args and of gsplat's checkpoints; TIDES_NO_MEMORY. */
 tides_status td_model_dir_find(const char *path, const char *part, td_model_dir *dir, tides_error *error);
 void td_model_dir_free(td_model_dir *dir); /* leaves an empty one: may be called twice */
 

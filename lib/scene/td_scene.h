@@ -170,7 +170,7 @@ tides_trajectory *td_scene_told(const tides_scene *scene, int32_t index);
 /* Row i of an object's Gaussians where its motion has them: TD_GEOMETRY_STRIDE numbers; SH, 3 k + channel, or NULL: its own. */
 typedef void td_row_visitor(void *user, int64_t i, const double *geometry, const double *sh);
 
-/* All rows of an object that has a motion, at `time` [s]. What the motion's clock, or a callback, says of it. */
+/* All rows of an object that has a motion, at `time` [s]. Fails as the motion's clock, or a callback, fails. */
 tides_status td_moving_rows(const td_object *object, double time, td_row_visitor *visit, void *user, tides_error *error);
 
 /* -- readers and writers: ply_reader.c, ply_writer.c, scene_hdf5.c, scene_hdf5_write.c -- */

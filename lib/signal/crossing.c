@@ -17,7 +17,7 @@ static double share(double a, double b) {
 
 /* The slope is d0 u^2 + 2 d1 u s + d2 s^2 with u = 1 - s: a quadratic in the ratio r = s / u, where r > 0 is all of 0 < s < 1.
  * With q = -(d1 + sign(d1) sqrt(d1^2 - d0 d2)) its roots are q / d2 and d0 / q. Back in s both are shares of quantities of one
- * sign, so nothing cancels, and a vanishing d2 or d0 merely moves its root to an end. What can cancel is the discriminant where
+ * sign, so nothing cancels, and a vanishing d2 or d0 merely moves its root to an end. Only the discriminant can cancel, where
  * the two extrema nearly meet; the piece between them is then lower than rounding, and it doesn't matter whether it is seen. */
 int td_model_extrema(const td_model *model, double s[2]) {
     const double *b = model->control;
@@ -74,11 +74,11 @@ static double near_guess(const td_level *at, double low, double high, double val
     return low + span * (after_low / rise);
 }
 
-/* Finds a place that has the time which td_level_solve would give: 1 where it did. Two thirds of what that does is to tell
- * apart neighbouring numbers, in the rounding of the excess. Here Newton goes on until its next step is short; then two places
- * beside it of one nanosecond, on both sides of the level by more than rounding, have all places between them where it could
- * end, for the piece is monotone. An end of the piece is such a place as it stands: td_level_solve ends between both. What was
- * crossed before, and is near only, is none. */
+/* Finds a place that has the time which td_level_solve would give: 1 where it did. That function spends two thirds of its time
+ * on telling neighbouring numbers apart, in the rounding of the excess. Here Newton goes on until its next step is short; then
+ * two places beside it of one nanosecond, on both sides of the level by more than rounding, have all places between them where
+ * it could end, for the piece is monotone. An end of the piece is such a place as it stands: td_level_solve ends between both.
+ * A place that was crossed before, and is only near now, doesn't count. */
 static int solve_near(const td_level *at, const td_crossing_walk *walk, double high, double value_high, double *s) {
     enum { TRIES = 6 };
     const td_step *step = walk->step;

@@ -1,6 +1,6 @@
-/* Places of many crossings at once, in loops that vectorise: Newton's steps are the same number for all, and what they have
- * come to is then proven, place by place, to have the nanosecond that a search to the last bit would give. What can't be proven
- * so, near ends of nanoseconds and of pieces and where the model turns sharply, is searched for as it always was. */
+/* Places of many crossings at once, in loops that vectorise: all take the same number of Newton's steps. Each place is then
+ * proven to have the nanosecond that a search to the last bit would give. Places without that proof, near ends of nanoseconds
+ * and of pieces and where the model turns sharply, are searched for one by one. */
 #include "td_crossing_list.h"
 
 #include "td_wide.h"

@@ -1,4 +1,4 @@
-/* A growing list of events: its memory. Who appends does so in td_event_buffer.h. */
+/* A growing list of events: its memory. Appending is inline, in td_event_buffer.h. */
 #include "td_event_buffer.h"
 #include "td_base.h"
 

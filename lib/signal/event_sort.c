@@ -1,8 +1,8 @@
 /* Radix sort of events by (t, y, x, polarity).
  *
  * Times are whole nanoseconds, so that few events share theirs. A packet is dealt into stretches of time that the nearest cache
- * holds, and each stretch, while it is there, into slices of time of about one event; what is left to do are neighbours. Passes
- * over all bits of time and place take twice as long. */
+ * holds, and each stretch, while it is there, into slices of time of about one event; only neighbours are left to be sorted.
+ * Passes over all bits of time and place take twice as long. */
 #include "td_event_sort.h"
 
 #include "td_sort.h"

@@ -1,5 +1,5 @@
-/* Cubics between the places where a pixel's signal is known. What the nodes are worth, and where more are wanted, is the
- * solver's; which crossings count, the comparator's. */
+/* Cubics between the places where a pixel's signal is known. The solver judges the nodes and adds more; the comparator decides
+ * which crossings count. */
 #include "td_pieces.h"
 #include "td_crossing.h"
 

@@ -1,5 +1,5 @@
 /* Internal: crossings of a local model (td_model.h) with a pair of levels that moves with them, for the comparator, with or
- * without blocks. It knows one pixel on one step; what a crossing means is up to the caller. */
+ * without blocks. It knows one pixel on one step; the caller gives a crossing its meaning. */
 #ifndef TD_CROSSING_H
 #define TD_CROSSING_H
 

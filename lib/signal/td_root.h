@@ -1,5 +1,5 @@
 /* Internal: the one root finder: safeguarded Newton on a bracket, for crossings of a local model, of a series, and for the time
- * maps of filters. It is given a bracket and a function; who has monotone pieces, and which root is wanted, the callers know.
+ * maps of filters. It is given a bracket and a function; the callers know the monotone pieces, and the root that is wanted.
  *
  * Inline, so that the functions are inlined into it where they are constants. */
 #ifndef TD_ROOT_H

@@ -10,8 +10,8 @@ typedef struct td_tile {
     int32_t count; /* pixels */
 } td_tile;
 
-/* Signals of a tile's pixels at both ends of the step. What a model doesn't read may be NULL: the secant reads no rates, only
- * the cubic reads S1_dot. */
+/* Signals of a tile's pixels at both ends of the step. Arrays that the model doesn't read may be NULL: the secant reads no
+ * rates, only the cubic reads S1_dot. */
 typedef struct td_signals {
     const double *S0;     /* [log units]   (count) */
     const double *S0_dot; /* [log units/s] (count) */

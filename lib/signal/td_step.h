@@ -14,8 +14,8 @@ typedef struct td_step {
     double length_s;           /* the same [s]: h */
 } td_step;
 
-/* The step between two times [s]. The same double always becomes the same nanosecond, so that one step's stop is the next one's
- * start; a double that is a whole nanosecond to within its own rounding is that nanosecond (1.001 s isn't 1000999999 ns).
+/* The step between two times [s]. A double always becomes the same nanosecond, so that one step's stop is the next one's start;
+ * a double that is a whole nanosecond to within its own rounding is that nanosecond (1.001 s isn't 1000999999 ns).
  * TIDES_OUT_OF_RANGE where they aren't finite and ascending, or beyond 292 years. */
 TIDES_MUST_CHECK tides_status td_step_between(double start, double stop, td_step *step, tides_error *error);
 
