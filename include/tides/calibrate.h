@@ -67,7 +67,7 @@ typedef struct tides_calibrate_options {
     int64_t start_ns, stop_ns;   /* the stretch [start, stop); INT64_MIN, INT64_MAX: of what recording and light have in common
                                   the busiest second */
     int32_t x, y, width, height; /* pixels that count; width 0: all */
-    double given[TIDES_CALIBRATED_VALUES];     /* values that are known; NaN: to be measured. Of the thresholds none */
+    double given[TIDES_CALIBRATED_VALUES];     /* values that are known; NaN: to be measured. A threshold can't be given */
     const char *still;                         /* a recording of a still scene or behind a cap, for noise and leak; or NULL */
     const struct tides_event_reading *reading; /* how the recordings are read; NULL: by content */
     uint64_t seed;                             /* of the halves and the simulations */

@@ -64,9 +64,9 @@ enum {
                                    off: noise, spread, latency, low-pass, refractory period, readout */
 };
 
-/* Overrides ("method=v2e", "v2e.pos_thres=0.2" ...) that take `method` in place of the run's own and make it so. What can't be
- * had: v2e's logarithm stays linear below DN 20; IEBCS needs a time constant (as short at Y = 1 as its own) and a microsecond
- * of refractory period; DVS-Voltmeter has one threshold for both polarities (the mean). The caller frees `texts` (count) with
+/* Overrides ("method=v2e", "v2e.pos_thres=0.2" ...) that take `method` in place of the run's own and make it so. Limits: v2e's
+ * logarithm stays linear below DN 20; IEBCS needs a time constant (as short at Y = 1 as its own) and a microsecond of
+ * refractory period; DVS-Voltmeter has one threshold for both polarities (the mean). The caller frees `texts` (count) with
  * tides_free, texts and all. TIDES_BAD_ARGUMENT naming the methods. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_ideal_settings(const tides_run *run, const char *method, int32_t what,
                                                              const char ***texts, size_t *count, tides_error *error);

@@ -1,8 +1,8 @@
 /* How good a stream is: distances between streams of events.
  *
  * Definitions: Sec. 4.3 of the paper where it gives them; what it leaves open (pooling, units, truncation) is fixed here, at
- * each field. Values are undefined where they would divide by nothing: those are NaN in C and null in JSON. No number of a
- * simulated stream means much alone: the reference's own value stands beside it. */
+ * each field. Values that would divide by 0 are undefined: NaN in C and null in JSON. No number of a simulated stream means
+ * much alone: the reference's own value stands beside it. */
 #ifndef TIDES_METRICS_H
 #define TIDES_METRICS_H
 
@@ -92,7 +92,7 @@ TIDES_API void tides_metrics_options_defaults(tides_metrics_options *options);
 /* Intervals and the inverse Gaussian IG(mean, shape) with the largest likelihood: shape = 1 / (mean(1/tau) - 1/mean(tau)),
  * 1/shape at least 1e-6 / mean. */
 typedef struct tides_interval_fit {
-    uint64_t count, floored; /* intervals; those shorter than the floor */
+    uint64_t count, floored; /* intervals; intervals shorter than the floor */
     double mean_s, shape_s;  /* NaN without intervals */
 } tides_interval_fit;
 
@@ -137,7 +137,7 @@ typedef struct tides_metrics {
     double chamfer_fraction;                                 /* of the diagonal */
     double chamfer_limit_px;                                 /* min(v window, diagonal) */
     double chamfer_to_simulated_px, chamfer_to_reference_px; /* means of all points of the reference, of the simulated stream */
-    uint64_t chamfer_terms, chamfer_one_sided;               /* windows of a polarity; those with one stream empty */
+    uint64_t chamfer_terms, chamfer_one_sided;               /* windows of a polarity; windows with one stream empty */
 
     /* Spike-train distances between the trains of each pixel and polarity, summed. */
     double victor_purpura;          /* least cost of turning one train into the other */

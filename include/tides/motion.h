@@ -110,9 +110,9 @@ typedef struct tides_theta {
 typedef tides_status (*tides_motion_function)(void *user, double time, int32_t side, const int32_t *index, int64_t count,
                                               const tides_theta *theta, tides_error *error);
 
-/* Any other motion: a function, called by whoever renders or simulates the scene, in that thread, one call at a time for one
- * renderer; renderers of several threads call it at once. `user` must outlive the motion. NaN or Inf from the function, or a
- * quaternion of zero, end the call under way with TIDES_BAD_ARGUMENT. Scenes that hold one can't be saved. */
+/* Any other motion: a function, called in the thread that renders or simulates the scene, one call at a time for one renderer;
+ * renderers of several threads call it at once. `user` must outlive the motion. NaN or Inf from the function, or a quaternion
+ * of zero, end the call under way with TIDES_BAD_ARGUMENT. Scenes that hold one can't be saved. */
 typedef struct tides_callback_motion {
     int64_t count;                  /* N */
     double start, stop;             /* its own clock, any unit */

@@ -78,7 +78,7 @@ TIDES_API void tides_readout_defaults(tides_readout *readout);
 
 /* Counts of the events: in = out + dropped + overflowed + waiting, always. */
 typedef struct tides_readout_stats {
-    uint64_t in, out;     /* events given to it; those that left */
+    uint64_t in, out;     /* events given to it; events that left */
     uint64_t dropped;     /* by chance */
     uint64_t overflowed;  /* their queue was full */
     uint64_t waiting;     /* in queues, or held until the order is certain */
