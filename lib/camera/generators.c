@@ -157,8 +157,8 @@ tides_status tides_trajectory_create_dolly(const tides_dolly *dolly, tides_traje
 
 /* -- handheld --------------------------------------------------------------------------------------------------------- */
 
-/* Hand tremor has most of its power at low frequency: sines at f, 1.71 f, 2.92 f and 5 f (ratio 5^(1/3), so that they don't
- * repeat soon), amplitudes falling as 1/f. */
+/* Hand tremor has most of its power at low frequency: sines at f, 1.71 f, 2.92 f and 5 f (ratio 5^(1/3), so that they take long
+ * to repeat), amplitudes falling as 1/f. */
 #define TD_SINES 4
 #define TD_AXES 6 /* three of position, then three of rotation */
 

@@ -19,7 +19,7 @@ struct tides_trajectory {
     td_mount mount;
 };
 
-/* Samples from number `from` on, of a path whose first was at `origin`: finite, in order, told apart. */
+/* Samples from number `from` on, of a path whose first was at `origin`: finite, in order, distinct. */
 tides_status td_samples_check(const tides_pose_sample *samples, size_t from, size_t count, double origin, tides_error *error);
 
 /* Normalises their quaternions, and gives each the sign that is nearer to its predecessor. */

@@ -1,8 +1,8 @@
 /* A checkpoint's bytes: an HDF5 file that is built in memory, and behind it one line of text, the seal: the checksum of all
  * that comes before. HDF5 takes the end of a file from its superblock and doesn't mind what follows.
  *
- * The seal is checked before HDF5 sees a byte: damage is told as damage, whatever it hit. The file is built in memory because a
- * disk that fills up while HDF5 writes leaves a file that HDF5 can neither close nor free. */
+ * The seal is checked before HDF5 sees a byte: damage is reported as damage, wherever it is. The file is built in memory
+ * because a disk that fills up while HDF5 writes leaves a file that HDF5 can neither close nor free. */
 #include "td_checkpoint.h"
 #include "td_hash.h"
 

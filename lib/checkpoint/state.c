@@ -84,8 +84,8 @@ static void chunk_of(const dataset *d, hsize_t chunk[2]) {
     chunk[1] = d->extent[1];
 }
 
-/* Packed by us: whoever has stopped a run waits for it, and HDF5's own filters took four times as long, a second for 1.2
- * million pixels. */
+/* Packed by us: a user who stops a run waits for it, and HDF5's own filters took four times as long, a second for 1.2 million
+ * pixels. */
 static tides_status write_dataset(const td_place *root, const dataset *d) {
     hsize_t chunk[2];
     chunk_of(d, chunk);

@@ -1,5 +1,5 @@
-/* Events of a dataset that is being made (td_kept.h). Of each camera NAME there are NAME.h5, with its checkpoint as long as it
- * isn't whole, NAME.run, the fingerprint of the run that they are of, and NAME.seen, which says that all is there and whether
+/* Events of a dataset that is being made (td_kept.h). Each camera NAME has NAME.h5, with its checkpoint as long as it isn't
+ * whole, NAME.run, the fingerprint of the run that they are of, and NAME.seen, which says that all is there and whether
  * anything was in view. */
 #include "td_kept.h"
 #include "td_folder.h"
@@ -17,7 +17,7 @@ static const char own[] = ".events";
 
 /* -- the folder ------------------------------------------------------------------------------------------------------------ */
 
-/* Held as long as the process lives: a part without it has nobody who writes it. */
+/* Held as long as the process lives: no process writes a part without it. */
 static tides_status take_lock(td_kept *kept, const char *part, tides_error *error) {
     char *path = td_in_folder(kept->folder, error, "lock");
     if (!path) return TIDES_NO_MEMORY;

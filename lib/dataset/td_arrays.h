@@ -9,7 +9,7 @@
 typedef struct td_arrays {
     hid_t file; /* 0: none open */
     char *path;
-    int failed; /* errno of a write that HDF5 isn't told of (archive/td_h5_driver.h) */
+    int failed; /* errno of a write that HDF5 doesn't see (archive/td_h5_driver.h) */
 } td_arrays;
 
 typedef struct td_array {

@@ -12,8 +12,8 @@ typedef struct td_kept {
     tides_fingerprints *prints;
 } td_kept;
 
-/* Makes `part`, or takes over one that a dataset left, of which all but its events goes. TIDES_WRITE_FAILED: somebody else's,
- * or another process is writing it. */
+/* Makes `part`, or takes over one that a dataset left, of which all but its events goes. TIDES_WRITE_FAILED: it belongs to
+ * another user, or another process is writing it. */
 TIDES_MUST_CHECK tides_status td_kept_open(td_kept *kept, const char *part, tides_error *error);
 
 /* All events of a camera to the sink, from the file that is there of the same run, or simulated into one first, from where its

@@ -82,7 +82,7 @@ static void explain(drivers *d, const char *entry, const char *library, const ch
     snprintf(d->text, TD_TROUBLE_MAX, "the driver of %.150s can't be loaded (%.300s): %s", entry, said, remedy);
 }
 
-/* The first that can't be loaded is told of. */
+/* The first that can't be loaded is reported. */
 static void try_library(drivers *d, const char *entry, const char *library) {
     void *loaded = dlopen(library, RTLD_LAZY | RTLD_LOCAL);
     d->count++;

@@ -78,7 +78,7 @@ int td_double_lanes(const tides_device *device) {
 /* The prelude owns the pragma: it only governs text after it, so it must be the first line of all. Vectors wider than the
  * device's registers never cross a program's border here: clang's note about their calling convention is noise. Intel's CPU
  * driver would make vectors of sixteen work-items of our vectors of sixteen pixels: no faster a run, and three to five times
- * the time to compile it (the demo: 13 s instead of 2.6 to 3.7), so it is told that there is nothing to be made. */
+ * the time to compile it (the demo: 13 s instead of 2.6 to 3.7), so intel_vec_len_hint(1) tells it not to. */
 static char *make_prelude(const tides_device *device, const dialect *of, const char *defines, tides_error *error) {
     return td_format(error,
                      "#pragma OPENCL FP_CONTRACT OFF\n%s"

@@ -24,7 +24,7 @@ struct tides_device {
     cl_context context;
     cl_command_queue queue;
     td_program_entry *programs; /* built so far, newest first */
-    pthread_mutex_t building;   /* held by whoever looks at `programs`: simulators of several threads share a device */
+    pthread_mutex_t building;   /* held while `programs` is read: simulators of several threads share a device */
 };
 
 /* 1 where it computes in double precision: the reference. Results agree to the bit among those of one precision. */

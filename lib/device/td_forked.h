@@ -4,7 +4,7 @@
 
 #include "td_base.h"
 
-/* OpenCL's drivers are being loaded by this process, by one thread at a time: between the two, nobody else's fork happens. */
+/* OpenCL's drivers are being loaded by this process, by one thread at a time: between the two, no other thread forks. */
 void td_drivers_lock(void);
 void td_drivers_unlock(void);
 

@@ -192,7 +192,7 @@ static tides_status pump(converter *c, tides_progress progress, void *user, tide
     return status == TIDES_OK ? write_first(c, c->count, error) : status;
 }
 
-/* The input is still there: half an output helps nobody. */
+/* The input is still there: half an output has no use. */
 static void remove_output(const char *out) {
     char *part = NULL;
     if (td_part_name(out, 1, &part, NULL) == TIDES_OK) td_remove_part(part, out);

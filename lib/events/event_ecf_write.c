@@ -29,7 +29,7 @@ typedef struct ecf_writer {
     uint64_t index_rows;
     size_t pending_count;
     index_entry pending[TD_ECF_CHUNK], last; /* entries that wait for their chunk; of the last interval with events */
-    int failed;                              /* errno of a write that HDF5 isn't told of (archive/td_h5_driver.h), or 0 */
+    int failed;                              /* errno of a write that HDF5 doesn't see (archive/td_h5_driver.h), or 0 */
 } ecf_writer;
 
 /* ---- creation ---- */

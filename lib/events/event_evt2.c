@@ -181,7 +181,7 @@ static tides_status create_evt4(td_event_sink *sink, tides_error *error) {
     return create_evt(sink, "4.0", "EVT4", (clock_state){.type_high = EVT4_TIME_HIGH, .type_off = EVT4_OFF}, error);
 }
 
-/* A turn is told by the clock's last value and its first: openeb's reader of 2.1 counts no other fall. */
+/* A turn is recognised by the clock's last value and its first: openeb's reader of 2.1 counts no other fall. */
 static void go_to(td_event_sink *sink, int64_t high) {
     const clock_state *state = sink->state;
     for (int64_t turn = state->high / HIGH_VALUES + 1; turn <= high / HIGH_VALUES; turn++) {

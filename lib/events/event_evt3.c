@@ -51,7 +51,7 @@ static tides_status open_evt3(td_event_stream *stream, tides_error *error) {
     return td_event_header_read(stream, &header, error);
 }
 
-/* The low part is zero until it is told, as in openeb; a camera that repeats the high part doesn't step back. */
+/* The low part is zero until the file gives it, as in openeb; a camera that repeats the high part doesn't step back. */
 static void take_high(evt3_state *state, uint32_t high) {
     int64_t turns = state->high < 0 ? 0 : state->high / HIGH_VALUES, before = state->high < 0 ? 0 : state->high % HIGH_VALUES;
     if (before - (int64_t)high >= HIGH_VALUES / 2) turns++;

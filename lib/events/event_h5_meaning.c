@@ -52,7 +52,7 @@ static tides_status said_order(td_event_source *source, const char *columns, tid
                    source->path, columns);
 }
 
-/* By somebody's word, by values, or where those leave more than one order, by the layout's. */
+/* By the caller's order, by values, or where values leave more than one order, by the layout's. */
 static tides_status find_order(td_event_source *source, const tides_event_reading *how, int known, char told[160],
                                tides_error *error) {
     td_table_column facts[TD_ROW_FIELDS];
@@ -63,7 +63,7 @@ static tides_status find_order(td_event_source *source, const tides_event_readin
     for (int c = 0; c < TD_ROW_FIELDS; c++) {
         td_h5_column one = source->columns[0];
         one.column = c;
-        if (sample(source, &one, &facts[c], NULL) < 0) return TIDES_OK; /* its turn to be told comes when it is read */
+        if (sample(source, &one, &facts[c], NULL) < 0) return TIDES_OK; /* it is reported when it is read */
     }
     const int guessed = td_table_guess(facts, TD_ROW_FIELDS, &meaning, order, &reason) == TIDES_OK;
     if (!guessed && known) return TIDES_OK;

@@ -20,7 +20,7 @@ static int detect_nmnist(const td_event_probe *probe) {
 static tides_status open_nmnist(td_event_stream *stream, tides_error *error) {
     (void)stream;
     (void)error;
-    return TIDES_OK; /* the sensor's size isn't told: 34 x 34 in one set, 233 x 173 in the other */
+    return TIDES_OK; /* the sensor's size isn't given: 34 x 34 in one set, 233 x 173 in the other */
 }
 
 static tides_status read_nmnist(td_event_stream *stream, tides_event *events, size_t capacity, size_t *got,

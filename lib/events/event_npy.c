@@ -120,7 +120,7 @@ static tides_status open_structured(td_event_stream *stream, const td_npy_array 
     return TIDES_OK;
 }
 
-/* (N, 4): by somebody's word, or by values. */
+/* (N, 4): by the caller's order, or by values. */
 static tides_status open_table(td_event_stream *stream, const td_npy_array *array, tides_error *error) {
     npy_state *state = stream->state;
     const char *said = stream->reading.columns;

@@ -18,7 +18,7 @@ struct tides_event_reader {
     char *texts[3]; /* our copies of what the reading names: columns, unit, stream */
     int64_t shift;  /* [ns] added to all times, once `placed` */
     int32_t placed;
-    tides_error failure; /* the first: told again by every later call */
+    tides_error failure; /* the first: reported again by every later call */
     size_t held, taken;  /* events in batch; handed out */
     tides_event batch[BATCH];
 };

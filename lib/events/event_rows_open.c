@@ -1,5 +1,5 @@
 /* Opening text files of events: what stands before the events (comments, a header, a sensor's size), what separates columns,
- * which column is what, and in which unit times are (event_table.c decides where nobody says). */
+ * which column is what, and in which unit times are (event_table.c decides where neither the file nor the caller says). */
 #include "td_event_rows.h"
 
 #include "td_base.h"
@@ -32,7 +32,7 @@ static char separator_of(const char *line) {
     return strchr(line, ';') ? ';' : strchr(line, ',') ? ',' : ' '; /* commas beside semicolons are decimal points */
 }
 
-/* The number of a line's columns where all of them are numbers, which `facts` (nullable) are told; else 0. */
+/* The number of a line's columns where all of them are numbers, which are added to `facts` (nullable); else 0. */
 static int number_columns(char *line, char separator, td_table_column *facts) {
     char *words[TD_TABLE_COLUMNS_MAX];
     double values[TD_TABLE_COLUMNS_MAX];
@@ -163,7 +163,7 @@ static tides_status take_size(td_event_stream *stream, char *text, char separato
     return TIDES_OK;
 }
 
-/* A header names events' columns. Comments do so or not; another line of words is one that somebody must explain. */
+/* A header names events' columns. A comment may do so; any other line of words needs an explanation by the caller. */
 static tides_status take_names(td_event_stream *stream, const char *line, front *f, int *taken, tides_error *error) {
     td_columns named;
     td_table_meaning meaning;

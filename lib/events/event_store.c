@@ -113,7 +113,7 @@ static herr_t create_attributes(td_event_store *store, const tides_event_file *f
     return store->count < 0 || store->stop < 0 ? -1 : 0;
 }
 
-/* HDF5 locks a file only after it has emptied it: two runs told to write the same file would ruin each other. */
+/* HDF5 locks a file only after it has emptied it: two runs that write the same file would ruin each other. */
 tides_status td_event_store_claim(const char *path, int create, tides_error *error) {
     int descriptor = td_open_own(path, create);
     if (descriptor < 0 && errno == ENOENT && !create)
@@ -292,7 +292,7 @@ tides_status td_event_store_complete(td_event_store *store, uint64_t entries, in
 
 void td_event_store_drop(td_event_store *store) {
     tides_status ignored = td_event_store_close(store, NULL);
-    (void)ignored; /* an earlier failure is told, or nobody asks */
+    (void)ignored; /* an earlier failure is reported, or the result isn't used */
 }
 
 int td_event_store_sync(const td_event_store *store) {

@@ -248,7 +248,7 @@ static tides_status check_event(const td_event_format *format, const td_event_si
     return why ? refuse(event, index, TIDES_UNSUPPORTED, why, error) : TIDES_OK;
 }
 
-/* Whether check_event would take all of them, told without a branch for each: of hundreds of millions none is refused. */
+/* Whether check_event would take all of them, found without a branch for each: of hundreds of millions none is refused. */
 static int are_plain(const td_event_format *format, const td_event_sink *sink, const tides_event *events, size_t count,
                      const tides_event *previous) {
     const uint32_t width = (uint32_t)sink->width, height = (uint32_t)sink->height;
@@ -375,7 +375,7 @@ void tides_event_writer_abandon(tides_event_writer *writer) {
     } else {
         int64_t stop = writer->sink.has_last ? writer->sink.last.t : 0;
         tides_status ignored = complete(writer, stop);
-        (void)ignored; /* nobody asks any more */
+        (void)ignored; /* the result isn't used any more */
     }
     free_writer(writer);
 }

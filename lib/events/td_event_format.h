@@ -151,7 +151,7 @@ typedef struct td_event_format {
     void (*close)(td_event_stream *stream);
 
     /* Writing; all NULL where it is only read. Events come checked and in order. `span` (nullable) says why a recording from
-     * start to stop can't be stored and what to do, or NULL; `begin` (nullable) is told the first event before it is checked;
+     * start to stop can't be stored and what to do, or NULL; `begin` (nullable) gets the first event before it is checked;
      * `check` (nullable) says why an event can't be stored after `previous` (nullable), or NULL. `complete` makes the file
      * whole; `discard` frees the state. */
     tides_status (*create)(td_event_sink *sink, tides_error *error);

@@ -23,7 +23,7 @@ typedef struct td_event_store {
     uint64_t pending[TD_INDEX_CHUNK]; /* entries that wait for their chunk to fill */
     size_t pending_count;
     void *scratch; /* one column of one chunk, and what packs it: TD_EVENT_SCRATCH bytes */
-    int failed;    /* errno of the first write that failed, or 0: HDF5 isn't told (archive/td_h5_driver.h) */
+    int failed;    /* errno of the first write that failed, or 0: HDF5 doesn't see it (archive/td_h5_driver.h) */
 } td_event_store;
 
 /* Bytes of a store's scratch. */
@@ -110,7 +110,7 @@ tides_status td_event_store_complete(td_event_store *store, uint64_t entries, in
 int td_event_store_sync(const td_event_store *store);
 
 /* Closes all that is open and frees the scratch; fails where anything of the file couldn't be written, the error's text is the
- * bare reason. _drop: the same where an earlier failure is told, or nobody asks. */
+ * bare reason. _drop: without an error, where an earlier failure is reported, or the result isn't used. */
 tides_status td_event_store_close(td_event_store *store, tides_error *error);
 void td_event_store_drop(td_event_store *store);
 

@@ -1,5 +1,5 @@
-/* Internal: which column of a table of events is what, and in which unit its times are: as its header says, or as somebody who
- * knows says, or, where nobody does, as its values can only be meant. Nothing is taken from its place alone. */
+/* Internal: which column of a table of events is what, and in which unit its times are: as its header says, or as the caller
+ * says, or, where neither does, as its values can only be meant. Nothing is taken from its place alone. */
 #ifndef TD_EVENT_TABLE_H
 #define TD_EVENT_TABLE_H
 
@@ -34,7 +34,7 @@ typedef struct td_table_meaning {
     int digits;                /* 10^digits nanoseconds are a unit of time; -1: not known yet */
 } td_table_meaning;
 
-/* From a header's columns, or somebody's list of them. TIDES_BAD_FILE says which is missing or there twice, as the end of
+/* From a header's columns, or the caller's list of them. TIDES_BAD_FILE says which is missing or there twice, as the end of
  * "PATH: its header ". */
 tides_status td_table_named(const td_columns *named, td_table_meaning *meaning, tides_error *error);
 

@@ -1,5 +1,5 @@
-/* Internal: the state of a camera's filters. All of it that changes is one array of whole numbers, so that whoever saves a run
- * (lib/checkpoint) has it in one row of a table, and whoever undoes a step puts it back by a copy. */
+/* Internal: the state of a camera's filters. All of it that changes is one array of whole numbers. So a checkpoint
+ * (lib/checkpoint) has it in one row of a table, and a step is undone by a copy. */
 #ifndef TD_FILTER_H
 #define TD_FILTER_H
 

@@ -266,7 +266,7 @@ static tides_status add_keyframes(const tides_generate_options *options, tides_s
     tides_motion *motion = NULL;
     tides_status status = herd_make(options, KEYFRAMES, &h, error);
     if (status == TIDES_OK) status = keyframe_motion(&h, &motion, error);
-    if (status == TIDES_OK) { /* what it looks like at the start, for whoever reads the Gaussians alone */
+    if (status == TIDES_OK) { /* the appearance at the start, for readers of the Gaussians alone */
         put_all(&h, 0, h.splats.gaussians.mean, h.splats.gaussians.quaternion);
         status = add_herd(&h, motion, "things in keyframes", scene, error);
     }

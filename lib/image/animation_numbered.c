@@ -22,8 +22,8 @@ int td_animation_is_numbered(const char *path) {
     return find_number(path, &length) != NULL;
 }
 
-/* The name of picture `index`, allocated. The width is the digit ahead of the d; numbers that are shorter get zeros, since
- * spaces in names help nobody. */
+/* The name of picture `index`, allocated. The width is the digit ahead of the d; shorter numbers get zeros, since names
+ * shouldn't have spaces. */
 static char *name_of(const tides_animation *animation, uint64_t index, tides_error *error) {
     size_t length = 2; /* what finding it sets */
     const char *number = find_number(animation->path, &length);

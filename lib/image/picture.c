@@ -107,8 +107,8 @@ static void count_events(const tides_event *events, size_t count, int32_t width,
     }
 }
 
-/* Greys stay between 120 and 180: an event alone is darker than any of them, and many are brighter, so that they are told from
- * what is around them by lightness, too, not by their hue alone. */
+/* Greys stay between 120 and 180: an event alone is darker than any of them, and many are brighter, so that they differ from
+ * their surroundings in lightness, too, not in hue alone. */
 enum { GREY = 140 };
 static double dimmed_grey(double value) { return isnan(value) ? GREY : 120.0 + 60.0 / 255.0 * td_srgb(value); }
 

@@ -1,4 +1,4 @@
-/* The table of the motion models, for whoever has a model's name: a new one is a line here (docs/ADDING.md). */
+/* The table of the motion models, by name: a new one is a line here (docs/ADDING.md). */
 #include "td_hexplane.h"
 #include "td_models.h"
 #include "td_network.h"

@@ -1,4 +1,4 @@
-/* Internal: one Gaussian's activation, for whoever has raw parameters in double. */
+/* Internal: one Gaussian's activation, from raw parameters in double. */
 #ifndef TD_ACTIVATE_H
 #define TD_ACTIVATE_H
 

@@ -45,7 +45,7 @@ size_t td_page_planes_room(int32_t with_truth);
 size_t td_page_packed_room(int32_t with_truth);
 size_t td_page_base64_room(int32_t with_truth);
 
-/* Bytes as they are; a failure is told by the next td_text_put, or when the page is closed. */
+/* Bytes as they are; a failure is reported by the next td_text_put, or when the page is closed. */
 void td_page_put(td_text *text, const void *bytes, size_t size);
 
 /* page_source.c: the template's lines up to the place of the events, or from there on. */

@@ -12,7 +12,7 @@
 typedef struct h5_array {
     hid_t file, dataset;
     int ours;   /* the .part isn't another run's */
-    int failed; /* errno of a write that HDF5 isn't told of (archive/td_h5_driver.h), or 0 */
+    int failed; /* errno of a write that HDF5 doesn't see (archive/td_h5_driver.h), or 0 */
 } h5_array;
 
 static tides_status write_failed(const td_array_sink *sink, tides_error *error) {

@@ -1,5 +1,5 @@
-/* sensor.biases: what a camera's bias settings make of the run's keys, for those that neither file nor override gives; and in
- * the run's notes, a line each, what became what, what was kept, and what nobody publishes. */
+/* sensor.biases: a camera's bias settings set keys of the run that neither file nor override gives. The run's notes have a line
+ * each on the biases that set keys, the keys kept, and the biases without a published law. */
 #include "td_biases.h"
 #include "td_run.h"
 

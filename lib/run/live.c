@@ -1,5 +1,5 @@
-/* Live runs: a simulator on open paths, told where camera and objects are as it goes. There is no second engine: what is here
- * opens the paths, says what of a run needs to know its length, and keeps the events of a call. */
+/* Live runs: a simulator on open paths, told where camera and objects are as it goes. There is no second engine: this file
+ * opens the paths, lists the parts of a run that need to know its length, and keeps the events of a call. */
 #include "tides/live.h"
 
 #include "camera/td_rotation.h"

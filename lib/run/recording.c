@@ -112,8 +112,8 @@ static int step(void *user, double fraction, const char *stage) {
     return r->stopped || (whole && r->checkpoint && r->how.checkpoint_s > 0 && td_now() >= r->due);
 }
 
-/* First the events, then the state that follows them: whatever the process dies between leaves a pair that fits. A failure is
- * told, once, and is no reason to throw the run away. */
+/* First the events, then the state that follows them: wherever the process dies, a pair that fits is left. A failure is
+ * reported once, and is no reason to throw the run away. */
 static void save(td_record *r) {
     tides_error error = {TIDES_OK, ""};
     const double began = td_now();

@@ -1,4 +1,4 @@
-/* Keys and choices that earlier versions had, and what does their work now: a run file that still has one is told. */
+/* Keys and choices that earlier versions had, and their replacements: a run file that still has one fails with that advice. */
 #include "td_run.h"
 
 #include <string.h>

@@ -172,7 +172,7 @@ tides_status tides_session_vary(const tides_session *base, const char *const *ov
         made->facts = base->facts;
         made->camera = base->camera;
         made->opening = base->opening;
-        made->opening.notes = NULL; /* were told of the base */
+        made->opening.notes = NULL; /* were reported with the base's */
     }
     if (status == TIDES_OK && is_other_camera(base, made->run)) {
         status = td_run_open_camera(made->run, base->scene, &made->camera, &made->facts.intrinsics, &made->opening, error);

@@ -6,7 +6,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-/* Where the truth comes from, and who is told. */
+/* Source of the truth, and the receiver of progress. */
 typedef struct truth_job {
     tides_renderer *renderer;
     const tides_trajectory *camera;

@@ -1,5 +1,5 @@
-/* Why a run fired nothing: what its image does is looked at again, in a few pictures, once there is nobody left to be surprised
- * by how long that takes: a run without events is over soon. For the tool and for Python, which tell it. */
+/* The reason why a run fired nothing, from a few pictures of its image, rendered once the run is over: a run without events
+ * ends early, so that their time does no harm. For the tool and for Python, which print it. */
 #include "run/td_session.h"
 #include "td_base.h"
 #include "td_math.h"

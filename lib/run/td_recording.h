@@ -17,7 +17,7 @@ typedef struct td_record {
     tides_progress progress; /* the caller's, nullable */
     void *user;
     int32_t stopped;   /* the last stop was the caller's */
-    int32_t whole;     /* a packet has come since progress was told last: the simulator is between steps */
+    int32_t whole;     /* a packet has come since progress was last called: the simulator is between steps */
     tides_error cause; /* of the first failure of the file */
 } td_record;
 
@@ -40,7 +40,7 @@ tides_status td_record_judge(const td_record *record, tides_status status, tides
 /* record->simulator to `stop`, with a stop wherever a checkpoint is due. */
 tides_status td_record_simulate(td_record *record, double stop, tides_error *error);
 
-/* Completes the file; nobody needs the checkpoint then, unless it is to be kept. */
+/* Completes the file. The checkpoint isn't needed then, unless it is to be kept. */
 tides_status td_record_finish(td_record *record, tides_error *error);
 
 void td_record_end(td_record *record); /* leaves what isn't complete as PATH.part */

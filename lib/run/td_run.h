@@ -72,13 +72,13 @@ void td_rig_move_imu(const tides_run *run, double T[16]);
 /* 1 where the name is a video's: .y4m, or "-" for one from a pipe. */
 int32_t td_run_is_video(const char *file);
 
-/* run_light.c: what follows from how much light Y = 1 is, and from the dark, for the rows that nobody gives. */
+/* run_light.c: sets the rows that aren't given from the light of Y = 1, and from the dark. */
 tides_status td_run_light(tides_run *run, tides_error *error);
 
-/* biases.c: what the camera's biases in sensor.biases make of rows that neither file nor override gives, and a note of each. */
+/* biases.c: sets rows that neither file nor override gives from the camera's biases in sensor.biases, with a note of each. */
 tides_status td_run_biases(tides_run *run, tides_error *error);
 
-/* preset.c: the values of sensor.preset for the rows that nobody gives who is stronger. */
+/* preset.c: sets the rows that no stronger source gives from sensor.preset. */
 tides_status td_run_preset(tides_run *run, tides_error *error);
 /* preset_entry.c: the value that a preset has for a row, plain or with what is known of it, checked; and what a preset tells
  * beside its values: 1 where `item` is such, -1 where it is and has a wrong value, else 0. */

@@ -90,7 +90,7 @@ static const char *name_of(int attribute, char name[64]) {
     return name;
 }
 
-/* Nothing here is checked for memory: whoever prints it finds that something is missing. */
+/* Nothing here is checked for memory: printing the JSON fails where something is missing. */
 static void add_attributes(cJSON *json, cJSON *named, const td_gaussians *g, double box[2][3]) {
     static const char *const types[] = {"", "SCALAR", "", "VEC3", "VEC4"};
     cJSON *views = cJSON_AddArrayToObject(json, "bufferViews"), *accessors = cJSON_AddArrayToObject(json, "accessors");

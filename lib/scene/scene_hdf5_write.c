@@ -130,8 +130,8 @@ static tides_status write_root(const td_place *root, const tides_scene *scene) {
     return status ? status : write_objects(root, scene);
 }
 
-/* A file that lives in memory only; negative on failure. HDF5 opens what lies on the disk under its name, even a FIFO that
- * nobody reads: nothing lies below a plain file. */
+/* A file that lives in memory only; negative on failure. HDF5 opens a file on the disk of that name, even a FIFO without a
+ * reader. Nothing can lie below a plain file, so this name is free. */
 static hid_t create_in_memory(void) {
     static const char name[] = "/dev/null/scene";
     enum { GROW_BY = 1 << 20 }; /* bytes; grown in place, and rounded off again by get_image */

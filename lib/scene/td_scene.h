@@ -36,7 +36,7 @@ typedef struct td_object {
 struct tides_scene {
     td_object *objects;
     size_t count, capacity;
-    double up[3]; /* zeros: nobody says */
+    double up[3]; /* zeros: not given */
     char *notes;  /* NULL, or lines with "\n" between them */
     int64_t dropped;
     int32_t

@@ -1,5 +1,5 @@
-/* Internal: a growing list of events, which the comparator, the baselines and whoever collects a packet append to. Sorting and
- * giving away are their own business. */
+/* Internal: a growing list of events, to which the comparator, the baselines and collectors of packets append. Each sorts and
+ * passes on its own. */
 #ifndef TD_EVENT_BUFFER_H
 #define TD_EVENT_BUFFER_H
 
