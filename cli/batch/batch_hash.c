@@ -27,7 +27,7 @@ static char *circumstances(const batch *b, const batch_run *run) {
     return all;
 }
 
-/* The run as its sets make it; a drawn one that nobody gave a seed gets its own. */
+/* The run as its sets make it; a drawn one without a seed gets its own. */
 static tides_status load(batch_run *run, tides_run **loaded, tides_error *error) {
     tides_run *plain = NULL;
     tides_status status = tides_run_load(run->file, (const char *const *)run->sets, run->count, &plain, error);

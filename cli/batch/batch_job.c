@@ -91,7 +91,7 @@ static tides_status begin(const batch_run *run, const job_files *files, int32_t 
     return status == TIDES_OK ? batch_write_run(run, error) : status;
 }
 
-/* A link would lead the log, which is emptied, to where somebody else wants it. */
+/* A link would lead the log, which is emptied, to another file. */
 static int32_t log_to(const char *path) {
     const int file = open(path, O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW, 0666);
     const int32_t ok = file >= 0 && dup2(file, STDERR_FILENO) >= 0 && dup2(file, STDOUT_FILENO) >= 0;

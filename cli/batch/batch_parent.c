@@ -1,5 +1,5 @@
-/* Processes that end with the one that started them: a batch or a worker that is killed leaves no runs behind, and theirs go on
- * from their checkpoints where somebody starts them again. */
+/* Processes that end with the one that started them: a batch or a worker that is killed leaves no runs behind, and its runs go
+ * on from their checkpoints when they are started again. */
 #include "batch.h"
 
 #include <signal.h>

@@ -172,7 +172,7 @@ static void stop_children(pool *p) {
         if (p->b->runs[i].state == BATCH_RUNNING) kill(p->b->runs[i].child, SIGTERM);
 }
 
-/* In the manifest's order: what is finished is told, failed is told, the rest started while it fits. */
+/* In the manifest's order: finished and failed runs are reported, and the rest are started while they fit. */
 static tides_status start_next(pool *p, size_t *next, tides_error *error) {
     batch *b = p->b;
     tides_status status = TIDES_OK;

@@ -136,7 +136,7 @@ static void wait_seconds(double seconds) {
     nanosleep(&pause, NULL);
 }
 
-/* Died of the signal, or where it may be told to, stopped on request. */
+/* Died of the signal, or, where it may be stopped on request, stopped. */
 static int32_t was_cut(const making *m, int ended) {
     return WIFSIGNALED(ended) || (m->job->way->signal && WIFEXITED(ended) && WEXITSTATUS(ended) == CLI_FAILED);
 }

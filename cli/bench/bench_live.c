@@ -1,5 +1,5 @@
 /* tides bench live: how long a run that is told poses as it goes takes for each, at 346x260 and a pose every millisecond: from
- * the pose told to its events there. The first step also makes the first image, and is told apart. Poses are those of the
+ * the pose told to its events there. The first step also makes the first image, and is listed apart. Poses are those of the
  * scene's own camera, without rates, to and fro where it is shorter than the run. */
 #include "bench.h"
 #include "bench_worlds.h"

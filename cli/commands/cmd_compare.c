@@ -144,7 +144,7 @@ static tides_status work(comparison *c, cJSON **report, tides_error *error) {
     return status == TIDES_OK ? compare_page(c, *report, error) : status;
 }
 
-/* The failures last, where nobody misses them. */
+/* Failures come last, where they are seen. */
 static int report_failures(const comparison *c) {
     int code = CLI_OK;
     for (int32_t i = 0; i < c->count; i++)

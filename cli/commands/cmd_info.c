@@ -296,7 +296,7 @@ static tides_status open_events(const char *file) {
 static tides_status hdf5_facts(const char *file, cJSON *facts, tides_error *error) {
     tides_error events = {TIDES_OK, ""}, scene = {TIDES_OK, ""};
     if (events_facts(file, NULL, facts, &events) == TIDES_OK) return TIDES_OK;
-    /* Events, and what their reader lacks, or has to be told. */
+    /* Events, and the parts or options that their reader lacks. */
     if (events.status == TIDES_UNSUPPORTED || events.status == TIDES_BAD_ARGUMENT) {
         *error = events;
         return error->status;

@@ -43,7 +43,7 @@ static void put_value(const template *t, const tides_param *row) {
 
 static int32_t is_key(const tides_param *row, const char *key) { return strcmp(row->key, key) == 0; }
 
-/* Rows that everybody has something to say of, and that no preset sets. */
+/* Rows that most users set, and that no preset sets. */
 static int32_t is_open(const template *t, const tides_param *row) {
     return is_key(row, "scene.file") || is_key(row, t->camera ? "camera.file" : "camera.orbit_s") ||
            strncmp(row->key, "time.", 5) == 0;

@@ -13,7 +13,7 @@
 static const struct kind {
     const char *name;
     view_drawer draw;
-    int32_t windows; /* 1: shows a short window, 0: all there is; both may be told */
+    int32_t windows; /* 1: shows a short window, 0: all there is; both may be given */
     int32_t animates;
 } kinds[] = {{"frame", view_frame, 1, 1},
              {"surface", view_surface, 1, 1},

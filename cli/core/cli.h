@@ -134,7 +134,7 @@ int cli_ends_in(const char *path, const char *ending);
 /* files.c: what a command writes. `ending` (".json") is of what is written; NULL: its writer knows names that fit. */
 enum { CLI_OUTPUTS_MAX = 32 };
 typedef struct cli_output {
-    const char *path; /* NULL: nobody asked for it */
+    const char *path; /* NULL: not asked for */
     const char *ending;
 } cli_output;
 /* Before anything is opened: TIDES_BAD_ARGUMENT where an output would replace `input` (nullable; a file or folder), or what
@@ -166,7 +166,7 @@ void cli_sort(double *values, size_t count);
 typedef struct cli_progress {
     int32_t quiet;
     const uint64_t *events; /* counted so far, or NULL */
-    const char *label;      /* told before the stage, or NULL */
+    const char *label;      /* printed before the stage, or NULL */
     char stage[48];
     double began, drawn;
     int32_t terminal, decile;

@@ -140,8 +140,8 @@ static tides_status check_frames(const cli_job *job, const tides_session_facts *
     return TIDES_OK;
 }
 
-/* Whether a run is to go on; where it was to and there is nothing, the user is told. 0 where memory runs out, too: the library
- * then says so. */
+/* Whether a run is to go on; where it was to and there is no recording, a line says so. 0 where memory runs out, too: the
+ * library then says so. */
 static int32_t goes_on(const cli_job *job, const cli_common *common) {
     static const char ending[] = ".checkpoint";
     const size_t bytes = strlen(job->events) + sizeof ending;
@@ -198,7 +198,7 @@ static tides_status work(const cli_job *job, job_state *state, tides_error *erro
     return status;
 }
 
-/* Stopped on request: what was simulated stays readable, and the user is told where. */
+/* Stopped on request: what was simulated stays readable, and a line says where. */
 static int stopped(const cli_job *job, const job_state *state) {
     char part[PATH_MAX];
     if (tides_file_part(job->events, part, sizeof part, NULL) != TIDES_OK) snprintf(part, sizeof part, "%s", job->events);

@@ -44,8 +44,8 @@ static const char *ending_of(const char *path, const char *const *endings) {
     return *endings;
 }
 
-/* A folder that is to be made and is called like a file: whoever says -o frames.mp4 wants a video. One that is there may be
- * called anything, and so may NAME.mp4/. */
+/* Refuses a folder that is to be made and is named like a file: -o frames.mp4 asks for a video. An existing folder may have any
+ * name, and so may NAME.mp4/. */
 static int check_folder(const cli_command *command, const char *path) {
     static const char *const videos[] = {".mp4", ".m4v", ".mov", ".avi", ".mkv", ".webm", ".gif", ".apng", ".y4m", NULL};
     static const char *const files[] = {".png",  ".jpg",  ".jpeg", ".exr", ".tif", ".tiff", ".svg", ".pdf",

@@ -26,7 +26,7 @@ static void on_interrupt(int number) {
     interrupted = 1;
 }
 
-/* Handles a signal, unless whoever started us wanted it ignored (nohup, background jobs of scripts). */
+/* Handles a signal, unless the starting process set it to be ignored (nohup, background jobs of scripts). */
 static void catch_one(int number) {
     struct sigaction action, before;
     memset(&action, 0, sizeof action);

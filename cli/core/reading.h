@@ -31,7 +31,7 @@ typedef struct cli_reading {
 /* Options of the command line for the library's reader; CLI_GO or CLI_USAGE. */
 int cli_reading_parse(const cli_command *command, const cli_reading *given, tides_event_reading *reading);
 
-/* One line on stderr each, unless quiet: how columns were told apart, what time 0 is, what was left out. */
+/* One line on stderr each, unless quiet: the columns found, what time 0 is, what was left out. */
 void cli_reading_tell(const cli_common *common, const char *file, const tides_event_facts *facts, int32_t rebase);
 
 /* "the first frame" */

@@ -1,4 +1,4 @@
-/* Events of a run in memory: for whoever compares them. */
+/* Events of a run in memory, for comparisons. */
 #ifndef CLI_STREAM_H
 #define CLI_STREAM_H
 

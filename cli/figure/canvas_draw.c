@@ -1,4 +1,4 @@
-/* Shapes on a canvas. Calls on a canvas without cairo do nothing: the failure is told when it is written. */
+/* Shapes on a canvas. Calls on a canvas without cairo do nothing: the failure is reported when it is written. */
 #include "canvas.h"
 
 #include <math.h>
@@ -50,7 +50,7 @@ void canvas_dashed(cli_canvas *canvas, double ax, double ay, double bx, double b
 
 /* -- dots ---------------------------------------------------------------------------------------------------------------- */
 
-/* As a stroke of no length with round ends. Whole px: a third of the bytes less, and nobody sees it. */
+/* As a stroke of no length with round ends. Whole px: a third of the bytes less, and no visible difference. */
 static void dots_as_path(cairo_t *cairo, const double *xy, size_t count, double radius) {
     cairo_set_line_width(cairo, 2 * radius);
     for (size_t i = 0; i < count; i++) {

@@ -23,7 +23,7 @@ typedef struct view {
     const view_mark *mark; /* xyt: is outlined; or NULL */
 } view;
 
-/* Where the eye of x-y-t is unless told. */
+/* Place of the eye of x-y-t unless given. */
 #define VIEW_AZIMUTH_DEG 58.0
 #define VIEW_ELEVATION_DEG 18.0
 
@@ -45,7 +45,7 @@ int32_t view_isi(const view *v, const cli_window *recording, const cli_window *s
 
 /* view_text.c: what the pictures share. */
 
-/* The unit that a time is told in: "s", "ms" or "us", and its length in ns. */
+/* The unit in which a time is printed: "s", "ms" or "us", and its length in ns. */
 typedef struct view_unit {
     const char *name;
     double ns;
