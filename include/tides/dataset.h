@@ -32,9 +32,9 @@ typedef struct tides_dataset_report {
  * dataset.picture_hz and ground truth at dataset.truth_hz, and writes them in the `layouts` ("ecd,dsec", names separated by
  * commas). They go into `folder`, or with several layouts into a folder in it for each, beside contact.png, a picture of the
  * dataset. `folder` must not exist. It is written as FOLDER.part and renamed: it is there whole or not at all. Where it is
- * stopped (TIDES_CANCELLED), dies or has no room, FOLDER.part keeps the events of all cameras so far, and the next call with
- * that folder goes on from them if they are of the same run; another process that writes it is TIDES_WRITE_FAILED. Times are
- * the run's, on whole microseconds. TIDES_BAD_CONFIG names what a layout lacks: a scale in metres, cameras that it has no place
+ * stopped (TIDES_CANCELLED), dies or has no room, FOLDER.part keeps the events of all cameras so far. The next call with that
+ * folder goes on from them if they are of the same run; another process that writes it is TIDES_WRITE_FAILED. Times are the
+ * run's, on whole microseconds. TIDES_BAD_CONFIG names what a layout lacks: a scale in metres, cameras that it has no place
  * for. `report` is nullable. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_dataset_write(tides_session *session, const char *folder, const char *layouts,
                                                             tides_progress progress, void *user, tides_dataset_report *report,

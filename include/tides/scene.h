@@ -26,8 +26,8 @@ enum { TIDES_TRAINED_UNKNOWN = 0, TIDES_TRAINED_PLAIN = 1, TIDES_TRAINED_ANTIALI
 /* Gaussians as arrays. Plain value; the arrays belong to the code that filled it. K = (sh_degree + 1)^2.
  *
  * Single precision has no room for means far from (0, 0, 0), as georeferenced scans have them. Give those in double, or
- * relative to an origin. A scene keeps the means of an object that is far away, for how far its Gaussians spread, relative to
- * an origin near them, in which nothing is rounded that was single precision: `origin` of what it gives back
+ * relative to an origin. A scene keeps the means of an object that is far away, compared with the spread of its Gaussians,
+ * relative to an origin near them. Means of single precision aren't rounded by this. `origin` of the Gaussians given back
  * (tides_scene_object) isn't 0 then. Files are written with the coordinates that they had. */
 typedef struct tides_gaussians {
     int64_t count;              /* N */

@@ -166,9 +166,9 @@ typedef struct tides_recorded {
  * complete. With keep_checkpoint it stays, as of the last step's beginning, which a longer run has too: resume with a later
  * time.stop then gives the events of one run, to the bit, and PATH is the shorter recording until the longer one is complete.
  * It goes where any other recording takes PATH's place, and one that was copied there from outside is known by its events. A
- * method that sees frames keeps no checkpoints. resume without a checkpoint is TIDES_FILE_NOT_FOUND, with one of another run
- * TIDES_BAD_CONFIG naming what differs, beside events of another run TIDES_BAD_FILE, with a format that can't be gone on with
- * TIDES_BAD_ARGUMENT, and with a method that sees frames TIDES_UNSUPPORTED. */
+ * method that sees frames keeps no checkpoints. resume without a checkpoint is TIDES_FILE_NOT_FOUND; with one of another run it
+ * is TIDES_BAD_CONFIG naming what differs; beside events of another run, TIDES_BAD_FILE; with a format that can't be gone on
+ * with, TIDES_BAD_ARGUMENT; and with a method that sees frames, TIDES_UNSUPPORTED. */
 TIDES_MUST_CHECK TIDES_API tides_status tides_session_write(tides_session *session, const char *path,
                                                             const tides_recording *how, tides_progress progress, void *user,
                                                             tides_recorded *done, tides_stats *stats, tides_error *error);

@@ -1,6 +1,6 @@
 /* Events of a dataset that is being made (td_kept.h). Each camera NAME has NAME.h5, with its checkpoint as long as it isn't
- * whole, NAME.run, the fingerprint of the run that they are of, and NAME.seen, which says that all is there and whether
- * anything was in view. */
+ * whole, and NAME.run, the fingerprint of the run. NAME.seen says that all events are there, and whether anything was in
+ * view. */
 #include "td_kept.h"
 #include "td_folder.h"
 

@@ -1,5 +1,5 @@
-/* Opening text files of events: what stands before the events (comments, a header, a sensor's size), what separates columns,
- * which column is what, and in which unit times are (event_table.c decides where neither the file nor the caller says). */
+/* Opening text files of events: the lines before the events (comments, a header, a sensor's size), the separator, the columns'
+ * meaning, and the unit of times. Where neither the file nor the caller gives these, event_table.c decides. */
 #include "td_event_rows.h"
 
 #include "td_base.h"

@@ -192,9 +192,10 @@ static void release_space(hid_t file) {
     if (descriptor >= 0 && H5Fget_filesize(file, &size) >= 0 && ftruncate(descriptor, (off_t)size) != 0) return;
 }
 
-/* Space that `events` events and `entries` index entries may need. It sums raw sizes (deflate may add 5 bytes per 16 kB), a
- * hundredth of the zeros that fill the last chunk up, which is their size after deflate, and a B-tree node or two of 2 kB per
- * dataset and chunk. Random bytes among those zeros came out at a tenth less than these sizes, for any share of them. */
+/* Space that `events` events and `entries` index entries may need. The sum has three parts: raw sizes, to which deflate may add
+ * 5 bytes per 16 kB; a hundredth of the zeros that fill the last chunk up, their size after deflate; and a B-tree node or two
+ * of 2 kB per dataset and chunk. Random bytes among those zeros came out at a tenth less than these sizes, for any share of
+ * them. */
 static uint64_t space_needed(uint64_t events, uint64_t entries) {
     const uint64_t index_chunks = entries / TD_INDEX_CHUNK + 2, row = BYTES_PER_EVENT + BYTES_OF_LABELS;
     const uint64_t filled = (events + TD_EVENT_CHUNK - 1) / TD_EVENT_CHUNK * TD_EVENT_CHUNK - events;
