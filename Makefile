@@ -1,5 +1,5 @@
 # TIDES. `make help` lists the targets. Configurations live side by side: build/<CONFIG>/, CONFIG = release | debug | asan | tsan |
-# coverage | clang | fuzz.
+# coverage | clang | fuzz | arm (scripts/check_arm.sh).
 
 CONFIG     ?= release
 ifeq ($(origin CC),default) # make's own default is cc
@@ -38,6 +38,7 @@ WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wundef -Wmissing-prototypes
             -Wpointer-arith -Wwrite-strings -Wconversion -Wno-sign-conversion
 OPTIMISE_release := -O3 -g
 OPTIMISE_clang   := -O3 -g
+OPTIMISE_arm     := -O3 -g
 OPTIMISE_debug   := -O0 -g3
 OPTIMISE_asan    := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 # With sanitisers gcc also reports error texts that may be cut to fit: they are meant to be.
@@ -201,7 +202,7 @@ SCRIPTS := $(wildcard tests/cli/run.sh) scripts/python_tests.sh scripts/client_t
 
 .PHONY: check check-built check-readme check-readme-built check-golden check-golden-built check-asan check-asan-built \
         check-tsan check-tsan-built coverage coverage-built check-valgrind check-valgrind-built check-clang check-clang-built check-determinism check-determinism-built check-stability \
-        check-all check-devices check-devices-built mutants install-check
+        check-all check-devices check-devices-built check-arm mutants install-check
 check: ## Install what is missing, build without warnings, run every test
 	@sh scripts/deps.sh check -q
 	@$(AGAIN) WERROR=-Werror all tests
@@ -283,12 +284,14 @@ check-devices: ## Small runs on Oclgrind: reference-f32's events to the bit, no 
 	@$(AGAIN) check-devices-built
 check-devices-built:
 	@TIDES='$(CURDIR)/$(OUT)/tides' sh scripts/check_devices.sh || $(OR_SKIPPED)
+check-arm: all ## Cross-build for arm64 and run tests and small runs under qemu: the same hashes; an hour or more of emulation
+	@NATIVE='$(CURDIR)/$(OUT)/tides' PYTHON='$(PYTHON)' JOBS=$(JOBS) nice -n 19 bash scripts/check_arm.sh || $(OR_SKIPPED)
 mutants: ## Change formulas of the kernels and the solver, one at a time: a test must notice each
 	@sh scripts/deps.sh build -q
 	@MAKE='$(MAKE)' JOBS=$(JOBS) PYTHON='$(PYTHON)' sh scripts/mutants.sh
 # In the order of what is found soonest; the long sweeps come last.
 CHECKS := lint check check-golden check-clang check-asan check-tsan check-valgrind install-check check-readme check-determinism check-devices \
-          mutants fuzz fuzz-hdf5 faults coverage check-lost check-stability
+          mutants fuzz fuzz-hdf5 faults coverage check-lost check-arm check-stability
 check-all: ## All checks that there are, one after the other, and a line for each: hours
 	@MAKE='$(MAKE)' sh scripts/check_all.sh $(CHECKS)
 check-stability: ## tides bench stability, all rows: an hour

@@ -93,10 +93,12 @@ typedef int32_t td_word;
 #define td_fma(a, b, c) td_kept(fmaf(a, b, c))
 #define td_sqrt(x) sqrtf(x)
 #endif
-/* gcc 12 makes one instruction of -fma(a, b, c) where the processor has one, -frounding-math or not, and -0 of its 0: the
- * negation mustn't see where its number comes from (tests/kernels/test_fused.c). */
+/* gcc 12 makes one instruction of -fma(a, b, c) where the processor has one, -frounding-math or not, as clang does for arm64,
+ * and -0 of its 0: the negation mustn't see where its number comes from (tests/kernels/test_fused.c). */
 TD_INLINE td_real td_kept(td_real x) {
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
+#if defined(__GNUC__) && defined(__aarch64__)
+    __asm__("" : "+w"(x));
+#elif defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
     __asm__("" : "+x"(x));
 #elif defined(__GNUC__) && !defined(__clang__)
     __asm__("" : "+g"(x));

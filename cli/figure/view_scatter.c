@@ -57,8 +57,10 @@ static void fit(scene *s, const view_part *within) {
         double point[AXES], x, y;
         corner(s, c, point);
         project(s, point, &x, &y);
-        low_x = fmin(low_x, x), high_x = fmax(high_x, x);
-        low_y = fmin(low_y, y), high_y = fmax(high_y, y);
+        if (x < low_x) low_x = x; /* gcc 12 for arm64 dies of fmin and fmax here (vect_transform_reduction) */
+        if (x > high_x) high_x = x;
+        if (y < low_y) low_y = y;
+        if (y > high_y) high_y = y;
     }
     const int32_t width = within->right - within->left, height = within->bottom - within->top;
     s->scale = fmin((width - 2 * MARGIN_X) / (high_x - low_x), (height - 2 * MARGIN_Y) / (high_y - low_y));

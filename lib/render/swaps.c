@@ -351,7 +351,8 @@ static int by_place(const void *a, const void *b) {
     const td_swap *x = a, *y = b;
     if (x->block != y->block) return x->block < y->block ? -1 : 1;
     if (x->part != y->part) return x->part < y->part ? -1 : 1;
-    return x->light > y->light ? -1 : x->light < y->light;
+    if (x->light != y->light) return x->light > y->light ? -1 : 1;
+    return x->wide > y->wide ? -1 : x->wide < y->wide; /* equal ones are alike: qsort may put them in any order */
 }
 
 /* Sorts what was found by blocks. */

@@ -148,6 +148,10 @@ int td_renderer_points_go_on(const tides_renderer *renderer);
  * (kernels/points.h). TIDES_UNSUPPORTED, saying why, where that can't be had. */
 tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *error);
 
+/* For tests of a renderer that has that: so few Gaussians (not more than by default) get paths together, where points ask for
+ * them, and so many of all are looked at before. */
+void td_renderer_points_groups(tides_renderer *renderer, int group, int some);
+
 /* Why they can't, which doesn't depend on the device; NULL: they can. */
 const char *td_renderer_lacks_exact_points(const tides_renderer *renderer);
 

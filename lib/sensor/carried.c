@@ -37,6 +37,7 @@ tides_status td_sensor_list(td_sensor *s, tides_error *error) {
         {"filter_1", s->filter[1], NULL},
         {"filter_2", s->filter[2], NULL},
         {"filter_3", s->filter[3], NULL},
+        {"filter_error", s->filter_error, NULL},
     };
     typedef char one_row_each[TD_FRONTEND_STATE == 4 ? 1 : -1];
     (void)sizeof(one_row_each);

@@ -1,8 +1,8 @@
 /* The comparator over the pixels of a tile (paper, "Comparator and sensor model"; DESIGN 3.2 to 3.4).
  *
  * Most pixels do nothing in most steps. Blocks of them are passed over by comparing control values with levels, in loops that
- * compilers turn into vector code, behind low-passes too; only what is left goes to td_ideal.h or pixel.c, one pixel after the
- * other. The circuit takes each pixel by itself. */
+ * compilers turn into vector code, behind low-passes and the circuit too; only what is left goes to td_ideal.h or pixel.c, one
+ * pixel after the other. The high-pass takes each pixel by itself. */
 #include "td_ideal.h"
 #include "td_ideal_block.h"
 #include "td_pixel.h"
@@ -120,7 +120,26 @@ TD_WIDE static void gather_block(const tile_job *job, size_t first, size_t count
     }
 }
 
-/* `reject` behind a low-pass. The pixels that need nothing are at the step's end then; the others are as they were.
+/* The filters of `count` pixels from the sensor's pixel `at` on; returns how many states they have. */
+static int step_filters(const tile_job *job, size_t at, size_t count, const double *const control[4],
+                        double after[TD_FRONTEND_STATE][BLOCK], double *low, double *high) {
+    const td_sensor *sensor = job->pixel.sensor;
+    const double h = job->pixel.step->length_s, *S = sensor->filter[0] + at;
+    if (sensor->frontend.kind == TD_FRONTEND_CIRCUIT) {
+        const double *const state[TD_FRONTEND_STATE] = {S, sensor->filter[1] + at, sensor->filter[2] + at,
+                                                        sensor->filter[3] + at};
+        double *const to[TD_FRONTEND_STATE] = {after[0], after[1], after[2], after[3]};
+        td_circuit_step_many(&sensor->frontend, h, sensor->log_eps, count, control, state, to, low, high);
+        return TD_FRONTEND_STATE;
+    }
+    if (sensor->frontend.kind == TD_FRONTEND_INTENSITY)
+        td_frontend_step_light(&sensor->frontend, h, sensor->log_eps, count, control, S, after[0], low, high);
+    else
+        td_frontend_step_many(&sensor->frontend, h, count, control, S, after[0], low, high);
+    return 1;
+}
+
+/* `reject` behind filters. The pixels that need nothing are at the step's end then; the others are as they were.
  * `slack` is for rounding here, so that none is passed over that its response would take to a level. */
 static void reject_filtered(const tile_job *job, size_t first, size_t count, double *restrict outside) {
     const td_sensor *sensor = job->pixel.sensor;
@@ -128,20 +147,19 @@ static void reject_filtered(const tile_job *job, size_t first, size_t count, dou
     const double *reference = sensor->pixels.reference + at, *leak = sensor->leak + at, *wake = sensor->wake + at;
     const double *on = job->on, *off = job->off;
     const double start = job->pixel.start, length = job->pixel.step->length_ns, stop = job->stop;
-    double b[4][BLOCK], after[BLOCK], low[BLOCK], high[BLOCK], *S = sensor->filter[0] + at;
+    double b[4][BLOCK], after[TD_FRONTEND_STATE][BLOCK], low[BLOCK], high[BLOCK];
     const double *const control[4] = {b[0], b[1], b[2], b[3]};
     gather_block(job, first, count, b);
-    const double h = job->pixel.step->length_s;
-    if (sensor->frontend.kind == TD_FRONTEND_INTENSITY)
-        td_frontend_step_light(&sensor->frontend, h, sensor->log_eps, count, control, S, after, low, high);
-    else
-        td_frontend_step_many(&sensor->frontend, h, count, control, S, after, low, high);
+    const int states = step_filters(job, at, count, control, after, low, high);
     for (size_t k = 0; k < count; k++) {
         double ramp = leak[k] * start, rise = leak[k] * length, slack = 16 * DBL_EPSILON * (ramp + rise + fabs(reference[k]));
         double flag = high[k] + (ramp - reference[k]) + rise + slack < on[k] ? 0.0 : 1.0;
         flag = low[k] + (ramp - reference[k]) - slack > -off[k] ? flag : 1.0;
         outside[k] = wake[k] > stop ? flag : 1.0;
-        S[k] = outside[k] == 0.0 ? after[k] : S[k];
+    }
+    for (int s = 0; s < states; s++) {
+        double *state = sensor->filter[s] + at;
+        for (size_t k = 0; k < count; k++) state[k] = outside[k] == 0.0 ? after[s][k] : state[k];
     }
 }
 
@@ -190,11 +208,8 @@ static void reject_block(const tile_job *job, size_t first, size_t count, double
         reject_filtered(job, first, count, outside);
 }
 
-/* The circuit takes each pixel by itself. */
-static int can_reject(const td_sensor *sensor) {
-    const int kind = sensor->frontend.kind;
-    return !sensor->exhaustive && kind != TD_FRONTEND_CIRCUIT && kind != TD_FRONTEND_HIGHPASS;
-}
+/* The high-pass takes each pixel by itself. */
+static int can_reject(const td_sensor *sensor) { return !sensor->exhaustive && sensor->frontend.kind != TD_FRONTEND_HIGHPASS; }
 
 /* -- blocks ---------------------------------------------------------------------------------------------------------------- */
 

@@ -163,6 +163,10 @@ static tides_status allocate_blocks(td_sensor *sensor, tides_error *error) {
                                                                  : TD_FRONTEND_STATE;
     for (int k = 0; k < states; k++)
         if (!(sensor->filter[k] = td_alloc(sensor->count, sizeof *sensor->filter[k], error))) return TIDES_NO_MEMORY;
+    if (sensor->frontend.kind == TD_FRONTEND_CONSTANT || sensor->frontend.kind == TD_FRONTEND_INTENSITY) {
+        sensor->filter_error = td_alloc(sensor->count, sizeof *sensor->filter_error, error);
+        if (!sensor->filter_error) return TIDES_NO_MEMORY;
+    }
     sensor->reach = td_alloc(sensor->count, sizeof *sensor->reach, error);
     if (!sensor->reach) return TIDES_NO_MEMORY;
     return td_shot_noise_create(&sensor->sensor, sensor->count, &sensor->noise, error);
@@ -258,6 +262,7 @@ void td_sensor_release(td_sensor *sensor) {
     for (int k = 0; k < TD_FRONTEND_STATE; k++) free(sensor->filter[k]);
     free(sensor->pixels.count_on);
     free(sensor->pixels.count_off);
+    free(sensor->filter_error);
     free(sensor->reach);
     free(sensor->noise_segment);
     free(sensor->noise_value);

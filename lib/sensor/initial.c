@@ -87,6 +87,7 @@ void td_sensor_begin(td_sensor *sensor, const double *L) {
         if (sensor->frontend.on) rest = td_frontend_rest(&sensor->frontend, L[i], sensor->log_eps, state);
         for (int k = 0; k < TD_FRONTEND_STATE; k++)
             if (sensor->filter[k]) sensor->filter[k][i] = state[k];
+        if (sensor->filter_error) sensor->filter_error[i] = 0;
         if (sensor->additive.on) rest += td_sensor_noise_at(sensor, i, 0);
         const td_initial at = td_sensor_initial(sensor, i, L[i]);
         pixels->initial[i] = pixels->reference[i] = rest - at.offset;

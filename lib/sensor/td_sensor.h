@@ -76,7 +76,7 @@ typedef struct td_carried {
     void *values;       /* (count), the sensor's */
 } td_carried;
 
-/* Rows of that list: a sensor with every block has 19. One with more is refused when it is made. */
+/* Rows of that list: a sensor with every block has 20. One with more is refused when it is made. */
 enum { TD_CARRIED_MAX = 24 };
 
 typedef struct td_sensor {
@@ -103,7 +103,8 @@ typedef struct td_sensor {
     uint64_t maps_checksum;               /* of the file of maps, whose name isn't kept in `sensor`; 0: there was none */
     double *draw; /* in (0, 1): where the pixel's reference begins between its levels; NULL: at the signal */
     td_frontend frontend;
-    double *filter[TD_FRONTEND_STATE]; /* the filters' state, where there are any; the first is S at the time reached */
+    double *filter[TD_FRONTEND_STATE]; /* the filters' state, where there are any; the first is S at the time reached, */
+    double *filter_error;              /* and what that may be off by, of a first-order one alone: the solver's (timing.c) */
     td_shot_noise noise;
     td_additive_noise additive;
     td_kick kick;

@@ -36,15 +36,18 @@ typedef struct td_timed {
     const double *deviation; /* NULL: it wasn't cut out of a longer one */
     const uint8_t *fall;     /* td_sample_fall; NULL likewise */
     double adds;             /* times this: errors of earlier events that the reference keeps; 1 where it keeps none */
+    double held;             /* of the step: how long after an event the reference is taken from the signal; 0: it isn't */
     int is_last;             /* the run ends with it: what would come a little later doesn't come */
     td_levels levels;
     const td_frontend *frontend; /* between the signals and the levels; NULL: there is none */
     double log_eps;
+    double *filter_error; /* (count) what a first-order filter's S is off by at the step's begin, and then its end [log units];
+                             NULL: there is none */
     const tides_event *events; /* pixel by pixel, each pixel's in time order */
     size_t count;
 } td_timed;
 
-/* Adds the step's events. */
+/* Adds the step's events, and takes filter_error to its end. */
 void td_timing_add(td_timing *timing, const td_timed *timed);
 
 /* Adds an event that was measured, and stands for so many: what the signal is off by there, its slope and curvature towards the

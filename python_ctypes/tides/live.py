@@ -137,7 +137,7 @@ class Live(Handle):
         return self._events("tides_live_run", (until,), (float(until), 0.0, 0.0))
 
     def finish(self) -> np.ndarray:
-        """Ends the run at `reached`: the events that a readout still held. All events together are those of a run whose
+        """Ends the run at `reached`: the events that a readout still held, as EVENT (n). All events together are those of a run whose
         time.stop is `reached`."""
         return self._events("tides_live_finish", (), (self.reached, 0.0, 0.0))
 

@@ -137,45 +137,65 @@ static void test_tile_is_its_pixels(void **state) {
     }
 }
 
-/* Where the pole goes with the light, the pixels that are passed over are within TD_FRONTEND_TOLERANCE of their walk. All fire
+/* Where rates go with the light, the pixels that are passed over are within TD_FRONTEND_TOLERANCE of their walk. All fire
  * as if each took it, at times that this moves by less than the nanosecond that they are rounded to; where a signal turns at a
  * level, by the root of 2 TD_FRONTEND_TOLERANCE over its curvature, which is more than 10 / s^2 here wherever a pixel fires. */
+static void expect_as_its_pixels(const tides_sensor *sensor, double length, int steps) {
+    const double most_ns = 1e9 * sqrt(2 * TD_FRONTEND_TOLERANCE / 10);
+    rig *fast = rig_make(sensor, 2, 0, waves, NULL), *slow = rig_make(sensor, 2, 0, waves, NULL);
+    slow->sensor.exhaustive = 1;
+    for (int n = 1; n <= steps; n++) {
+        rig_step(fast, length * n);
+        rig_step(slow, length * n);
+    }
+    const td_event_buffer *events = &fast->work.events, *expected = &slow->work.events;
+    size_t moved = 0;
+    assert_int_equal(events->count, expected->count);
+    for (size_t e = 0; e < events->count; e++) {
+        const tides_event *a = &events->events[e], *b = &expected->events[e];
+        const double apart = fabs((double)(a->t - b->t));
+        assert_true(a->x == b->x && a->y == b->y && a->polarity == b->polarity && a->cause == b->cause);
+        assert_true(apart <= most_ns);
+        moved += apart > 1;
+    }
+    assert_true(moved <= events->count / 100);
+    for (size_t i = 0; i < fast->pixels; i++) {
+        assert_true(fabs(fast->sensor.filter[0][i] - slow->sensor.filter[0][i]) <= TD_FRONTEND_TOLERANCE);
+        assert_int_equal(fast->sensor.pixels.count_on[i], slow->sensor.pixels.count_on[i]);
+    }
+    if (length <= 1e-3) assert_true(fast->work.counts.solved < slow->work.counts.solved / 2); /* both ways were taken */
+    rig_free(fast);
+    rig_free(slow);
+}
+
+static tides_sensor with_blocks(int on, double cutoff_hz) {
+    tides_sensor sensor = sensor_of(0.05, cutoff_hz);
+    sensor.threshold_sigma = on ? 0.01 : 0;
+    sensor.leak_rate_hz = 3;
+    sensor.refractory_s = on ? 0.002 : 0;
+    sensor.shot_noise_hz = on ? 5 : 0;
+    sensor.seed = 3;
+    return sensor;
+}
+
 static void test_tile_by_light_is_its_pixels(void **state) {
     (void)state;
     static const double cutoffs[] = {3, 300, 3000}, lengths[] = {1e-3, 1e-4, 1e-2};
     for (int k = 0; k < 9; k++) {
-        tides_sensor sensor = sensor_of(0.05, cutoffs[k % 3]);
-        const double length = lengths[k / 3], most_ns = 1e9 * sqrt(2 * TD_FRONTEND_TOLERANCE / 10);
+        tides_sensor sensor = with_blocks(k % 2, cutoffs[k % 3]);
         sensor.photoreceptor_law = TIDES_PHOTORECEPTOR_INTENSITY;
-        sensor.threshold_sigma = k % 2 ? 0.01 : 0;
-        sensor.leak_rate_hz = 3;
-        sensor.refractory_s = k % 2 ? 0.002 : 0;
-        sensor.shot_noise_hz = k % 2 ? 5 : 0;
-        sensor.seed = 3;
-        rig *fast = rig_make(&sensor, 2, 0, waves, NULL), *slow = rig_make(&sensor, 2, 0, waves, NULL);
-        slow->sensor.exhaustive = 1;
-        for (int n = 1; n <= 60; n++) {
-            rig_step(fast, length * n);
-            rig_step(slow, length * n);
-        }
-        const td_event_buffer *events = &fast->work.events, *expected = &slow->work.events;
-        size_t moved = 0;
-        assert_int_equal(events->count, expected->count);
-        for (size_t e = 0; e < events->count; e++) {
-            const tides_event *a = &events->events[e], *b = &expected->events[e];
-            const double apart = fabs((double)(a->t - b->t));
-            assert_true(a->x == b->x && a->y == b->y && a->polarity == b->polarity && a->cause == b->cause);
-            assert_true(apart <= most_ns);
-            moved += apart > 1;
-        }
-        assert_true(moved <= events->count / 100);
-        for (size_t i = 0; i < fast->pixels; i++) {
-            assert_true(fabs(fast->sensor.filter[0][i] - slow->sensor.filter[0][i]) <= TD_FRONTEND_TOLERANCE);
-            assert_int_equal(fast->sensor.pixels.count_on[i], slow->sensor.pixels.count_on[i]);
-        }
-        if (length <= 1e-3) assert_true(fast->work.counts.solved < slow->work.counts.solved / 2); /* both ways were taken */
-        rig_free(fast);
-        rig_free(slow);
+        expect_as_its_pixels(&sensor, lengths[k / 3], 60);
+    }
+}
+
+static void test_tile_of_circuits_is_its_pixels(void **state) {
+    (void)state;
+    static const double lengths[] = {1e-3, 1e-4, 1e-2};
+    static const int steps[] = {30, 60, 4}; /* the walk is slow */
+    for (int k = 0; k < 6; k++) {
+        tides_sensor sensor = with_blocks(k % 2, 0);
+        sensor.bandwidth = TIDES_BANDWIDTH_CIRCUIT;
+        expect_as_its_pixels(&sensor, lengths[k / 2], steps[k / 2]);
     }
 }
 
@@ -186,6 +206,7 @@ int main(void) {
         cmocka_unit_test(test_noise),
         cmocka_unit_test(test_tile_is_its_pixels),
         cmocka_unit_test(test_tile_by_light_is_its_pixels),
+        cmocka_unit_test(test_tile_of_circuits_is_its_pixels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -78,4 +78,11 @@ void td_frontend_step_light(const td_frontend *frontend, double h, double log_ep
 void td_light_whole(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
                     const double *S, double *after, double *low, double *high);
 
+/* TD_FRONTEND_CIRCUIT alone: of pixel i state[k][i] becomes after[k][i], each within a tenth of the error of the input that
+ * td_frontend_step may leave, proven (circuit_many.c), and bounds of S on the step are in `low` and `high`. Pixels without an
+ * answer have NaN there: they need td_frontend_step. What becomes of a pixel depends on no other. */
+void td_circuit_step_many(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
+                          const double *const state[TD_FRONTEND_STATE], double *const after[TD_FRONTEND_STATE], double *low,
+                          double *high);
+
 #endif

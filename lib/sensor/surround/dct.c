@@ -12,15 +12,21 @@ enum { ROWS = 4, COLUMNS = 32 }; /* of the product at a time: sums that stay in 
 
 static const double pi = 3.14159265358979323846;
 
-/* `forward` from pixel n to mode k: (size x size), row n; `back` is its transpose. */
-static void fill(int size, double *forward, double *back, double *mu) {
-    for (int k = 0; k < size; k++) {
+/* So many of `size` modes are even (0), and odd (1): as many as there are sums and differences of pixels on both sides of the
+ * middle, which of an odd size is a sum of its own. */
+static int modes_of(int size, int parity) { return (size + !parity) / 2; }
+
+/* `forward` from the n-th sum or difference to mode i of a parity: (modes x modes), row n; `back` is its transpose. */
+static void fill(int size, int parity, double *forward, double *back, double *mu) {
+    const int count = modes_of(size, parity);
+    for (int i = 0; i < count; i++) {
+        const int k = 2 * i + parity;
         double scale = sqrt((k == 0 ? 1.0 : 2.0) / size);
-        mu[k] = 2 - 2 * td_cos(pi * k / size);
-        for (int n = 0; n < size; n++) {
+        mu[i] = 2 - 2 * td_cos(pi * k / size);
+        for (int n = 0; n < count; n++) {
             /* The angle, reduced exactly: cos has period 4 size in (2 n + 1) k. */
             int64_t turn = (int64_t)(2 * n + 1) * k % (4 * (int64_t)size);
-            back[(size_t)k * size + n] = forward[(size_t)n * size + k] = scale * td_cos(pi * (double)turn / (2.0 * size));
+            back[(size_t)i * count + n] = forward[(size_t)n * count + i] = scale * td_cos(pi * (double)turn / (2.0 * size));
         }
     }
 }
@@ -30,40 +36,56 @@ tides_status td_dct_create(int width, int height, td_dct *cosine, tides_error *e
     memset(cosine, 0, sizeof *cosine);
     cosine->width = width;
     cosine->height = height;
-    int ok = (cosine->along_x = td_alloc(w * w, sizeof(double), error)) != NULL;
-    ok = ok && (cosine->along_x_back = td_alloc(w * w, sizeof(double), error)) != NULL;
-    ok = ok && (cosine->along_y = td_alloc(h * h, sizeof(double), error)) != NULL;
-    ok = ok && (cosine->along_y_back = td_alloc(h * h, sizeof(double), error)) != NULL;
-    ok = ok && (cosine->mu_x = td_alloc(w, sizeof(double), error)) != NULL;
+    int ok = (cosine->mu_x = td_alloc(w, sizeof(double), error)) != NULL;
     ok = ok && (cosine->mu_y = td_alloc(h, sizeof(double), error)) != NULL;
     ok = ok && (cosine->panel = td_alloc((w > h ? w : h) * COLUMNS, sizeof(double), error)) != NULL;
     ok = ok && (cosine->half = td_alloc(w * h, sizeof(double), error)) != NULL;
+    ok = ok && (cosine->folded = td_alloc(w * h, sizeof(double), error)) != NULL;
+    for (int parity = 0; parity < 2; parity++) {
+        const size_t x = (size_t)modes_of(width, parity), y = (size_t)modes_of(height, parity);
+        ok = ok && (cosine->along_x[parity] = td_alloc(x * x, sizeof(double), error)) != NULL;
+        ok = ok && (cosine->along_x_back[parity] = td_alloc(x * x, sizeof(double), error)) != NULL;
+        ok = ok && (cosine->along_y[parity] = td_alloc(y * y, sizeof(double), error)) != NULL;
+        ok = ok && (cosine->along_y_back[parity] = td_alloc(y * y, sizeof(double), error)) != NULL;
+    }
     if (!ok) {
         td_dct_release(cosine);
         return TIDES_NO_MEMORY;
     }
-    fill(width, cosine->along_x, cosine->along_x_back, cosine->mu_x);
-    fill(height, cosine->along_y_back, cosine->along_y, cosine->mu_y);
+    for (int parity = 0; parity < 2; parity++) {
+        fill(width, parity, cosine->along_x[parity], cosine->along_x_back[parity], cosine->mu_x + parity * modes_of(width, 0));
+        fill(height, parity, cosine->along_y_back[parity], cosine->along_y[parity],
+             cosine->mu_y + parity * modes_of(height, 0));
+    }
     return TIDES_OK;
 }
 
 void td_dct_release(td_dct *cosine) {
-    free(cosine->along_x);
-    free(cosine->along_x_back);
-    free(cosine->along_y);
-    free(cosine->along_y_back);
+    for (int parity = 0; parity < 2; parity++) {
+        free(cosine->along_x[parity]);
+        free(cosine->along_x_back[parity]);
+        free(cosine->along_y[parity]);
+        free(cosine->along_y_back[parity]);
+    }
     free(cosine->mu_x);
     free(cosine->mu_y);
     free(cosine->half);
+    free(cosine->folded);
     free(cosine->panel);
     memset(cosine, 0, sizeof *cosine);
 }
 
+/* A matrix in memory whose rows are `apart`. */
+typedef struct matrix {
+    const double *at;
+    size_t apart;
+} matrix;
+
 /* COLUMNS of b from `column` on, one row after the other; 0 beyond the last. */
-static void pack(const double *b, int inner, int columns, int column, double *panel) {
+static void pack(matrix b, int inner, int columns, int column, double *panel) {
     for (int k = 0; k < inner; k++)
         for (int j = 0; j < COLUMNS; j++)
-            panel[k * COLUMNS + j] = column + j < columns ? b[(size_t)k * columns + column + j] : 0;
+            panel[k * COLUMNS + j] = column + j < columns ? b.at[(size_t)k * b.apart + column + j] : 0;
 }
 
 /* ROWS of a times so many rows of a panel, added to the sums, each in k's order. What vectorises whole is a long loop over
@@ -95,28 +117,108 @@ static void multiply_block(const double *const a[ROWS], const double *panel, int
             for (int j = 0; j < COLUMNS; j++) sum[i][j] += a[i][k] * panel[k * COLUMNS + j];
 }
 
-/* out = a b; a is (rows x inner), b (inner x columns). */
-static void multiply(const td_dct *c, const double *a, const double *b, double *out, int rows, int inner, int columns) {
+/* out = a b; a is (rows x inner), b (inner x columns); out's rows are `apart`. */
+static void multiply(const td_dct *c, matrix a, matrix b, int rows, int inner, int columns, double *out, size_t apart) {
     for (int column = 0; column < columns; column += COLUMNS) {
         int width = columns - column < COLUMNS ? columns - column : COLUMNS;
         pack(b, inner, columns, column, c->panel);
         for (int row = 0; row < rows; row += ROWS) {
             const double *line[ROWS];
             double sum[ROWS][COLUMNS];
-            for (int i = 0; i < ROWS; i++) line[i] = a + (size_t)(row + i < rows ? row + i : row) * inner;
+            for (int i = 0; i < ROWS; i++) line[i] = a.at + (size_t)(row + i < rows ? row + i : row) * a.apart;
             multiply_block(line, c->panel, inner, sum);
             for (int i = 0; i < ROWS && row + i < rows; i++)
-                memcpy(out + (size_t)(row + i) * columns + column, sum[i], (size_t)width * sizeof *out);
+                memcpy(out + (size_t)(row + i) * apart + column, sum[i], (size_t)width * sizeof *out);
         }
     }
 }
 
+/* Along x and along y, even modes and odd ones each by their matrix. */
+static void transform_x(const td_dct *c, double *const by[2], const double *from, double *to) {
+    const size_t w = (size_t)c->width;
+    for (int parity = 0; parity < 2; parity++) {
+        const int count = modes_of(c->width, parity), first = parity * modes_of(c->width, 0);
+        const matrix a = {from + first, w}, b = {by[parity], (size_t)count};
+        multiply(c, a, b, c->height, count, count, to + first, w);
+    }
+}
+
+static void transform_y(const td_dct *c, double *const by[2], const double *from, double *to) {
+    const size_t w = (size_t)c->width;
+    for (int parity = 0; parity < 2; parity++) {
+        const int count = modes_of(c->height, parity);
+        const size_t first = parity * (size_t)modes_of(c->height, 0) * w;
+        const matrix a = {by[parity], (size_t)count}, b = {from + first, w};
+        multiply(c, a, b, count, count, c->width, to + first, w);
+    }
+}
+
+/* Sums of what is on both sides of the middle, then differences, of rows; and of columns. */
+static void fold_rows(const td_dct *c, const double *from, double *to) {
+    const int h = c->height, w = c->width, sums = modes_of(h, 0);
+    for (int n = 0; n < sums; n++) {
+        const double *a = from + (size_t)n * w, *b = from + (size_t)(h - 1 - n) * w;
+        double *sum = to + (size_t)n * w, *difference = to + (size_t)(sums + n) * w;
+        if (n == h - 1 - n) {
+            memcpy(sum, a, (size_t)w * sizeof *sum);
+            continue;
+        }
+        for (int x = 0; x < w; x++) {
+            sum[x] = a[x] + b[x];
+            difference[x] = a[x] - b[x];
+        }
+    }
+}
+
+static void fold_columns(const td_dct *c, const double *from, double *to) {
+    const int w = c->width, sums = modes_of(w, 0);
+    for (int y = 0; y < c->height; y++, from += w, to += w) {
+        for (int n = 0; n < w / 2; n++) {
+            to[n] = from[n] + from[w - 1 - n];
+            to[sums + n] = from[n] - from[w - 1 - n];
+        }
+        if (w % 2) to[w / 2] = from[w / 2];
+    }
+}
+
+/* What even and odd modes make of both sides. */
+static void unfold_rows(const td_dct *c, const double *from, double *to) {
+    const int h = c->height, w = c->width, sums = modes_of(h, 0);
+    for (int n = 0; n < sums; n++) {
+        const double *even = from + (size_t)n * w, *odd = from + (size_t)(sums + n) * w;
+        double *a = to + (size_t)n * w, *b = to + (size_t)(h - 1 - n) * w;
+        if (a == b) {
+            memcpy(a, even, (size_t)w * sizeof *a);
+            continue;
+        }
+        for (int x = 0; x < w; x++) {
+            a[x] = even[x] + odd[x];
+            b[x] = even[x] - odd[x];
+        }
+    }
+}
+
+static void unfold_columns(const td_dct *c, const double *from, double *to) {
+    const int w = c->width, sums = modes_of(w, 0);
+    for (int y = 0; y < c->height; y++, from += w, to += w) {
+        for (int n = 0; n < w / 2; n++) {
+            to[n] = from[n] + from[sums + n];
+            to[w - 1 - n] = from[n] - from[sums + n];
+        }
+        if (w % 2) to[w / 2] = from[w / 2];
+    }
+}
+
 void td_dct_forward(const td_dct *c, const double *image, double *modes) {
-    multiply(c, image, c->along_x, c->half, c->height, c->width, c->width);
-    multiply(c, c->along_y, c->half, modes, c->height, c->height, c->width);
+    fold_columns(c, image, c->folded);
+    transform_x(c, c->along_x, c->folded, c->half);
+    fold_rows(c, c->half, c->folded);
+    transform_y(c, c->along_y, c->folded, modes);
 }
 
 void td_dct_back(const td_dct *c, const double *modes, double *image) {
-    multiply(c, c->along_y_back, modes, c->half, c->height, c->height, c->width);
-    multiply(c, c->half, c->along_x_back, image, c->height, c->width, c->width);
+    transform_y(c, c->along_y_back, modes, c->folded);
+    unfold_rows(c, c->folded, c->half);
+    transform_x(c, c->along_x_back, c->half, c->folded);
+    unfold_columns(c, c->folded, image);
 }

@@ -1,8 +1,10 @@
 /* The centre-surround, mode by mode, in substeps whose cubics are good enough: for the solver, which gives it all pixels at
  * once and the comparator what comes of them. */
 #include "td_surround.h"
+#include "td_exponential.h"
 #include "td_base.h"
-#include "td_math.h"
+#include "td_extremes.h"
+#include "td_wide.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -20,23 +22,40 @@ static const double largest_lambda_px = 1000;
 
 /* -- one mode -------------------------------------------------------------------------------------------------------------- */
 
-enum { POWERS = 4, SERIES = 20 };
+/* 3! / (n + 4)! */
+static const double series[] = {1.0 / 4,
+                                1.0 / 20,
+                                1.0 / 120,
+                                1.0 / 840,
+                                1.0 / 6720,
+                                1.0 / 60480,
+                                1.0 / 604800,
+                                1.0 / 6652800,
+                                1.0 / 79833600,
+                                1.0 / 1037836800,
+                                1.0 / 14529715200,
+                                1.0 / 217945728000,
+                                1.0 / 3487131648000,
+                                1.0 / 59281238016000,
+                                1.0 / 1067062284288000,
+                                1.0 / 20274183401472000,
+                                1.0 / 405483668029440000};
+
+/* Terms of the series below: for z < 1 what is left out is below 1e-17 of it. */
+enum { SERIES = 17 };
 
 /* integral[k] of e^(-z (1 - s)) s^k over [0, 1]: by recurrence upwards where z is large; else from the series
- * k! sum (-z)^n / (n + k + 1)! of the last one downwards. Both lose no more than a factor of 6 of rounding. */
-static void weigh_powers(double z, double integral[POWERS]) {
-    if (z >= 1) {
-        integral[0] = -td_expm1(-z) / z;
-        for (int k = 1; k < POWERS; k++) integral[k] = (1 - k * integral[k - 1]) / z;
-        return;
-    }
-    double term = 1.0 / POWERS, sum = 0;
-    for (int n = 0; n < SERIES; n++) {
-        sum += term;
-        term *= -z / (n + 1 + POWERS);
-    }
-    integral[POWERS - 1] = sum;
-    for (int k = POWERS - 1; k > 0; k--) integral[k - 1] = (1 - z * integral[k]) / k;
+ * 3! sum (-z)^n / (n + 4)! of the last one downwards. Both lose no more than a factor of 6 of rounding. */
+TD_WITHIN void weigh_powers(double z, double decay, double integral[4]) {
+    const double by = 1 / z, up0 = (1 - decay) * by, up1 = (1 - up0) * by, up2 = (1 - 2 * up1) * by, up3 = (1 - 3 * up2) * by;
+    const double small = td_lesser(z, 1);
+    double sum = series[SERIES - 1];
+    for (int n = SERIES - 2; n >= 0; n--) sum = series[n] - small * sum;
+    const double down2 = (1 - small * sum) * (1.0 / 3), down1 = (1 - small * down2) * 0.5, down0 = 1 - small * down1;
+    integral[0] = z >= 1 ? up0 : down0;
+    integral[1] = z >= 1 ? up1 : down1;
+    integral[2] = z >= 1 ? up2 : down2;
+    integral[3] = z >= 1 ? up3 : sum;
 }
 
 /* A cubic p on the step: values and rates per step at both ends. */
@@ -66,14 +85,43 @@ static double slope_at(double *const image[4], double length_s, size_t i, double
     return rate_at(&step, s) / length_s;
 }
 
-/* h of a mode from s0 to s1 of the step; gain = step / tau, rate = 1 + lambda^2 mu. */
-static double advance_mode(const hermite *step, double h, double gain, double rate, double s0, double s1) {
-    double part = s1 - s0, z = gain * rate * part, integral[POWERS];
-    double p0 = value_at(step, s0), p1 = value_at(step, s1), rate0 = part * rate_at(step, s0), rate1 = part * rate_at(step, s1);
-    weigh_powers(z, integral);
-    double sum = p0 * integral[0] + rate0 * integral[1] + (3 * (p1 - p0) - 2 * rate0 - rate1) * integral[2] +
-                 (2 * (p0 - p1) + rate0 + rate1) * integral[3];
-    return td_exp(-z) * h + gain * part * sum;
+/* What the modes of a row share: the part from s0 to s1 of the step; gain = step / tau; rate = 1 + lambda^2 (mu_y + mu_x). */
+typedef struct row {
+    double s0, s1, gain, coupling, rate_y; /* rate_y = 1 + lambda^2 mu_y */
+    double length_s;
+    int count;
+} row;
+
+/* h of a row's modes from s0 to s1. */
+TD_WIDE static void advance_row(const row *given, const double *const p[4], const double *mu, const double *restrict from,
+                                double *restrict to) {
+    const row r = *given;
+    const double part = r.s1 - r.s0, *begin = p[0], *begin_dot = p[1], *end = p[2], *end_dot = p[3];
+    for (int i = 0; i < r.count; i++) {
+        const hermite step = {begin[i], r.length_s * begin_dot[i], end[i], r.length_s * end_dot[i]};
+        const double z = r.gain * (r.rate_y + r.coupling * mu[i]) * part, decay = td_exponential(-z);
+        const double p0 = value_at(&step, r.s0), p1 = value_at(&step, r.s1);
+        const double rate0 = part * rate_at(&step, r.s0), rate1 = part * rate_at(&step, r.s1);
+        double integral[4];
+        weigh_powers(z, decay, integral);
+        const double sum = p0 * integral[0] + rate0 * integral[1] + (3 * (p1 - p0) - 2 * rate0 - rate1) * integral[2] +
+                           (2 * (p0 - p1) + rate0 + rate1) * integral[3];
+        to[i] = decay * from[i] + r.gain * part * sum;
+    }
+}
+
+/* The square of what the cubic from s0 to s1 of each mode misses of h half way through, which is `half`. */
+TD_WIDE static void miss_row(const row *given, const double *const p[4], const double *mu, const double *restrict from,
+                             const double *restrict half, const double *restrict to, double *restrict square) {
+    const row r = *given;
+    const double by = r.gain * (r.s1 - r.s0) / 8, *begin = p[0], *begin_dot = p[1], *end = p[2], *end_dot = p[3];
+    for (int i = 0; i < r.count; i++) {
+        const hermite step = {begin[i], r.length_s * begin_dot[i], end[i], r.length_s * end_dot[i]};
+        const double rate = r.rate_y + r.coupling * mu[i];
+        const double slope0 = value_at(&step, r.s0) - rate * from[i], slope1 = value_at(&step, r.s1) - rate * to[i];
+        const double off = half[i] - (0.5 * (from[i] + to[i]) + by * (slope0 - slope1));
+        square[i] += off * off;
+    }
 }
 
 /* -- all modes ------------------------------------------------------------------------------------------------------------- */
@@ -82,16 +130,44 @@ static double mode_rate(const td_surround *s, int j, int k) {
     return 1 + s->lambda_px * s->lambda_px * (s->cosine.mu_y[j] + s->cosine.mu_x[k]);
 }
 
+static row row_of(const td_surround *s, int j, double s0, double s1) {
+    const double coupling = s->lambda_px * s->lambda_px;
+    return (row){s0, s1, s->length_s / s->tau_s, coupling, 1 + coupling * s->cosine.mu_y[j], s->length_s, s->cosine.width};
+}
+
 /* Modes of h at s1 from those at s0. */
 static void advance(const td_surround *s, const double *from, double s0, double s1, double *to) {
-    for (int j = 0; j < s->cosine.height; j++)
-        for (int k = 0; k < s->cosine.width; k++) {
-            size_t i = (size_t)j * s->cosine.width + k;
-            hermite step = hermite_of(s->modes, s->length_s, i);
-            double rate = mode_rate(s, j, k);
-            to[i] =
-                s->tau_s > 0 ? advance_mode(&step, from[i], s->length_s / s->tau_s, rate, s0, s1) : value_at(&step, s1) / rate;
+    const int width = s->cosine.width;
+    for (int j = 0; j < s->cosine.height; j++) {
+        const size_t first = (size_t)j * width;
+        const double *const p[4] = {s->modes[0] + first, s->modes[1] + first, s->modes[2] + first, s->modes[3] + first};
+        const row r = row_of(s, j, s0, s1);
+        if (s->tau_s > 0) {
+            advance_row(&r, p, s->cosine.mu_x, from + first, to + first);
+            continue;
         }
+        for (int k = 0; k < width; k++) {
+            const hermite step = hermite_of(s->modes, s->length_s, first + k);
+            to[first + k] = value_at(&step, s1) / mode_rate(s, j, k);
+        }
+    }
+}
+
+/* A bound of what the cubics from s0 to s1 miss of S half way through: the transform is orthonormal, so that no pixel is off by
+ * more than all modes together. p is a cubic, of which they miss nothing; without a delay so is h. */
+static double miss_of_modes(const td_surround *s, double s0, double s1) {
+    const int width = s->cosine.width;
+    double sum = 0;
+    if (!(s->tau_s > 0)) return 0;
+    memset(s->spare, 0, (size_t)width * sizeof *s->spare);
+    for (int j = 0; j < s->cosine.height; j++) {
+        const size_t first = (size_t)j * width;
+        const double *const p[4] = {s->modes[0] + first, s->modes[1] + first, s->modes[2] + first, s->modes[3] + first};
+        const row r = row_of(s, j, s0, s1);
+        miss_row(&r, p, s->cosine.mu_x, s->surround + first, s->half_modes + first, s->end_modes + first, s->spare);
+    }
+    for (int k = 0; k < width; k++) sum += s->spare[k];
+    return sqrt(sum);
 }
 
 /* lap4 of an image whose border pixels repeat. */
@@ -217,15 +293,20 @@ static void swap_samples(td_surround_sample *a, td_surround_sample *b) {
     swap(&a->p_dot, &b->p_dot);
 }
 
-/* The next substep that is short enough: samples at its begin, half and end; `surround` stays at its begin. Returns its part of
- * the step. */
-static double make_substep(td_surround *s) {
+/* Of the tolerance: what the cubic of half a substep has of the whole one's error. */
+static const double of_halves = 1.0 / 16;
+
+/* The next substep that is short enough: samples at its begin and end, and half way through where *whole becomes 0. `surround`
+ * stays at its begin. Returns its part of the step. */
+static double make_substep(td_surround *s, int *whole) {
     double part = ldexp(1, -s->depth);
     swap_samples(&s->begin, &s->end); /* where the last one ended */
     advance(s, s->surround, s->at, s->at + part, s->end_modes);
     sample_at(s, s->end_modes, s->at + part, &s->end);
     for (;;) {
         advance(s, s->surround, s->at, s->at + part / 2, s->half_modes);
+        *whole = miss_of_modes(s, s->at, s->at + part) <= of_halves * s->tolerance;
+        if (*whole) return part;
         sample_at(s, s->half_modes, s->at + part / 2, &s->half);
         if (s->depth == MAX_DEPTH || part * s->length_s < least_substep_s || !(miss(s, part * s->length_s) > s->tolerance))
             return part;
@@ -255,11 +336,12 @@ int td_surround_next(td_surround *s, double *from, double *to, td_surround_sampl
     }
     if (!(s->at < 1)) return 0;
     *from = s->at;
-    double part = make_substep(s);
-    *to = s->at + part / 2;
+    int whole;
+    double part = make_substep(s, &whole);
+    *to = s->at + (whole ? part : part / 2);
     *begin = s->begin;
-    *end = s->half;
-    s->pending = 1;
+    *end = whole ? s->end : s->half;
+    s->pending = !whole;
     s->pending_part = part / 2;
     pass_substep(s, part);
     return 1;

@@ -8,8 +8,9 @@
  * state of each moment. All pixels belong to all modes, so all must have their steps in common.
  *
  * The comparator wants S as cubics in time. A step is cut into substeps: where the cubic of a substep misses the exact S of any
- * pixel half way through by more than `tolerance`, the substep is halved; where it doesn't, both its halves are given out. How
- * a step is cut depends on that step alone. */
+ * pixel half way through by more than `tolerance`, the substep is halved; where it doesn't, both its halves are given out, and
+ * where a bound that the modes have says that it misses a sixteenth of that at most, as its halves would, the whole. How a step
+ * is cut depends on that step alone. */
 #ifndef TD_SURROUND_H
 #define TD_SURROUND_H
 

@@ -5,7 +5,7 @@
 #include "render/td_render.h"
 #include "signal/td_model_error.h"
 #include "td_extremes.h"
-#include "td_math.h"
+#include "td_exponential.h"
 #include "solver/td_probe.h"
 #include "td_wide.h"
 
@@ -201,19 +201,49 @@ TD_WIDE static void find_turns(const td_timing *timing, const td_timed *timed, s
     }
 }
 
-/* Behind a first-order low-pass S' = rate (L - S), and S is on the level that the event took the reference to; behind the
- * circuit and the high-pass the slope and the curvature of L stand in for those of S. */
-static void filter_turn(const td_timed *timed, int n, some *of) {
+/* -- behind a first-order low-pass ---------------------------------------------------------------------------------------- */
+
+/* S' = rate (L - S) takes an error of L in, too: S is off by what of the step's error, which bows between its ends, has come
+ * through so far, and by what is left of the steps before. Those errors have signs of their own, and add up as squares. */
+
+/* The integral of the bow of share_of, from 0 to s. */
+static inline double bow_until(int is_smooth, double s) {
+    return is_smooth ? 16 * s * s * s * (1.0 / 3 - s * (0.5 - 0.2 * s)) : 4 * s * s * (0.5 - s * (1.0 / 3));
+}
+
+/* Of an error of 1 in the middle, by s of a step of `rate`: at most 1, for S is an average. */
+static inline double passed_until(int is_smooth, double rate, double s) { return td_lesser(rate * bow_until(is_smooth, s), 1); }
+
+/* The filter's rate in a step, where the light is L. */
+static inline double rate_at(const td_timed *timed, double L) {
     const td_frontend *frontend = timed->frontend;
+    const double rate = frontend->rate * timed->step->length_s;
+    if (frontend->kind != TD_FRONTEND_INTENSITY) return rate;
+    return rate * (frontend->light * td_greater(td_exponential(L) - timed->log_eps, 0) + frontend->dark);
+}
+
+/* S is on the level that the event took the reference to, or where the hold after it ends, on what the reference is then. */
+static void filter_turn(const td_timed *timed, int n, some *of) {
     /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): set for each of `count` */
     const int32_t i = of->pixel[n];
     const td_model model = model_of(timed, i);
-    const double L = td_model_value(&model, of->s[n]), L_dot = of->slope[n];
-    double rate = frontend->rate * timed->step->length_s;
-    if (frontend->kind == TD_FRONTEND_INTENSITY)
-        rate *= frontend->light * td_greater(td_exp(L) - timed->log_eps, 0) + frontend->dark;
-    of->slope[n] = rate * (L - (reference_at(timed, i, of->s[n]) - ramp_at(timed, i, of->s[n])));
-    of->bend[n] = rate * (L_dot - of->slope[n]);
+    const double s = of->s[n], later = s + timed->held, at = later <= 1 ? later : s;
+    const double L = td_model_value(&model, at), rate = rate_at(timed, L);
+    of->slope[n] = rate * (L - (reference_at(timed, i, s) - ramp_at(timed, i, at)));
+    of->bend[n] = rate * (td_model_slope(&model, at) - of->slope[n]);
+    of->middle[n] = of->deviation[n] * passed_until(of->is_smooth[n] > 0, rate, s);
+    of->rounding[n] = td_timing_together(of->rounding[n], timed->adds * timed->filter_error[i] * td_exponential(-rate * s));
+}
+
+/* To the step's end: with the share of most steps, for what is carried is a sum over many. */
+static void carry_errors(const td_timed *timed) {
+    for (int32_t i = 0; i < timed->tile->count; i++) {
+        const td_probe_law law = law_of(timed, i);
+        const double rate = rate_at(timed, timed->signals->S1[i]), error = deviation_of(timed, i) / timed->adds;
+        const double fresh = law.share[0] * error * passed_until(law.is_smooth, rate, 1);
+        const double sum = td_timing_together(timed->filter_error[i] * td_exponential(-rate), fresh);
+        timed->filter_error[i] = sum >= 0 ? sum : 0; /* NaN is counted elsewhere */
+    }
 }
 
 TD_WIDE static void find_reaches(some *restrict of) {
@@ -252,8 +282,7 @@ void td_timing_add_solved(td_timing *timing, double stands_for, double error, do
 }
 
 void td_timing_add(td_timing *timing, const td_timed *timed) {
-    const td_frontend *frontend = timed->frontend;
-    const int filters = frontend && (frontend->kind == TD_FRONTEND_CONSTANT || frontend->kind == TD_FRONTEND_INTENSITY);
+    const int filters = timed->filter_error != NULL;
     some taken; /* large: only what is set is read */
     for (size_t begin = 0; begin < timed->count; begin += EVENTS) {
         const size_t left = timed->count - begin;
@@ -265,6 +294,7 @@ void td_timing_add(td_timing *timing, const td_timed *timed) {
         find_reaches(&taken);
         add_some(timing, timed, &taken);
     }
+    if (filters) carry_errors(timed);
 }
 
 /* -- events that might have been ----------------------------------------------------------------------------------------- */

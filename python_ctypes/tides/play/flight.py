@@ -14,7 +14,7 @@ from ..live import _angular, _quaternion
 from ..trajectory import Pose
 
 FASTEST_TURN = 4.0  # [rad/s]
-KEY_TURN = 0.3  # by a key, or three times that [rad/s]
+KEY_TURN = 0.15  # by a key, or three times that [rad/s]
 MOST_LOOK = 1.0  # [rad] that the mouse may be ahead of the camera
 UPRIGHT = math.cos(math.radians(8))  # how near to straight up or down the camera may look
 

@@ -26,7 +26,7 @@ from .flight import Controls, Flight
 ORBIT_S = 12.0  # of a turn about the scene [s]
 SLOWEST = 0.01  # of time
 TOLERANCE = 0.3  # [thresholds]; events are looked up on the image all the same
-FLIGHT = 0.2  # full speed, in distances to the scene's middle a second: some 3 px of a picture
+FLIGHT = 0.12  # of distances to the scene's middle a second, without Shift: some 2 px from picture to picture
 RESPONSE_S = 0.12  # of the camera to keys, on the clock on the wall
 LONGEST_S = 1e5  # that a flight lasts where nothing in the scene ends before
 
@@ -69,7 +69,8 @@ def run_text(source: str | os.PathLike[str], size: tuple[int, int] | None = None
         text.setdefault("camera", {}).update(width=size[0], height=size[1])
     times = text.setdefault("time", {})
     times.setdefault("stop", times.setdefault("start", 0.0) + 0.1)
-    text.setdefault("stepping", {}).setdefault("tolerance", TOLERANCE)
+    for key, value in (("tolerance", TOLERANCE), ("unit", "block")):  # blocks: a third less than tiles where a step is long
+        text.setdefault("stepping", {}).setdefault(key, value)
     return text, folder
 
 

@@ -160,6 +160,27 @@ def test_fresh_environment_runs_the_readme(wheel, numpy, tmp_path):
 
 
 @pytest.mark.parametrize(
+    "extra, program",
+    [
+        ("play", "from tides.play.server import PAGE, page_headers; print('default-src' in str(page_headers(PAGE.read_text())))"),
+        ("mujoco", "import catch_ball; print(catch_ball.catch()[-1, 0] > 0.8)"),
+        ("ros2", "import tides.ros2; print(len(tides.ros2.messages.evt3(*4 * [tides.ros2.np.ones(1, int)])) == 8)"),
+    ],
+)
+def test_extra_installs_and_runs(wheel, extra, program, tmp_path):
+    """From the index, into an environment of its own, with all that it depends on."""
+    venv = tmp_path / "venv"
+    run(sys.executable, "-m", "venv", "--without-pip", venv)
+    python = venv / "bin" / "python"
+    install = [sys.executable, "-m", "pip", "--python", python, "install", "--retries", "1", "--timeout", "20", f"{wheel}[{extra}]"]
+    index = subprocess.run([*map(str, install)], capture_output=True, text=True, env=outside())
+    if "from versions: none" in index.stderr:
+        pytest.skip(f"no package index can be reached: pip install tides[{extra}]")
+    assert index.returncode == 0, index.stderr
+    assert run(python, "-c", program, env=outside(PYTHONPATH=str(EXAMPLES)), cwd=tmp_path) == "True\n"
+
+
+@pytest.mark.parametrize(
     "script, outputs",
     [
         ("simulate_and_plot", ["out.png"]),
