@@ -2,7 +2,7 @@
  * (path_node.h). */
 #include "path_node.h"
 
-/* What groups that come soon are made of: where few of all are wanted, nothing else brings it near. */
+/* Prefetches the data of groups ahead: where few of all Gaussians are wanted, nothing else brings it near. */
 enum { TD_SOON_NODES = 2 * TD_LANES };
 static void td_nodes_soon(const td_node_job *job, int i, __global const int *gaussians, const td_source *source,
                           const td_image *image) {
