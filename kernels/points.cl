@@ -40,8 +40,8 @@ static td_point_paths td_paths_make(__global const td_real *curves, __global con
     return paths;
 }
 
-/* Arrays that points need of the `count` Gaussians in `seen`, whose paths are `own`: curves, of which c, counted from `from` on,
- * goes from row[2 c] to row[2 c + 1], lengths[c] seconds apart; depths (Gaussians) to be sorted by; `records` of tests; and
+/* Arrays that points need of the `count` Gaussians in `seen`, whose paths are `own`: curves, of which c, counted from `from`
+ * on, goes from row[2 c] to row[2 c + 1], lengths[c] seconds apart; depths (Gaussians) to be sorted by; `records` of tests; and
  * `path` (Gaussians), where their paths are looked for. */
 typedef struct td_splats_to_make {
     __global const td_real *rows, *rows_beside, *lengths;
