@@ -38,8 +38,16 @@ enum { TIDES_PHOTORECEPTOR_CONSTANT = 0, TIDES_PHOTORECEPTOR_INTENSITY = 1 };
  *           rest come at the same rate from the first moment on; without any of these that is REST */
 enum { TIDES_INITIAL_REST = 0, TIDES_INITIAL_RANDOM = 1, TIDES_INITIAL_STEADY = 2 };
 
+/* Additive noise: an Ornstein-Uhlenbeck process per pixel.
+ *   CONSTANT      of noise_rms and noise_cutoff_hz
+ *   PHOTOCURRENT  of the pixel's own light: white noise of 4 q I, I = circuit.photocurrent_a Y + circuit.dark_current_a, behind
+ *                 the photoreceptor's pole, whose correlation time it has (noise_cutoff_hz isn't read); noise_rms is what
+ *                 is there in any light. Wants photoreceptor_cutoff_hz, of either law; not with the circuit or a high-pass
+ *                 (lib/sensor/noise/td_noise_light.h has the equations) */
+enum { TIDES_NOISE_CONSTANT = 0, TIDES_NOISE_PHOTOCURRENT = 1 };
+
 /* Constants of TIDES_BANDWIDTH_CIRCUIT; the defaults are a DVS128's at 100 lux, as the nominal
- * configuration of wengflow's simulator ("improved ESIM") has them. */
+ * configuration of wengflow's simulator ("improved ESIM") has them. The currents are TIDES_NOISE_PHOTOCURRENT's, too. */
 typedef struct tides_circuit {
     double photocurrent_a;     /* at Y = 1 [A] */
     double dark_current_a;     /* [A], > 0 */
@@ -85,6 +93,8 @@ typedef struct tides_sensor {
     double surround_tau_s;          /* its time constant [s] */
     double noise_rms;               /* additive Ornstein-Uhlenbeck noise [log units] */
     double noise_cutoff_hz;         /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
+    double noise_sigma;             /* decades of log-normal spread of its size from pixel to pixel */
+    int32_t noise_law;              /* TIDES_NOISE_* */
     double highpass_hz;             /* -3 dB of a high-pass behind the low-pass (Prophesee's bias_hpf) [Hz]; 0: off */
     uint64_t seed;                  /* of all that is random here */
     int32_t labels;                 /* 1: events get tides_event_frontend */

@@ -110,7 +110,7 @@ static void draw_pixel(td_sensor *sensor, const td_maps *maps, size_t i, uint32_
     if (sensor->number) sensor->number[i] = pixel;
     if (sensor->additive.on) {
         sensor->noise_segment[i] = 0;
-        sensor->noise_value[i] = td_additive_noise_first(&sensor->additive, pixel);
+        sensor->noise_value[i] = 0;
     }
     td_sensor_set_wake(sensor, i);
 }
@@ -151,6 +151,8 @@ static tides_status allocate_blocks(td_sensor *sensor, tides_error *error) {
         sensor->noise_segment = td_alloc(sensor->count, sizeof *sensor->noise_segment, error);
         sensor->noise_value = td_alloc(sensor->count, sizeof *sensor->noise_value, error);
         if (!sensor->noise_segment || !sensor->noise_value) return TIDES_NO_MEMORY;
+        if (sensor->additive.varies && !(sensor->noise_light = td_alloc(sensor->count, sizeof *sensor->noise_light, error)))
+            return TIDES_NO_MEMORY;
     }
     if (sensor->additive.on || sensor->kick.on) {
         sensor->number = td_alloc(sensor->count, sizeof *sensor->number, error);
@@ -197,7 +199,7 @@ static tides_status set_blocks(td_sensor *sensor, const td_maps *maps, double st
     const tides_sensor *params = &sensor->sensor;
     td_step first; /* how the simulator's steps split that time */
     tides_status status = td_frontend_make(params, &sensor->frontend, error);
-    if (status == TIDES_OK) status = td_additive_noise_make(params, &sensor->additive, error);
+    if (status == TIDES_OK) status = td_additive_noise_make(params, sensor->log_eps, &sensor->additive, error);
     if (status == TIDES_OK) status = td_kick_make(params, start, &sensor->kick, error);
     if (status == TIDES_OK && sensor->kick.on && sensor->frontend.kind > TD_FRONTEND_CONSTANT)
         status = td_fail(error, TIDES_UNSUPPORTED,
@@ -260,6 +262,7 @@ void td_sensor_release(td_sensor *sensor) {
     free(sensor->reach);
     free(sensor->noise_segment);
     free(sensor->noise_value);
+    free(sensor->noise_light);
     free(sensor->number);
     td_shot_noise_release(&sensor->noise);
     memset(sensor, 0, sizeof *sensor);

@@ -79,6 +79,14 @@ void td_sensor_refer(td_sensor *sensor, size_t i, double L) {
     sensor->pixels.initial[i] = sensor->pixels.reference[i] = L - offset;
 }
 
+/* Noise has gone on for ever in this light. */
+static void begin_noise(td_sensor *sensor, size_t i, double L) {
+    const double light = isfinite(L) ? L : 0;
+    sensor->noise_segment[i] = 0;
+    sensor->noise_value[i] = td_additive_noise_first(&sensor->additive, sensor->number[i], light);
+    if (sensor->noise_light) sensor->noise_light[i] = light;
+}
+
 void td_sensor_begin(td_sensor *sensor, const double *L) {
     const td_pixels *pixels = &sensor->pixels;
     for (size_t i = 0; i < sensor->count; i++) {
@@ -86,7 +94,10 @@ void td_sensor_begin(td_sensor *sensor, const double *L) {
         if (sensor->frontend.on) rest = td_frontend_rest(&sensor->frontend, L[i], sensor->log_eps, state);
         for (int k = 0; k < TD_FRONTEND_STATE; k++)
             if (sensor->filter[k]) sensor->filter[k][i] = state[k];
-        if (sensor->additive.on) rest += td_sensor_noise_at(sensor, i, 0);
+        if (sensor->additive.on) {
+            begin_noise(sensor, i, L[i]);
+            rest += td_sensor_noise_at(sensor, i, 0);
+        }
         const td_initial at = td_sensor_initial(sensor, i, L[i]);
         pixels->initial[i] = pixels->reference[i] = rest - at.offset;
         pixels->count_on[i] = pixels->count_off[i] = 0;

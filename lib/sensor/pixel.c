@@ -81,7 +81,8 @@ static void seek_segment(walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
     if (w->segment_until > s) return;
     while (sensor->additive.on && w->noise_until <= s && w->noise_until < 1) {
-        td_additive_noise_next(&sensor->additive, sensor->number[w->pixel->i], &w->segment);
+        td_additive_noise_next(&sensor->additive, sensor->number[w->pixel->i],
+                               td_noise_light_of(&w->pixel->input, w->noise_until), &w->segment);
         w->noise_until = place_of(w, w->segment.to_ns);
     }
     if (sensor->kick.on) seek_kick(w, s);
@@ -97,8 +98,7 @@ static void begin_segments(walk *w) {
     td_response_range(&w->pixel->response, &w->low, &w->high);
     begin_kicks(w);
     if (sensor->additive.on) {
-        w->segment = td_additive_noise_resume(&sensor->additive, sensor->number[i], (uint64_t)sensor->noise_segment[i],
-                                              sensor->noise_value[i]);
+        w->segment = td_sensor_noise_segment(sensor, i);
         w->noise_until = place_of(w, w->segment.to_ns);
     }
     w->segment_until = fmin(w->noise_until, w->kick_until);
@@ -119,8 +119,8 @@ static int cross(walk *w, double from, double until, double *at) {
     const td_response *response = sensor->kick.on ? &w->kicked : &w->pixel->response;
     *at = from;
     if (!sensor->additive.on) return td_response_crossing(response, w->reference, w->on, w->off, from, until, at);
-    const double least = fmin(w->segment.begin, w->segment.end) - sensor->additive.reach;
-    const double most = fmax(w->segment.begin, w->segment.end) + sensor->additive.reach;
+    const double least = fmin(w->segment.begin, w->segment.end) - w->segment.reach;
+    const double most = fmax(w->segment.begin, w->segment.end) + w->segment.reach;
     if (w->low + least > w->reference - w->off && w->high + most < w->reference + w->on) return 0;
     const td_noise_search search = {&sensor->additive,
                                     sensor->number[w->pixel->i],
@@ -143,6 +143,7 @@ static void end_segments(walk *w) {
     seek_segment(w, 1);
     sensor->noise_segment[w->pixel->i] = (double)w->segment.k;
     sensor->noise_value[w->pixel->i] = w->segment.begin;
+    if (sensor->noise_light) sensor->noise_light[w->pixel->i] = w->segment.light;
 }
 
 /* S_eff at the step's end, whatever the response says. */

@@ -76,7 +76,7 @@ typedef struct td_carried {
     void *values;       /* (count), the sensor's */
 } td_carried;
 
-/* Rows of that list: a sensor with every block has 19. One with more is refused when it is made. */
+/* Rows of that list: a sensor with every block has 20. One with more is refused when it is made. */
 enum { TD_CARRIED_MAX = 24 };
 
 typedef struct td_sensor {
@@ -108,6 +108,7 @@ typedef struct td_sensor {
     td_additive_noise additive;
     td_kick kick;
     double *noise_segment, *noise_value; /* with it: number and begin [log units] of the segment that the time reached is on, */
+    double *noise_light;                 /* the log-luminance where that began, of noise that goes with light, */
     uint32_t *number;                    /* and the pixel's in the image */
     td_carried carry[TD_CARRIED_MAX];    /* the list of what is carried, */
     int carried;                         /* so many rows */
@@ -290,6 +291,9 @@ static inline double td_reference_at(double on, double off, double initial, doub
 static inline double td_reference_of(double on, double off, double initial, uint32_t count_on, uint32_t count_off) {
     return td_reference_at(on, off, initial, count_on, count_off);
 }
+
+/* The segment of the additive noise, where it is on, that the time reached is on. */
+td_noise_segment td_sensor_noise_segment(const td_sensor *sensor, size_t pixel);
 
 /* The additive noise and the kicks at a time [ns since the run's start] that isn't before the time reached; 0 without. */
 double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time);
