@@ -28,6 +28,15 @@ tides_status td_sensor_check_levels(const tides_sensor *s, int32_t model, tides_
     return TIDES_OK;
 }
 
+/* Of a pixel as it is meant [Hz]: the switch's junction, and what light leaks into it. */
+static double leak_of(const tides_sensor *s) {
+    static const double doubles_c = 8, typed_at_c = 25;
+    double rate = s->leak_rate_hz;
+    if (s->temperature_c != typed_at_c) rate *= exp2((s->temperature_c - typed_at_c) / doubles_c);
+    if (s->leak_hz_per_a > 0) rate += s->leak_hz_per_a * td_middle_current(&s->circuit);
+    return rate;
+}
+
 tides_status td_sensor_check(const tides_sensor *s, tides_error *error) {
     const struct {
         const char *name;
@@ -36,6 +45,7 @@ tides_status td_sensor_check(const tides_sensor *s, tides_error *error) {
                   {"refractory_s", s->refractory_s, DBL_MAX},
                   {"leak_rate_hz", s->leak_rate_hz, most_hz},
                   {"leak_sigma", s->leak_sigma, 10},
+                  {"leak_hz_per_a", s->leak_hz_per_a, 1e18},
                   {"b_min", s->b_min, 1},
                   {"shot_noise_hz", s->shot_noise_hz, most_hz},
                   {"hot_pixel_fraction", s->hot_pixel_fraction, 1},
@@ -45,6 +55,16 @@ tides_status td_sensor_check(const tides_sensor *s, tides_error *error) {
         if (!(fields[i].value >= 0 && fields[i].value <= fields[i].most))
             return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: %s is %g; it must lie in [0, %g]", fields[i].name,
                            fields[i].value, fields[i].most);
+    if (!(fabs(s->threshold_parity) < 1))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: threshold_parity is %g; it must lie in (-1, 1)",
+                       s->threshold_parity);
+    if (!(s->temperature_c >= -273.15 && s->temperature_c <= 200))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: temperature_c is %g; it must lie in [-273.15, 200]",
+                       s->temperature_c);
+    if (!(leak_of(s) <= most_hz))
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "sensor: leak_rate_hz at temperature_c with leak_hz_per_a is %g Hz; it must be at most %g", leak_of(s),
+                       most_hz);
     if (s->threshold_sigma > 0 && !(s->threshold_min > 0 && s->threshold_min <= DBL_MAX))
         return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: threshold_min is %g; it must be above 0 and finite",
                        s->threshold_min);
@@ -53,10 +73,6 @@ tides_status td_sensor_check(const tides_sensor *s, tides_error *error) {
                        (int)s->refractory_law);
     if (s->initial < TIDES_INITIAL_REST || s->initial > TIDES_INITIAL_STEADY)
         return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: initial is %d; it must be one of TIDES_INITIAL_*", (int)s->initial);
-    if (s->initial == TIDES_INITIAL_STEADY && s->noise_rms > 0)
-        return td_fail(error, TIDES_UNSUPPORTED,
-                       "sensor: initial steady isn't known with additive noise (noise_rms = %g); take random or rest",
-                       s->noise_rms);
     return TIDES_OK;
 }
 
@@ -76,6 +92,11 @@ static void set_noise(td_shot_noise *noise, const td_maps *maps, size_t i, uint3
 static void draw_pixel(td_sensor *sensor, const td_maps *maps, size_t i, uint32_t pixel) {
     const tides_sensor *s = &sensor->sensor;
     double on = s->threshold_on, off = s->threshold_off, normal[2];
+    if (s->threshold_parity != 0) {
+        const double part = pixel % (uint32_t)sensor->image_width % 2 ? 1 + s->threshold_parity : 1 - s->threshold_parity;
+        on *= part;
+        off *= part;
+    }
     if (s->threshold_sigma > 0) {
         td_random_bits bits = td_random(s->seed, pixel, 0, TD_RANDOM_THRESHOLD);
         td_random_normals(&bits, normal);
@@ -84,7 +105,7 @@ static void draw_pixel(td_sensor *sensor, const td_maps *maps, size_t i, uint32_
     }
     if (td_maps_has(maps, TD_MAP_ON, pixel)) on = maps->map[TD_MAP_ON][pixel];
     if (td_maps_has(maps, TD_MAP_OFF, pixel)) off = maps->map[TD_MAP_OFF][pixel];
-    double rate = 1e-9 * s->leak_rate_hz;
+    double rate = 1e-9 * leak_of(s);
     if (s->leak_sigma > 0 && rate > 0) {
         td_random_bits bits = td_random(s->seed, pixel, 0, TD_RANDOM_LEAK);
         td_random_normals(&bits, normal);
@@ -208,11 +229,11 @@ static tides_status set_blocks(td_sensor *sensor, const td_maps *maps, double st
     if (status == TIDES_OK) status = td_step_between(start, start + 1, &first, error);
     if (status != TIDES_OK) return status;
     sensor->active_at_rest = maps->checksum || sensor->frontend.on || sensor->additive.on || sensor->kick.on ||
-                             params->leak_rate_hz > 0 || params->refractory_s > 0 || makes_noise(params);
+                             leak_of(params) > 0 || params->refractory_s > 0 || makes_noise(params);
     const int surround = params->surround_lambda_px > 0;
     sensor->labels = params->labels && (sensor->frontend.on || sensor->additive.on || sensor->kick.on || surround);
-    sensor->on =
-        sensor->active_at_rest || sensor->masks || surround || params->threshold_sigma > 0 || params->dead_pixel_fraction > 0;
+    sensor->on = sensor->active_at_rest || sensor->masks || surround || params->threshold_sigma > 0 ||
+                 params->threshold_parity != 0 || params->dead_pixel_fraction > 0;
     sensor->start_ns = first.start_ns;
     sensor->start_fraction = first.start_fraction;
     return TIDES_OK;

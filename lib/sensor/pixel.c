@@ -203,9 +203,11 @@ static void begin_refractory(walk *w, double s) {
 
 static int is_held(const walk *w, double s) { return *held_until(w) > time_at(w, s); }
 
+/* Of a pixel that hasn't fired yet, that began on its way up: half of what was left of it. */
 static int cause_of(const walk *w, double s, int polarity) {
-    double ramp = w->job->sensor->leak[w->pixel->i] * (time_at(w, s) - *since(w));
-    return polarity > 0 && ramp > 0.5 * w->on ? TIDES_CAUSE_LEAK : TIDES_CAUSE_SIGNAL;
+    const double leak = w->job->sensor->leak[w->pixel->i], begun = fmax(-*since(w), 0);
+    const double ramp = leak * (time_at(w, s) - fmax(*since(w), 0)), way = w->on - leak * begun;
+    return polarity > 0 && ramp > 0.5 * way ? TIDES_CAUSE_LEAK : TIDES_CAUSE_SIGNAL;
 }
 
 /* A crossing at s fires at time t. */

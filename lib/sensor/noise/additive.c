@@ -89,6 +89,8 @@ static double end_of_segment(const td_additive_noise *noise, double origin_ns, d
     return origin_ns + (k + 1) * noise->spacing_ns;
 }
 
+double td_additive_noise_tau(const td_additive_noise *noise) { return noise->spacing_ns * segments_per_tau; }
+
 /* The pixel's own size, of nominal. */
 static double own_of(const td_additive_noise *noise, uint32_t pixel) {
     double normal[2];

@@ -64,6 +64,9 @@ typedef struct td_noise_segment {
 TIDES_MUST_CHECK tides_status td_additive_noise_make(const tides_sensor *sensor, double log_eps, td_additive_noise *noise,
                                                      tides_error *error);
 
+/* tau of noise that doesn't vary [ns]. */
+double td_additive_noise_tau(const td_additive_noise *noise);
+
 /* x(0) of `pixel`, in log-luminance `light` where noise goes with it; the run's start is on segment 0. */
 double td_additive_noise_first(const td_additive_noise *noise, uint32_t pixel, double light);
 
