@@ -78,9 +78,10 @@ static double measure_lamp(const tides_sensor *sensor, double eps) {
 static void measure_wall(const tides_sensor *sensor, double eps, double row[3]) {
     const scene s = {log(wall_Y + eps), log(wall_Y + eps)};
     const int noisy = sensor->noise_law == TIDES_NOISE_PHOTOCURRENT;
+    const int kicked = sensor->kick != 0;
     const double seconds = noisy ? 10 : 100;
-    rig *r = rig_make(sensor, noisy ? 2 : TILES, 0, edge, &s);
-    rig_run(r, seconds, 200);
+    rig *r = rig_make(sensor, noisy || kicked ? 1 : TILES, 0, edge, &s);
+    rig_run(r, seconds, kicked ? 4000 : 200); /* kicks want short ones */
     const double on = (double)r->work.counts.events_on, all = on + (double)r->work.counts.events_off;
     double pairs = 0, alternate = 0;
     int *last = rig_alloc(r->pixels, sizeof *last);
