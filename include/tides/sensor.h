@@ -34,12 +34,22 @@ enum { TIDES_PHOTORECEPTOR_CONSTANT = 0, TIDES_PHOTORECEPTOR_INTENSITY = 1 };
 /* Where a pixel's reference is when a run begins.
  *   REST    at the signal: all pixels were reset then, and their leak starts in phase
  *   RANDOM  anywhere that keeps the signal between the levels, uniform: it has seen other things before
- *   STEADY  where leak, shot noise, hot pixels and refractory period leave it after a long time at rest, so that events at
- *           rest come at the same rate from the first moment on; without any of these that is REST */
+ *   STEADY  where leak, noise, hot pixels and refractory period leave it after a long time at rest, so that events at rest
+ *           come at the same rate from the first moment on; without any of these that is REST. Additive noise has been there
+ *           for ten seconds, or for 512 events (lib/sensor/td_steady.h) */
 enum { TIDES_INITIAL_REST = 0, TIDES_INITIAL_RANDOM = 1, TIDES_INITIAL_STEADY = 2 };
 
+/* Additive noise: an Ornstein-Uhlenbeck process per pixel.
+ *   CONSTANT      of noise_rms and noise_cutoff_hz
+ *   PHOTOCURRENT  of the pixel's own light: white noise of 4 q I, I = circuit.photocurrent_a Y + circuit.dark_current_a, behind
+ *                 the photoreceptor's pole, whose correlation time it has (noise_cutoff_hz isn't read); noise_rms is what
+ *                 is there in any light. Wants photoreceptor_cutoff_hz, of either law; not with the circuit or a high-pass
+ *                 (lib/sensor/noise/td_noise_light.h has the equations) */
+enum { TIDES_NOISE_CONSTANT = 0, TIDES_NOISE_PHOTOCURRENT = 1 };
+
 /* Constants of TIDES_BANDWIDTH_CIRCUIT; the defaults are a DVS128's at 100 lux, as the nominal
- * configuration of wengflow's simulator ("improved ESIM") has them. */
+ * configuration of wengflow's simulator ("improved ESIM") has them. The currents are also those of TIDES_NOISE_PHOTOCURRENT,
+ * leak_hz_per_a and photoreceptor_half_a. */
 typedef struct tides_circuit {
     double photocurrent_a;     /* at Y = 1 [A] */
     double dark_current_a;     /* [A], > 0 */
@@ -64,31 +74,38 @@ typedef struct tides_sensor {
     double threshold_on;         /* C+ [log units], > 0 */
     double threshold_off;        /* C- [log units], > 0 */
 
-    double threshold_sigma; /* standard deviation of C+ and of C- from pixel to pixel, independent, drawn once [log units] */
-    double threshold_min;   /* no pixel's threshold is below this [log units], > 0 */
-    double refractory_s;    /* [s] */
-    int32_t refractory_law; /* TIDES_REFRACTORY_* */
-    int32_t psf_domain;     /* TIDES_PSF_* */
-    double leak_rate_hz;    /* ON events per second that the reference's drift makes in a pixel at rest [Hz] */
-    double leak_sigma;      /* decades of log-normal spread of that rate from pixel to pixel */
-    double b_min;           /* pixels with less coverage than this stay silent, in [0, 1] */
-    double shot_noise_hz;   /* noise events, both polarities, of a pixel at Y = 0; 0.264 of it at Y = 1, linear between [Hz] */
+    double threshold_sigma;  /* standard deviation of C+ and of C- from pixel to pixel, independent, drawn once [log units] */
+    double threshold_min;    /* no pixel's threshold is below this [log units], > 0 */
+    double refractory_s;     /* [s] */
+    int32_t refractory_law;  /* TIDES_REFRACTORY_* */
+    int32_t psf_domain;      /* TIDES_PSF_* */
+    double leak_rate_hz;     /* ON events per second that the reference's drift makes in a pixel at rest [Hz] */
+    double leak_sigma;       /* decades of log-normal spread of that rate from pixel to pixel */
+    double leak_hz_per_a;    /* more of it, per photocurrent of circuit.* at Y = 0.5, which the switch sees too [Hz / A] */
+    double temperature_c;    /* 25: leak_rate_hz is there; it doubles every 8, as silicon's leakage does [degrees C] */
+    double threshold_parity; /* odd columns' thresholds are higher by this part, even ones' lower, in (-1, 1) [1] */
+    double b_min;            /* pixels with less coverage than this stay silent, in [0, 1] */
+    double shot_noise_hz;    /* noise events, both polarities, of a pixel at Y = 0; 0.264 of it at Y = 1, linear between [Hz] */
     double hot_pixel_fraction, hot_pixel_rate_hz; /* of all pixels [1]; their ON events a second [Hz] */
     double dead_pixel_fraction;                   /* of all pixels: those that never fire [1] */
 
     double psf_sigma_px;            /* [px] */
     double photoreceptor_cutoff_hz; /* -3 dB [Hz]; 0: off */
-    int32_t photoreceptor_law;      /* TIDES_PHOTORECEPTOR_* */
-    int32_t bandwidth;              /* TIDES_BANDWIDTH_* */
-    tides_circuit circuit;          /* of TIDES_BANDWIDTH_CIRCUIT */
-    double surround_lambda_px;      /* space constant of the surround's diffuser [px]; 0: off */
-    double surround_tau_s;          /* its time constant [s] */
-    double noise_rms;               /* additive Ornstein-Uhlenbeck noise [log units] */
-    double noise_cutoff_hz;         /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
-    double highpass_hz;             /* -3 dB of a high-pass behind the low-pass (Prophesee's bias_hpf) [Hz]; 0: off */
-    uint64_t seed;                  /* of all that is random here */
-    int32_t labels;                 /* 1: events get tides_event_frontend */
-    int32_t initial;                /* TIDES_INITIAL_* */
+    double photoreceptor_half_a; /* the cutoff is that x I / (I + this), I being the photocurrent of circuit.* at Y = 0.5, the
+                                       run's light: below it the photodiode is slower than what follows; 0: as it is [A] */
+    int32_t photoreceptor_law;   /* TIDES_PHOTORECEPTOR_* */
+    int32_t bandwidth;           /* TIDES_BANDWIDTH_* */
+    tides_circuit circuit;       /* of TIDES_BANDWIDTH_CIRCUIT */
+    double surround_lambda_px;   /* space constant of the surround's diffuser [px]; 0: off */
+    double surround_tau_s;       /* its time constant [s] */
+    double noise_rms;            /* additive Ornstein-Uhlenbeck noise [log units] */
+    double noise_cutoff_hz;      /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
+    double noise_sigma;          /* decades of log-normal spread of its size from pixel to pixel */
+    int32_t noise_law;           /* TIDES_NOISE_* */
+    double highpass_hz;          /* -3 dB of a high-pass behind the low-pass (Prophesee's bias_hpf) [Hz]; 0: off */
+    uint64_t seed;               /* of all that is random here */
+    int32_t labels;              /* 1: events get tides_event_frontend */
+    int32_t initial;             /* TIDES_INITIAL_* */
     /* File of what single pixels have in place of what would be drawn for them (nullable): arrays of the image's height by
      * width, in an .npz, a structured .npy, or HDF5, of these names, any of which may be missing, and NaN where it isn't
      * known: threshold_on, threshold_off [log units], leak [Hz], noise [Hz, as shot_noise_hz], hot [Hz], dead [0 or 1].

@@ -27,6 +27,7 @@ enum {
     TD_RANDOM_SAMPLE = 16,
     TD_RANDOM_INITIAL = 17,
     TD_RANDOM_ERC = 20,
+    TD_RANDOM_NOISE_SIZE = 21,
     /* the baselines, from 64 on */
     TD_RANDOM_ESIM_THRESHOLD = 64,
     TD_RANDOM_V2E_THRESHOLD = 65,

@@ -38,7 +38,7 @@ static tides_status check(const tides_baseline *b, tides_error *error) {
     tides_status status = td_sensor_check_levels(sensor, TIDES_MODEL_SECANT, error);
     if (status == TIDES_OK) status = td_sensor_check(sensor, error);
     if (status == TIDES_OK) status = td_frontend_make(sensor, &frontend, error);
-    if (status == TIDES_OK) status = td_additive_noise_make(sensor, &noise, error);
+    if (status == TIDES_OK) status = td_additive_noise_make(sensor, b->params.log_eps, &noise, error);
     return status == TIDES_OK ? td_kick_make(sensor, 0, &kick, error) : status;
 }
 

@@ -5,9 +5,6 @@
 
 #include <math.h>
 
-/* Photocurrent at a lux [A]: 15 um pixels of 0.12 A/W at 555 nm (Gen3.1): E_v / (683 lm/W) x area x responsivity. */
-static const double amperes_per_lux = 3.9e-14;
-
 /* DVS-Voltmeter's frames: 8 bits. */
 static const double full_scale_dn = 255;
 
@@ -30,7 +27,8 @@ tides_status td_run_light(tides_run *run, tides_error *error) {
                        "%s: sensor.dark_lux = %g lux: of how much at full scale isn't known; give camera.lux, or image.log_eps",
                        run->origin, dark_lux);
     if (lux > 0 && dark_lux > 0) status = follow(run, "image.log_eps", dark_lux / lux, error);
-    if (status == TIDES_OK && lux > 0) status = follow(run, "frontend.circuit.photocurrent_a", amperes_per_lux * lux, error);
+    const double current = td_run_number(run, "sensor.amperes_per_lux") * lux;
+    if (status == TIDES_OK && lux > 0) status = follow(run, "frontend.circuit.photocurrent_a", current, error);
     const double dark = td_run_number(run, "image.log_eps");
     const int32_t is_default = td_param_is_default(td_param_find("image.log_eps"), td_run_value(run, "image.log_eps"));
     if (status == TIDES_OK && !is_default) status = follow(run, "esim.log_eps", dark, error);

@@ -33,6 +33,7 @@ tides_status td_sensor_list(td_sensor *s, tides_error *error) {
         {"hot_drawn", NULL, s->noise.drawn[TD_NOISE_HOT]},
         {"noise_segment", s->noise_segment, NULL},
         {"noise_value", s->noise_value, NULL},
+        {"noise_light", s->noise_light, NULL},
         {"filter_0", s->filter[0], NULL},
         {"filter_1", s->filter[1], NULL},
         {"filter_2", s->filter[2], NULL},

@@ -17,7 +17,7 @@ enum { BLOCK = TD_IDEAL_BLOCK };
 
 /* A block's additive noise and kicks in the step: where the noise's segments end, and the levels less the bounds of both. */
 typedef struct noise_block {
-    double segment[BLOCK], value[BLOCK], on[BLOCK], off[BLOCK];
+    double segment[BLOCK], value[BLOCK], light[BLOCK], on[BLOCK], off[BLOCK];
 } noise_block;
 
 /* What the parts of a call share. */
@@ -213,12 +213,25 @@ static int can_reject(const td_sensor *sensor) { return !sensor->exhaustive && s
 
 /* -- blocks ---------------------------------------------------------------------------------------------------------------- */
 
-static void sweep_noise(const tile_job *job, size_t at, size_t count, double *low, double *high) {
+/* What the pixel sees. */
+static td_model light_of(const tile_job *job, size_t j) {
+    const double h = job->pixel.step->length_s;
+    return job->pixel.light ? fit(TIDES_MODEL_HERMITE, job->pixel.light, h, j)
+                            : fit(job->pixel.sensor->model, job->signals, h, j);
+}
+
+static void sweep_noise(const tile_job *job, size_t first, size_t count, double *low, double *high) {
     const td_sensor *sensor = job->pixel.sensor;
+    const size_t at = job->first + first;
     noise_block *noise = job->noise;
+    td_model input[BLOCK];
     memcpy(noise->segment, sensor->noise_segment + at, count * sizeof *noise->segment);
     memcpy(noise->value, sensor->noise_value + at, count * sizeof *noise->value);
-    const td_noise_sweep sweep = {noise->segment, noise->value, low, high};
+    if (sensor->noise_light) {
+        memcpy(noise->light, sensor->noise_light + at, count * sizeof *noise->light);
+        for (size_t k = 0; k < count; k++) input[k] = light_of(job, first + k);
+    }
+    const td_noise_sweep sweep = {noise->segment, noise->value, low, high, noise->light, input};
     td_additive_noise_sweep(&sensor->additive, job->pixel.start, job->pixel.step->length_ns, sensor->number + at, count,
                             &sweep);
     for (size_t k = 0; k < count; k++) {
@@ -250,7 +263,7 @@ static void take_levels(tile_job *job, size_t first, size_t count) {
     job->off = sensor->threshold_off + at;
     if (!noise) return;
     double low[BLOCK] = {0}, high[BLOCK] = {0};
-    if (sensor->additive.on) sweep_noise(job, at, count, low, high);
+    if (sensor->additive.on) sweep_noise(job, first, count, low, high);
     if (sensor->kick.on) add_kicks(job, first, count, low, high);
     for (size_t k = 0; k < count; k++) {
         double size = fabs(reference[k]) + leak[k] * stop + job->on[k] + job->off[k] + fabs(low[k]) + fabs(high[k]);
@@ -268,6 +281,7 @@ static void pass_over(const tile_job *job, size_t j) {
     if (!job->noise || !sensor->additive.on) return;
     sensor->noise_segment[job->first + j] = job->noise->segment[j - job->begun];
     sensor->noise_value[job->first + j] = job->noise->value[j - job->begun];
+    if (sensor->noise_light) sensor->noise_light[job->first + j] = job->noise->light[j - job->begun];
 }
 
 static tides_status step_pixel(tile_job *job, size_t j) {
@@ -278,7 +292,7 @@ static tides_status step_pixel(tile_job *job, size_t j) {
     pixel.response.cubic = pixel.input;
     pixel.end = job->signals->S1[j];
     if (sensor->frontend.on) filter(job, &pixel);
-    if (job->pixel.light) pixel.input = fit(TIDES_MODEL_HERMITE, job->pixel.light, step->length_s, j);
+    if (job->pixel.light) pixel.input = light_of(job, j);
     double ramp = sensor->leak[pixel.i] * job->pixel.start, rise = sensor->leak[pixel.i] * step->length_ns;
     for (int c = 0; c < 4; c++) pixel.response.cubic.control[c] += ramp + rise * (c / 3.0);
     pixel.end += ramp + rise;

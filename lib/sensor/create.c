@@ -29,6 +29,15 @@ tides_status td_sensor_check_levels(const tides_sensor *s, int32_t model, tides_
     return TIDES_OK;
 }
 
+/* Of a pixel as it is meant [Hz]: the switch's junction, and what light leaks into it. */
+static double leak_of(const tides_sensor *s) {
+    static const double doubles_c = 8, typed_at_c = 25;
+    double rate = s->leak_rate_hz;
+    if (s->temperature_c != typed_at_c) rate *= td_pow(2, (s->temperature_c - typed_at_c) / doubles_c);
+    if (s->leak_hz_per_a > 0) rate += s->leak_hz_per_a * td_middle_current(&s->circuit);
+    return rate;
+}
+
 tides_status td_sensor_check(const tides_sensor *s, tides_error *error) {
     const struct {
         const char *name;
@@ -37,6 +46,7 @@ tides_status td_sensor_check(const tides_sensor *s, tides_error *error) {
                   {"refractory_s", s->refractory_s, DBL_MAX},
                   {"leak_rate_hz", s->leak_rate_hz, most_hz},
                   {"leak_sigma", s->leak_sigma, 10},
+                  {"leak_hz_per_a", s->leak_hz_per_a, 1e18},
                   {"b_min", s->b_min, 1},
                   {"shot_noise_hz", s->shot_noise_hz, most_hz},
                   {"hot_pixel_fraction", s->hot_pixel_fraction, 1},
@@ -46,6 +56,16 @@ tides_status td_sensor_check(const tides_sensor *s, tides_error *error) {
         if (!(fields[i].value >= 0 && fields[i].value <= fields[i].most))
             return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: %s is %g; it must lie in [0, %g]", fields[i].name,
                            fields[i].value, fields[i].most);
+    if (!(fabs(s->threshold_parity) < 1))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: threshold_parity is %g; it must lie in (-1, 1)",
+                       s->threshold_parity);
+    if (!(s->temperature_c >= -273.15 && s->temperature_c <= 200))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: temperature_c is %g; it must lie in [-273.15, 200]",
+                       s->temperature_c);
+    if (!(leak_of(s) <= most_hz))
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "sensor: leak_rate_hz at temperature_c with leak_hz_per_a is %g Hz; it must be at most %g", leak_of(s),
+                       most_hz);
     if (s->threshold_sigma > 0 && !(s->threshold_min > 0 && s->threshold_min <= DBL_MAX))
         return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: threshold_min is %g; it must be above 0 and finite",
                        s->threshold_min);
@@ -54,10 +74,6 @@ tides_status td_sensor_check(const tides_sensor *s, tides_error *error) {
                        (int)s->refractory_law);
     if (s->initial < TIDES_INITIAL_REST || s->initial > TIDES_INITIAL_STEADY)
         return td_fail(error, TIDES_BAD_ARGUMENT, "sensor: initial is %d; it must be one of TIDES_INITIAL_*", (int)s->initial);
-    if (s->initial == TIDES_INITIAL_STEADY && s->noise_rms > 0)
-        return td_fail(error, TIDES_UNSUPPORTED,
-                       "sensor: initial steady isn't known with additive noise (noise_rms = %g); take random or rest",
-                       s->noise_rms);
     return TIDES_OK;
 }
 
@@ -77,6 +93,11 @@ static void set_noise(td_shot_noise *noise, const td_maps *maps, size_t i, uint3
 static void draw_pixel(td_sensor *sensor, const td_maps *maps, size_t i, uint32_t pixel) {
     const tides_sensor *s = &sensor->sensor;
     double on = s->threshold_on, off = s->threshold_off, normal[2];
+    if (s->threshold_parity != 0) {
+        const double part = pixel % (uint32_t)sensor->image_width % 2 ? 1 + s->threshold_parity : 1 - s->threshold_parity;
+        on *= part;
+        off *= part;
+    }
     if (s->threshold_sigma > 0) {
         td_random_bits bits = td_random(s->seed, pixel, 0, TD_RANDOM_THRESHOLD);
         td_random_normals(&bits, normal);
@@ -85,7 +106,7 @@ static void draw_pixel(td_sensor *sensor, const td_maps *maps, size_t i, uint32_
     }
     if (td_maps_has(maps, TD_MAP_ON, pixel)) on = maps->map[TD_MAP_ON][pixel];
     if (td_maps_has(maps, TD_MAP_OFF, pixel)) off = maps->map[TD_MAP_OFF][pixel];
-    double rate = 1e-9 * s->leak_rate_hz;
+    double rate = 1e-9 * leak_of(s);
     if (s->leak_sigma > 0 && rate > 0) {
         td_random_bits bits = td_random(s->seed, pixel, 0, TD_RANDOM_LEAK);
         td_random_normals(&bits, normal);
@@ -111,7 +132,7 @@ static void draw_pixel(td_sensor *sensor, const td_maps *maps, size_t i, uint32_
     if (sensor->number) sensor->number[i] = pixel;
     if (sensor->additive.on) {
         sensor->noise_segment[i] = 0;
-        sensor->noise_value[i] = td_additive_noise_first(&sensor->additive, pixel);
+        sensor->noise_value[i] = 0;
     }
     td_sensor_set_wake(sensor, i);
 }
@@ -122,14 +143,6 @@ static void draw_pixels(td_sensor *sensor, const td_maps *maps, const td_tile *t
             int32_t x = tiles[t].x0 + k % tiles[t].width, y = tiles[t].y0 + k / tiles[t].width;
             draw_pixel(sensor, maps, i++, (uint32_t)y * (uint32_t)sensor->image_width + (uint32_t)x);
         }
-}
-
-void td_sensor_set_wake(td_sensor *sensor, size_t pixel) {
-    double wake;
-    td_shot_noise_next(&sensor->noise, pixel, &wake);
-    int waits = sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD && sensor->held_until[pixel] > -INFINITY;
-    if (waits && sensor->held_until[pixel] < wake) wake = sensor->held_until[pixel];
-    sensor->wake[pixel] = wake;
 }
 
 static tides_status allocate(td_sensor *sensor, tides_error *error) {
@@ -152,6 +165,8 @@ static tides_status allocate_blocks(td_sensor *sensor, tides_error *error) {
         sensor->noise_segment = td_alloc(sensor->count, sizeof *sensor->noise_segment, error);
         sensor->noise_value = td_alloc(sensor->count, sizeof *sensor->noise_value, error);
         if (!sensor->noise_segment || !sensor->noise_value) return TIDES_NO_MEMORY;
+        if (sensor->additive.varies && !(sensor->noise_light = td_alloc(sensor->count, sizeof *sensor->noise_light, error)))
+            return TIDES_NO_MEMORY;
     }
     if (sensor->additive.on || sensor->kick.on) {
         sensor->number = td_alloc(sensor->count, sizeof *sensor->number, error);
@@ -202,7 +217,7 @@ static tides_status set_blocks(td_sensor *sensor, const td_maps *maps, double st
     const tides_sensor *params = &sensor->sensor;
     td_step first; /* how the simulator's steps split that time */
     tides_status status = td_frontend_make(params, &sensor->frontend, error);
-    if (status == TIDES_OK) status = td_additive_noise_make(params, &sensor->additive, error);
+    if (status == TIDES_OK) status = td_additive_noise_make(params, sensor->log_eps, &sensor->additive, error);
     if (status == TIDES_OK) status = td_kick_make(params, start, &sensor->kick, error);
     if (status == TIDES_OK && sensor->kick.on && sensor->frontend.kind > TD_FRONTEND_CONSTANT)
         status = td_fail(error, TIDES_UNSUPPORTED,
@@ -211,11 +226,11 @@ static tides_status set_blocks(td_sensor *sensor, const td_maps *maps, double st
     if (status == TIDES_OK) status = td_step_between(start, start + 1, &first, error);
     if (status != TIDES_OK) return status;
     sensor->active_at_rest = maps->checksum || sensor->frontend.on || sensor->additive.on || sensor->kick.on ||
-                             params->leak_rate_hz > 0 || params->refractory_s > 0 || makes_noise(params);
+                             leak_of(params) > 0 || params->refractory_s > 0 || makes_noise(params);
     const int surround = params->surround_lambda_px > 0;
     sensor->labels = params->labels && (sensor->frontend.on || sensor->additive.on || sensor->kick.on || surround);
-    sensor->on =
-        sensor->active_at_rest || sensor->masks || surround || params->threshold_sigma > 0 || params->dead_pixel_fraction > 0;
+    sensor->on = sensor->active_at_rest || sensor->masks || surround || params->threshold_sigma > 0 ||
+                 params->threshold_parity != 0 || params->dead_pixel_fraction > 0;
     sensor->start_ns = first.start_ns;
     sensor->start_fraction = first.start_fraction;
     return TIDES_OK;
@@ -266,6 +281,7 @@ void td_sensor_release(td_sensor *sensor) {
     free(sensor->reach);
     free(sensor->noise_segment);
     free(sensor->noise_value);
+    free(sensor->noise_light);
     free(sensor->number);
     td_shot_noise_release(&sensor->noise);
     memset(sensor, 0, sizeof *sensor);

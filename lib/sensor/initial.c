@@ -8,11 +8,14 @@
  *   held), 0 beyond,
  *
  * and the signal stands r a (HOLD: r (a - D), from 0) above the reference. A leak that brings a pixel to its level within D
- * fires at D (DROP_KEEP), or loses crossings (DROP_CONSUME): then T is D, and the reference follows in whole thresholds. */
+ * fires at D (DROP_KEEP), or loses crossings (DROP_CONSUME): then T is D, and the reference follows in whole thresholds.
+ *
+ * With additive noise, which remembers where it was, that isn't so: see td_steady.h. */
 #include "td_base.h"
 #include "td_math.h"
 #include "td_random.h"
 #include "td_sensor.h"
+#include "td_steady.h"
 
 #include <math.h>
 
@@ -38,7 +41,9 @@ static double age_at(double u, double held, double length, double rate) {
 static td_initial steady(const td_sensor *sensor, size_t i, double L) {
     const double leak = sensor->leak[i], on = sensor->threshold_on[i], held = sensor->refractory_ns;
     const int holds = sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD;
-    const double rate = noise_rate(sensor, i, L), climb = leak > 0 ? on / leak : INFINITY;
+    const double rate = noise_rate(sensor, i, L);
+    if (sensor->additive.on) return td_steady_noise(sensor, i, rate);
+    const double climb = leak > 0 ? on / leak : INFINITY;
     if (!(leak > 0) && !(rate > 0)) return (td_initial){0, 0, 0};
     const double age = age_at(sensor->draw[i], held, holds ? climb : fmax(climb - held, 0), rate);
     const double climbed = leak * (holds ? fmax(age - held, 0) : age);
@@ -65,6 +70,7 @@ tides_status td_sensor_draw_initial(td_sensor *sensor, const td_tile *tiles, int
     if (!draws(sensor)) return TIDES_OK;
     sensor->draw = td_alloc(sensor->count, sizeof *sensor->draw, error);
     if (!sensor->draw) return TIDES_NO_MEMORY;
+    if (sensor->additive.on) td_steady_begin(sensor);
     for (size_t t = 0, i = 0; t < (size_t)tile_count; t++)
         for (int32_t k = 0; k < tiles[t].count; k++, i++) {
             const int32_t x = tiles[t].x0 + k % tiles[t].width, y = tiles[t].y0 + k / tiles[t].width;
@@ -80,6 +86,14 @@ void td_sensor_refer(td_sensor *sensor, size_t i, double L) {
     sensor->pixels.initial[i] = sensor->pixels.reference[i] = L - offset;
 }
 
+/* Noise has gone on for ever in this light. */
+static void begin_noise(td_sensor *sensor, size_t i, double L) {
+    const double light = isfinite(L) ? L : 0;
+    sensor->noise_segment[i] = 0;
+    sensor->noise_value[i] = td_additive_noise_first(&sensor->additive, sensor->number[i], light);
+    if (sensor->noise_light) sensor->noise_light[i] = light;
+}
+
 void td_sensor_begin(td_sensor *sensor, const double *L) {
     const td_pixels *pixels = &sensor->pixels;
     for (size_t i = 0; i < sensor->count; i++) {
@@ -88,7 +102,10 @@ void td_sensor_begin(td_sensor *sensor, const double *L) {
         for (int k = 0; k < TD_FRONTEND_STATE; k++)
             if (sensor->filter[k]) sensor->filter[k][i] = state[k];
         if (sensor->filter_error) sensor->filter_error[i] = 0;
-        if (sensor->additive.on) rest += td_sensor_noise_at(sensor, i, 0);
+        if (sensor->additive.on) {
+            begin_noise(sensor, i, L[i]);
+            rest += td_sensor_noise_at(sensor, i, 0);
+        }
         const td_initial at = td_sensor_initial(sensor, i, L[i]);
         pixels->initial[i] = pixels->reference[i] = rest - at.offset;
         pixels->count_on[i] = pixels->count_off[i] = 0;

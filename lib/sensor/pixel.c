@@ -82,7 +82,8 @@ static void seek_segment(walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
     if (w->segment_until > s) return;
     while (sensor->additive.on && w->noise_until <= s && w->noise_until < 1) {
-        td_additive_noise_next(&sensor->additive, sensor->number[w->pixel->i], &w->segment);
+        td_additive_noise_next(&sensor->additive, sensor->number[w->pixel->i],
+                               td_noise_light_of(&w->pixel->input, w->noise_until), &w->segment);
         w->noise_until = place_of(w, w->segment.to_ns);
     }
     if (sensor->kick.on) seek_kick(w, s);
@@ -98,8 +99,7 @@ static void begin_segments(walk *w) {
     td_response_range(&w->pixel->response, &w->low, &w->high);
     begin_kicks(w);
     if (sensor->additive.on) {
-        w->segment = td_additive_noise_resume(&sensor->additive, sensor->number[i], (uint64_t)sensor->noise_segment[i],
-                                              sensor->noise_value[i]);
+        w->segment = td_sensor_noise_segment(sensor, i);
         w->noise_until = place_of(w, w->segment.to_ns);
     }
     w->segment_until = fmin(w->noise_until, w->kick_until);
@@ -120,8 +120,8 @@ static int cross(walk *w, double from, double until, double *at) {
     const td_response *response = sensor->kick.on ? &w->kicked : &w->pixel->response;
     *at = from;
     if (!sensor->additive.on) return td_response_crossing(response, w->reference, w->on, w->off, from, until, at);
-    const double least = fmin(w->segment.begin, w->segment.end) - sensor->additive.reach;
-    const double most = fmax(w->segment.begin, w->segment.end) + sensor->additive.reach;
+    const double least = fmin(w->segment.begin, w->segment.end) - w->segment.reach;
+    const double most = fmax(w->segment.begin, w->segment.end) + w->segment.reach;
     if (w->low + least > w->reference - w->off && w->high + most < w->reference + w->on) return 0;
     const td_noise_search search = {&sensor->additive,
                                     sensor->number[w->pixel->i],
@@ -144,6 +144,7 @@ static void end_segments(walk *w) {
     seek_segment(w, 1);
     sensor->noise_segment[w->pixel->i] = (double)w->segment.k;
     sensor->noise_value[w->pixel->i] = w->segment.begin;
+    if (sensor->noise_light) sensor->noise_light[w->pixel->i] = w->segment.light;
 }
 
 /* S_eff at the step's end, whatever the response says. */
@@ -203,9 +204,11 @@ static void begin_refractory(walk *w, double s) {
 
 static int is_held(const walk *w, double s) { return *held_until(w) > time_at(w, s); }
 
+/* Of a pixel that hasn't fired yet, that began on its way up: half of what was left of it. */
 static int cause_of(const walk *w, double s, int polarity) {
-    double ramp = w->job->sensor->leak[w->pixel->i] * (time_at(w, s) - *since(w));
-    return polarity > 0 && ramp > 0.5 * w->on ? TIDES_CAUSE_LEAK : TIDES_CAUSE_SIGNAL;
+    const double leak = w->job->sensor->leak[w->pixel->i], begun = fmax(-*since(w), 0);
+    const double ramp = leak * (time_at(w, s) - fmax(*since(w), 0)), way = w->on - leak * begun;
+    return polarity > 0 && ramp > 0.5 * way ? TIDES_CAUSE_LEAK : TIDES_CAUSE_SIGNAL;
 }
 
 /* A crossing at s fires at time t. */

@@ -16,6 +16,7 @@ void tides_sensor_defaults(tides_sensor *sensor) {
     *sensor = (tides_sensor){.size = sizeof *sensor, .max_events_per_step = 64, .threshold_on = 0.2, .threshold_off = 0.2};
     sensor->threshold_min = 0.01; /* v2e and ESIM clamp there too */
     sensor->hot_pixel_rate_hz = 100;
+    sensor->temperature_c = 25;
     sensor->kick_recovery_s = 2e-3; /* a DAVIS240C's as measured: rows 35.3 us apart, back in about 2 ms; */
     sensor->kick_row_s = 35.3e-6;
     sensor->kick_rate_hz = 25; /* libcaer's frame interval, and its exposure */

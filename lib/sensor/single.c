@@ -13,7 +13,7 @@ tides_status td_sensor_shows_signal(const tides_sensor *params, int *shows, tide
     td_kick kick;
     tides_status status = td_sensor_check(params, error);
     if (status == TIDES_OK) status = td_frontend_make(params, &frontend, error);
-    if (status == TIDES_OK) status = td_additive_noise_make(params, &additive, error);
+    if (status == TIDES_OK) status = td_additive_noise_make(params, 0, &additive, error);
     if (status == TIDES_OK) status = td_kick_make(params, 0, &kick, error);
     if (status == TIDES_OK)
         *shows = !frontend.on && !additive.on && !kick.on && !(params->surround_lambda_px > 0) && !(params->psf_sigma_px > 0);

@@ -5,14 +5,19 @@
 
 #include <math.h>
 
+td_noise_segment td_sensor_noise_segment(const td_sensor *sensor, size_t pixel) {
+    const double light = sensor->noise_light ? sensor->noise_light[pixel] : 0;
+    return td_additive_noise_resume(&sensor->additive, sensor->number[pixel], (uint64_t)sensor->noise_segment[pixel],
+                                    sensor->noise_value[pixel], light);
+}
+
 double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time) {
     if (!sensor->number) return 0;
     const uint32_t number = sensor->number[pixel];
     const double kick =
         sensor->kick.on ? td_kick_at(&sensor->kick, (int32_t)(number / (uint32_t)sensor->image_width), time) : 0;
     if (!sensor->additive.on) return kick;
-    td_noise_segment segment =
-        td_additive_noise_resume(&sensor->additive, number, (uint64_t)sensor->noise_segment[pixel], sensor->noise_value[pixel]);
+    td_noise_segment segment = td_sensor_noise_segment(sensor, pixel);
     td_additive_noise_seek(&sensor->additive, number, time, &segment);
     return kick + td_noise_value(&sensor->additive, number, &segment, time);
 }
@@ -54,6 +59,14 @@ double td_sensor_worst_residual(const td_sensor *sensor, const double *L, const 
 }
 
 /* A pixel that has never fired keeps the very bits of its initial value, a NaN's too. */
+void td_sensor_set_wake(td_sensor *sensor, size_t pixel) {
+    double wake;
+    td_shot_noise_next(&sensor->noise, pixel, &wake);
+    int waits = sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD && sensor->held_until[pixel] > -INFINITY;
+    if (waits && sensor->held_until[pixel] < wake) wake = sensor->held_until[pixel];
+    sensor->wake[pixel] = wake;
+}
+
 void td_sensor_resume(td_sensor *sensor) {
     const td_pixels *p = &sensor->pixels;
     for (size_t i = 0; i < sensor->count; i++) {

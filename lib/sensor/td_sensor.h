@@ -18,7 +18,8 @@
  * fires at that moment; what went there and back in the dark is not seen.
  *
  * Cause of a crossing: LEAK where the ramp since the pixel's last event, re-reference or consumed crossing is more than half of
- * the threshold that was crossed upwards, that is, where without it the signal had not come half the way; else SIGNAL. */
+ * the threshold that was crossed upwards, that is, where without it the signal hadn't come half the way; else SIGNAL. Leak from
+ * before the run (STEADY) is where the pixel began, and no cause: half is of the way that was left then. */
 #ifndef TD_SENSOR_H
 #define TD_SENSOR_H
 
@@ -35,6 +36,9 @@
 
 /* A dead pixel's thresholds: out of reach, and finite, so that 0 of them are 0. */
 #define TD_OUT_OF_REACH 1e300
+
+/* Rates of passage, by the level's distance in sigma: at so many of them, from 0 on (td_steady.h). */
+enum { TD_PASSAGES = 97, TD_PASSAGES_PER_SIGMA = 12 };
 
 /* A pixel that wants more events in one step has a signal that is no log luminance; without a limit it would fill memory. */
 enum { TD_EVENTS_PER_PIXEL_MAX = 1 << 20 };
@@ -101,7 +105,8 @@ typedef struct td_sensor {
     double *wake;                         /* the first time that the pixel must be looked at whatever its signal does */
     unsigned char *reach;                 /* 1: may have fired in this macro step (td_sensor_estimate) */
     uint64_t maps_checksum;               /* of the file of maps, whose name isn't kept in `sensor`; 0: there was none */
-    double *draw; /* in (0, 1): where the pixel's reference begins between its levels; NULL: at the signal */
+    double *draw;                /* in (0, 1): where the pixel's reference begins between its levels; NULL: at the signal */
+    double passage[TD_PASSAGES]; /* of additive noise, where `draw` is for it: h(u) (td_steady.h) */
     td_frontend frontend;
     double *filter[TD_FRONTEND_STATE]; /* the filters' state, where there are any; the first is S at the time reached, */
     double *filter_error;              /* and what that may be off by, of a first-order one alone: the solver's (timing.c) */
@@ -109,6 +114,7 @@ typedef struct td_sensor {
     td_additive_noise additive;
     td_kick kick;
     double *noise_segment, *noise_value; /* with it: number and begin [log units] of the segment that the time reached is on, */
+    double *noise_light;                 /* the log-luminance where that began, of noise that goes with light, */
     uint32_t *number;                    /* and the pixel's in the image */
     td_carried carry[TD_CARRIED_MAX];    /* the list of what is carried, */
     int carried;                         /* so many rows */
@@ -291,6 +297,9 @@ static inline double td_reference_at(double on, double off, double initial, doub
 static inline double td_reference_of(double on, double off, double initial, uint32_t count_on, uint32_t count_off) {
     return td_reference_at(on, off, initial, count_on, count_off);
 }
+
+/* The segment of the additive noise, where it is on, that the time reached is on. */
+td_noise_segment td_sensor_noise_segment(const td_sensor *sensor, size_t pixel);
 
 /* The additive noise and the kicks at a time [ns since the run's start] that isn't before the time reached; 0 without. */
 double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time);

@@ -108,6 +108,8 @@ TIDES_PHOTORECEPTOR_INTENSITY = 1
 TIDES_INITIAL_REST = 0
 TIDES_INITIAL_RANDOM = 1
 TIDES_INITIAL_STEADY = 2
+TIDES_NOISE_CONSTANT = 0
+TIDES_NOISE_PHOTOCURRENT = 1
 TIDES_CAUSE_SIGNAL = 0
 TIDES_CAUSE_LEAK = 1
 TIDES_CAUSE_SHOT = 2
@@ -1458,12 +1460,17 @@ class tides_sensor(Structure):
     int32_t psf_domain; /* TIDES_PSF_* */
     double leak_rate_hz; /* ON events per second that the reference's drift makes in a pixel at rest [Hz] */
     double leak_sigma; /* decades of log-normal spread of that rate from pixel to pixel */
+    double leak_hz_per_a; /* more of it, per photocurrent of circuit.* at Y = 0.5, which the switch sees too [Hz / A] */
+    double temperature_c; /* 25: leak_rate_hz is there; it doubles every 8, as silicon's leakage does [degrees C] */
+    double threshold_parity; /* odd columns' thresholds are higher by this part, even ones' lower, in (-1, 1) [1] */
     double b_min; /* pixels with less coverage than this stay silent, in [0, 1] */
     double shot_noise_hz; /* noise events, both polarities, of a pixel at Y = 0; 0.264 of it at Y = 1, linear between [Hz] */
     double hot_pixel_fraction, hot_pixel_rate_hz; /* of all pixels [1]; their ON events a second [Hz] */
     double dead_pixel_fraction; /* of all pixels: those that never fire [1] */
     double psf_sigma_px; /* [px] */
     double photoreceptor_cutoff_hz; /* -3 dB [Hz]; 0: off */
+    double photoreceptor_half_a; /* the cutoff is that x I / (I + this), I being the photocurrent of circuit.* at Y = 0.5, the
+    run's light: below it the photodiode is slower than what follows; 0: as it is [A] */
     int32_t photoreceptor_law; /* TIDES_PHOTORECEPTOR_* */
     int32_t bandwidth; /* TIDES_BANDWIDTH_* */
     tides_circuit circuit; /* of TIDES_BANDWIDTH_CIRCUIT */
@@ -1471,6 +1478,8 @@ class tides_sensor(Structure):
     double surround_tau_s; /* its time constant [s] */
     double noise_rms; /* additive Ornstein-Uhlenbeck noise [log units] */
     double noise_cutoff_hz; /* its corner frequency [Hz]: correlation time 1 / (2 pi cutoff) */
+    double noise_sigma; /* decades of log-normal spread of its size from pixel to pixel */
+    int32_t noise_law; /* TIDES_NOISE_* */
     double highpass_hz; /* -3 dB of a high-pass behind the low-pass (Prophesee's bias_hpf) [Hz]; 0: off */
     uint64_t seed; /* of all that is random here */
     int32_t labels; /* 1: events get tides_event_frontend */
@@ -1503,6 +1512,9 @@ class tides_sensor(Structure):
     psf_domain: int
     leak_rate_hz: float
     leak_sigma: float
+    leak_hz_per_a: float
+    temperature_c: float
+    threshold_parity: float
     b_min: float
     shot_noise_hz: float
     hot_pixel_fraction: float
@@ -1510,6 +1522,7 @@ class tides_sensor(Structure):
     dead_pixel_fraction: float
     psf_sigma_px: float
     photoreceptor_cutoff_hz: float
+    photoreceptor_half_a: float
     photoreceptor_law: int
     bandwidth: int
     circuit: tides_circuit
@@ -1517,6 +1530,8 @@ class tides_sensor(Structure):
     surround_tau_s: float
     noise_rms: float
     noise_cutoff_hz: float
+    noise_sigma: float
+    noise_law: int
     highpass_hz: float
     seed: int
     labels: int
@@ -1541,6 +1556,9 @@ class tides_sensor(Structure):
         ("psf_domain", c_int32),
         ("leak_rate_hz", c_double),
         ("leak_sigma", c_double),
+        ("leak_hz_per_a", c_double),
+        ("temperature_c", c_double),
+        ("threshold_parity", c_double),
         ("b_min", c_double),
         ("shot_noise_hz", c_double),
         ("hot_pixel_fraction", c_double),
@@ -1548,6 +1566,7 @@ class tides_sensor(Structure):
         ("dead_pixel_fraction", c_double),
         ("psf_sigma_px", c_double),
         ("photoreceptor_cutoff_hz", c_double),
+        ("photoreceptor_half_a", c_double),
         ("photoreceptor_law", c_int32),
         ("bandwidth", c_int32),
         ("circuit", tides_circuit),
@@ -1555,6 +1574,8 @@ class tides_sensor(Structure):
         ("surround_tau_s", c_double),
         ("noise_rms", c_double),
         ("noise_cutoff_hz", c_double),
+        ("noise_sigma", c_double),
+        ("noise_law", c_int32),
         ("highpass_hz", c_double),
         ("seed", c_uint64),
         ("labels", c_int32),

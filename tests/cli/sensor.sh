@@ -96,7 +96,7 @@ expect 0 tides presets
 out "^imx636 +1280x720 +0.223 "
 out "^Left to the run: camera.width"
 expect 0 tides presets --json
-[ "$(grep -c '"guesses":' out)" = 12 ] || fail "twelve presets"
+[ "$(grep -c '"guesses":' out)" = 15 ] || fail "fifteen presets"
 refuse 1 "nope: can't be opened: there is no such file, nor a preset of that name" tides info nope
 printf '{ "sensor": { "treshold_on": 1 } }' >config/tides/presets/bad.json
 refuse 1 "unknown key \"sensor.treshold_on\"" tides info bad

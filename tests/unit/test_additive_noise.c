@@ -26,7 +26,7 @@ static td_additive_noise make(uint64_t seed) {
     sensor.seed = seed;
     sensor.noise_rms = rms;
     sensor.noise_cutoff_hz = cutoff_hz;
-    scene_expect_ok(td_additive_noise_make(&sensor, &noise, &error), &error);
+    scene_expect_ok(td_additive_noise_make(&sensor, 0, &noise, &error), &error);
     return noise;
 }
 
@@ -41,7 +41,7 @@ static void expect_mean(const double *value, size_t count, double wanted, const 
 }
 
 static td_noise_segment first_line(const td_additive_noise *noise, uint32_t pixel) {
-    return td_additive_noise_resume(noise, pixel, 0, td_additive_noise_first(noise, pixel));
+    return td_additive_noise_resume(noise, pixel, 0, td_additive_noise_first(noise, pixel, 0), 0);
 }
 
 static double noise_at(const td_additive_noise *noise, uint32_t pixel, double time_ns) {
@@ -65,7 +65,7 @@ static void test_points(void **state) {
         td_noise_segment line = first_line(&noise, p);
         for (int k = 0; k < POINTS; k++) {
             value[(size_t)k * PIXELS + p] = line.begin;
-            td_additive_noise_next(&noise, p, &line);
+            td_additive_noise_next(&noise, p, 0, &line);
         }
     }
     for (int k = 0; k < POINTS; k += 4) {
@@ -153,14 +153,14 @@ static void test_lines(void **state) {
     for (uint32_t p = 0; p < 300; p++) {
         td_noise_segment line = first_line(&noise, p), jumped = line;
         assert_true(line.from_ns <= 0 && line.to_ns > 0 && line.k == 0);
-        assert_true(line.begin != td_additive_noise_first(&other, p));
+        assert_true(line.begin != td_additive_noise_first(&other, p, 0));
         for (int n = 0; n < 50; n++) {
             td_noise_segment next = line;
-            td_additive_noise_next(&noise, p, &next);
+            td_additive_noise_next(&noise, p, 0, &next);
             assert_true(next.from_ns == line.to_ns && next.begin == line.end && next.k == line.k + 1);
             line = next;
         }
-        td_noise_segment again = td_additive_noise_resume(&noise, p, line.k, line.begin);
+        td_noise_segment again = td_additive_noise_resume(&noise, p, line.k, line.begin, 0);
         assert_memory_equal(&again, &line, sizeof line);
         td_additive_noise_seek(&noise, p, 0.5 * (line.from_ns + line.to_ns), &jumped);
         assert_memory_equal(&jumped, &line, sizeof line);
@@ -183,11 +183,11 @@ static void test_sweep(void **state) {
     }
     for (int n = 0; n < SWEEPS; n++) {
         double length = noise.spacing_ns * (n % 3 == 0 ? 0.01 : n % 3 == 1 ? 1.7 : 40.0 + n);
-        td_additive_noise_sweep(&noise, now, length, pixel, COUNT, &(td_noise_sweep){k, value, low, high});
+        td_additive_noise_sweep(&noise, now, length, pixel, COUNT, &(td_noise_sweep){k, value, low, high, NULL, NULL});
         for (int i = 0; i < COUNT; i++) {
             double least = fmin(line[i].begin, line[i].end), most = fmax(line[i].begin, line[i].end);
             while (td_place_of(line[i].to_ns, now, length) < 1) {
-                td_additive_noise_next(&noise, pixel[i], &line[i]);
+                td_additive_noise_next(&noise, pixel[i], 0, &line[i]);
                 least = fmin(least, line[i].end);
                 most = fmax(most, line[i].end);
             }
@@ -205,12 +205,12 @@ static void test_refused(void **state) {
     td_additive_noise noise;
     tides_error error;
     tides_sensor_defaults(&sensor);
-    assert_int_equal(td_additive_noise_make(&sensor, &noise, &error), TIDES_OK);
+    assert_int_equal(td_additive_noise_make(&sensor, 0, &noise, &error), TIDES_OK);
     assert_int_equal(noise.on, 0);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         sensor.noise_rms = bad[i][0];
         sensor.noise_cutoff_hz = bad[i][1];
-        assert_int_equal(td_additive_noise_make(&sensor, &noise, &error), TIDES_BAD_ARGUMENT);
+        assert_int_equal(td_additive_noise_make(&sensor, 0, &noise, &error), TIDES_BAD_ARGUMENT);
         assert_non_null(strstr(error.text, i < 3 ? "noise_rms" : "noise_cutoff_hz"));
     }
 }

@@ -122,7 +122,7 @@ static void test_presets(void **state) {
         assert_true(values.sensor.threshold_on < 0.5);
         tides_run_destroy(run);
     }
-    assert_int_equal(count, 12);
+    assert_int_equal(count, 15);
     const char *noisy[] = {"sensor.preset=v2e-noisy", "frontend.shot_noise_hz=0.0"}; /* even where it is the default */
     tides_run *run = parse(noisy, 2);
     tides_run_values values;

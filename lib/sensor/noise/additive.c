@@ -14,21 +14,50 @@ static const double segments_per_tau = 8;
 /* Faster noise would have segments of less than a nanosecond, in which times are written. */
 static const double largest_cutoff_hz = 1e7;
 
-tides_status td_additive_noise_make(const tides_sensor *sensor, td_additive_noise *noise, tides_error *error) {
-    memset(noise, 0, sizeof *noise);
+static tides_status check(const tides_sensor *sensor, tides_error *error) {
     if (!(sensor->noise_rms >= 0) || !isfinite(sensor->noise_rms))
         return td_fail(error, TIDES_BAD_ARGUMENT, "noise_rms: %g must be a number of log units, at least 0", sensor->noise_rms);
-    if (sensor->noise_rms == 0) return TIDES_OK;
-    if (!(sensor->noise_cutoff_hz > 0) || !(sensor->noise_cutoff_hz <= largest_cutoff_hz))
+    if (!(sensor->noise_sigma >= 0 && sensor->noise_sigma <= 1))
+        return td_fail(error, TIDES_BAD_ARGUMENT, "noise_sigma is %g; it must lie in [0, 1] decades", sensor->noise_sigma);
+    return TIDES_OK;
+}
+
+/* Size and tau at Y = 1, where the light says them; sigma is the larger of that and of the dark's. */
+static tides_status take_light(td_additive_noise *noise, double *tau_ns, tides_error *error) {
+    const double brightest = td_log1p(noise->light.log_eps),
+                 darkest = noise->light.log_eps > 0 ? td_ln(noise->light.log_eps) : -700;
+    double dark_sigma, dark_tau_ns;
+    td_noise_light_at(&noise->light, darkest, &dark_sigma, &dark_tau_ns);
+    td_noise_light_at(&noise->light, brightest, &noise->sigma, tau_ns);
+    noise->sigma = fmax(noise->sigma, dark_sigma);
+    if (*tau_ns >= 1e9 / (two_pi * largest_cutoff_hz)) return TIDES_OK;
+    return td_fail(error, TIDES_BAD_ARGUMENT, "noise_law photocurrent: a bandwidth of %g Hz at Y = 1; it must be at most %g",
+                   1e9 / (two_pi * *tau_ns), largest_cutoff_hz);
+}
+
+tides_status td_additive_noise_make(const tides_sensor *sensor, double log_eps, td_additive_noise *noise, tides_error *error) {
+    double tau_ns = 1e9 / (two_pi * sensor->noise_cutoff_hz);
+    memset(noise, 0, sizeof *noise);
+    tides_status status = check(sensor, error);
+    if (status == TIDES_OK) status = td_noise_light_make(sensor, log_eps, &noise->light, error);
+    if (status != TIDES_OK || (sensor->noise_rms == 0 && !noise->light.on)) return status;
+    noise->sigma = sensor->noise_rms;
+    if (noise->light.on)
+        status = take_light(noise, &tau_ns, error);
+    else if (!(sensor->noise_cutoff_hz > 0) || !(sensor->noise_cutoff_hz <= largest_cutoff_hz))
         return td_fail(error, TIDES_BAD_ARGUMENT, "noise_cutoff_hz: %g Hz must lie in (0, %g]: noise_rms wants it",
                        sensor->noise_cutoff_hz, largest_cutoff_hz);
+    if (status != TIDES_OK) return status;
     noise->on = 1;
+    noise->varies = noise->light.on || sensor->noise_sigma > 0;
+    noise->spread = sensor->noise_sigma;
     noise->seed = sensor->seed;
-    noise->spacing_ns = 1e9 / (two_pi * sensor->noise_cutoff_hz * segments_per_tau);
+    noise->threshold = fmin(sensor->threshold_on, sensor->threshold_off);
+    noise->spacing_ns = tau_ns / segments_per_tau;
     noise->rho = td_exp(-1 / segments_per_tau);
-    noise->sigma = sensor->noise_rms;
     noise->change = noise->sigma * sqrt(-td_expm1(-2 / segments_per_tau));
-    td_noise_bridge_make(noise, noise->spacing_ns * segments_per_tau, fmin(sensor->threshold_on, sensor->threshold_off));
+    td_noise_bridge_make(noise, noise->spacing_ns * segments_per_tau, noise->threshold);
+    if (noise->varies) noise->reach = 0; /* td_noise_sweep has it */
     return TIDES_OK;
 }
 
@@ -62,36 +91,71 @@ static double end_of_segment(const td_additive_noise *noise, double origin_ns, d
     return origin_ns + (k + 1) * noise->spacing_ns;
 }
 
-/* What follows from k, begin, origin_ns and normal. */
-static void finish(const td_additive_noise *noise, td_noise_segment *segment) {
-    segment->from_ns = segment->origin_ns + (double)segment->k * noise->spacing_ns;
-    segment->to_ns = end_of_segment(noise, segment->origin_ns, (double)segment->k);
-    segment->end = noise->rho * segment->begin + noise->change * segment->normal[(segment->k + 1) % TD_NOISE_BLOCK];
+double td_additive_noise_tau(const td_additive_noise *noise) { return noise->spacing_ns * segments_per_tau; }
+
+/* The pixel's own size, of nominal. */
+static double own_of(const td_additive_noise *noise, uint32_t pixel) {
+    double normal[2];
+    if (!(noise->spread > 0)) return 1;
+    td_random_bits bits = td_random(noise->seed, pixel, 0, TD_RANDOM_NOISE_SIZE);
+    td_random_normals(&bits, normal);
+    return td_pow(10, noise->spread * normal[0]);
 }
 
-td_noise_segment td_additive_noise_resume(const td_additive_noise *noise, uint32_t pixel, uint64_t k, double value) {
-    td_noise_segment segment = {.k = k, .begin = value, .origin_ns = origin_of(noise, pixel)};
+/* Size and tau of the pixel in this light. */
+static void size_of(const td_additive_noise *noise, double own, double light, double *sigma, double *tau_ns) {
+    *sigma = noise->sigma;
+    *tau_ns = noise->spacing_ns * segments_per_tau;
+    if (noise->light.on) td_noise_light_at(&noise->light, light, sigma, tau_ns);
+    *sigma *= own;
+}
+
+/* What follows from k, begin, origin_ns, normal and light. */
+static void finish(const td_additive_noise *noise, td_noise_segment *segment) {
+    const double normal = segment->normal[(segment->k + 1) % TD_NOISE_BLOCK];
+    segment->from_ns = segment->origin_ns + (double)segment->k * noise->spacing_ns;
+    segment->to_ns = end_of_segment(noise, segment->origin_ns, (double)segment->k);
+    if (noise->varies) {
+        size_of(noise, segment->own, segment->light, &segment->sigma, &segment->tau_ns);
+        const double l = noise->spacing_ns / segment->tau_ns;
+        segment->reach = td_noise_reach(segment->sigma, l);
+        segment->end = td_exp(-l) * segment->begin + segment->sigma * sqrt(-td_expm1(-2 * l)) * normal;
+    } else {
+        segment->reach = noise->reach;
+        segment->end = noise->rho * segment->begin + noise->change * normal;
+    }
+}
+
+td_noise_segment td_additive_noise_resume(const td_additive_noise *noise, uint32_t pixel, uint64_t k, double value,
+                                          double light) {
+    td_noise_segment segment = {.k = k,
+                                .begin = value,
+                                .origin_ns = origin_of(noise, pixel),
+                                .light = light,
+                                .own = own_of(noise, pixel)};
     draw_block(noise, pixel, k + 1, segment.normal);
     finish(noise, &segment);
     return segment;
 }
 
-double td_additive_noise_first(const td_additive_noise *noise, uint32_t pixel) {
-    double normal[2];
+double td_additive_noise_first(const td_additive_noise *noise, uint32_t pixel, double light) {
+    double normal[2], sigma, tau_ns;
     td_random_bits bits = td_random(noise->seed, pixel, 1, TD_RANDOM_NOISE);
     td_random_normals(&bits, normal);
-    return noise->sigma * normal[0];
+    size_of(noise, own_of(noise, pixel), light, &sigma, &tau_ns);
+    return sigma * normal[0];
 }
 
-void td_additive_noise_next(const td_additive_noise *noise, uint32_t pixel, td_noise_segment *segment) {
+void td_additive_noise_next(const td_additive_noise *noise, uint32_t pixel, double light, td_noise_segment *segment) {
     segment->k++;
     segment->begin = segment->end;
+    if (isfinite(light)) segment->light = light;
     if ((segment->k + 1) % TD_NOISE_BLOCK == 0) draw_block(noise, pixel, segment->k + 1, segment->normal);
     finish(noise, segment);
 }
 
 void td_additive_noise_seek(const td_additive_noise *noise, uint32_t pixel, double time_ns, td_noise_segment *segment) {
-    while (segment->to_ns < time_ns) td_additive_noise_next(noise, pixel, segment);
+    while (segment->to_ns < time_ns) td_additive_noise_next(noise, pixel, segment->light, segment);
 }
 
 /* -- many pixels ----------------------------------------------------------------------------------------------------------- */
@@ -164,8 +228,34 @@ static void sweep_lanes(const td_additive_noise *noise, double start_ns, double 
     }
 }
 
+/* Of noise that varies, one after the other. */
+static void sweep_varying(const td_additive_noise *noise, double start_ns, double length_ns, const uint32_t *pixel,
+                          size_t count, const td_noise_sweep *sweep) {
+    for (size_t i = 0; i < count; i++) {
+        td_noise_segment at =
+            td_additive_noise_resume(noise, pixel[i], (uint64_t)sweep->segment[i], sweep->value[i], sweep->light[i]);
+        double low = INFINITY, high = -INFINITY;
+        for (;;) {
+            low = fmin(low, fmin(at.begin, at.end) - at.reach);
+            high = fmax(high, fmax(at.begin, at.end) + at.reach);
+            const double until = td_place_of(at.to_ns, start_ns, length_ns);
+            if (!(until < 1)) break;
+            td_additive_noise_next(noise, pixel[i], td_noise_light_of(&sweep->input[i], until), &at);
+        }
+        sweep->segment[i] = (double)at.k;
+        sweep->value[i] = at.begin;
+        sweep->light[i] = at.light;
+        sweep->low[i] = low;
+        sweep->high[i] = high;
+    }
+}
+
 void td_additive_noise_sweep(const td_additive_noise *noise, double start_ns, double length_ns, const uint32_t *pixel,
                              size_t count, const td_noise_sweep *sweep) {
+    if (noise->varies) {
+        sweep_varying(noise, start_ns, length_ns, pixel, count, sweep);
+        return;
+    }
     for (size_t done = 0; done < count; done += TD_RANDOM_LANES) {
         lanes l;
         for (size_t i = 0; i < TD_RANDOM_LANES; i++) {

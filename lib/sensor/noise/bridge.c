@@ -36,6 +36,8 @@ static td_noise_level level_of(double sigma, double l) {
     return (td_noise_level){4 * sigma * sigma * tangent, td_exp(-0.5 * l) / (2 - m), sigma * sqrt(tangent)};
 }
 
+double td_noise_reach(double sigma, double l) { return sqrt(0.5 * q_max * level_of(sigma, l).variance); }
+
 void td_noise_bridge_make(td_additive_noise *noise, double tau_ns, double threshold) {
     double l = noise->spacing_ns / tau_ns;
     for (int depth = 0;; depth++, l *= 0.5) {
@@ -45,6 +47,16 @@ void td_noise_bridge_make(td_additive_noise *noise, double tau_ns, double thresh
         if ((depth >= DEPTH_MIN && fine) || depth == TD_NOISE_DEPTH_MAX) break;
     }
     noise->reach = sqrt(0.5 * q_max * noise->level[0].variance);
+}
+
+/* The noise as it is on this segment, in `own` where it varies. */
+static const td_additive_noise *here(const td_additive_noise *noise, const td_noise_segment *segment, td_additive_noise *own) {
+    if (!noise->varies) return noise;
+    own->seed = noise->seed;
+    own->spacing_ns = noise->spacing_ns;
+    own->sigma = segment->sigma;
+    td_noise_bridge_make(own, segment->tau_ns, noise->threshold);
+    return own;
 }
 
 /* -- the tree -------------------------------------------------------------------------------------------------------------- */
@@ -111,7 +123,9 @@ static void find_corners(const td_additive_noise *noise, uint32_t pixel, uint64_
     c->time_ns[3] = p->to_ns;
 }
 
-double td_noise_value(const td_additive_noise *noise, uint32_t pixel, const td_noise_segment *segment, double time_ns) {
+double td_noise_value(const td_additive_noise *any, uint32_t pixel, const td_noise_segment *segment, double time_ns) {
+    td_additive_noise own;
+    const td_additive_noise *noise = here(any, segment, &own);
     part p = whole(noise, segment), half[2];
     corners c;
     while (!is_bottom(noise, &p)) {
@@ -166,8 +180,10 @@ static int cross_corners(const td_noise_search *search, const corners *c, double
 /* Parts in time order; what is still to be looked at is on a stack, as deep as the tree. */
 int td_noise_crossing(const td_noise_search *search, const td_noise_segment *segment, double from, double to, double *s) {
     part left[TD_NOISE_DEPTH_MAX + 2];
+    td_additive_noise own;
+    const td_additive_noise *noise = here(search->noise, segment, &own);
     int count = 0, polarity = 0;
-    left[count++] = whole(search->noise, segment);
+    left[count++] = whole(noise, segment);
     while (count > 0 && polarity == 0) {
         const part p = left[--count];
         double begin = p.node == 1 ? from : fmax(from, place_of(search, p.from_ns)), end = to;
@@ -176,11 +192,11 @@ int td_noise_crossing(const td_noise_search *search, const td_noise_segment *seg
         if (p.node & (p.node + 1))
             end = fmin(to, place_of(search, p.to_ns)); /* the last of a generation ends with the segment */
         if (!(begin <= end) || !may_reach(search, p.low, p.high, begin, end, &begin)) continue;
-        if (is_bottom(search->noise, &p)) {
-            find_corners(search->noise, search->pixel, segment->k, &p, &c);
+        if (is_bottom(noise, &p)) {
+            find_corners(noise, search->pixel, segment->k, &p, &c);
             polarity = cross_corners(search, &c, begin, end, s);
         } else {
-            halve(search->noise, search->pixel, segment->k, &p, half);
+            halve(noise, search->pixel, segment->k, &p, half);
             left[count++] = half[1];
             left[count++] = half[0];
         }

@@ -37,6 +37,9 @@
 /* level, depth and reach of a noise whose sigma and spacing_ns are set, for levels at least `threshold` away. */
 void td_noise_bridge_make(td_additive_noise *noise, double tau_ns, double threshold);
 
+/* reach of parts of length l (in tau). */
+double td_noise_reach(double sigma, double l);
+
 /* The noise on a pixel's segment at a time that it holds; beyond its ends, theirs. */
 double td_noise_value(const td_additive_noise *noise, uint32_t pixel, const td_noise_segment *segment, double time_ns);
 

@@ -82,6 +82,10 @@ static void make_first_order(const tides_sensor *sensor, td_frontend *frontend) 
     int follows_light = sensor->photoreceptor_law == TIDES_PHOTORECEPTOR_INTENSITY;
     frontend->kind = follows_light ? TD_FRONTEND_INTENSITY : TD_FRONTEND_CONSTANT;
     frontend->rate = two_pi * sensor->photoreceptor_cutoff_hz;
+    if (sensor->photoreceptor_half_a > 0) {
+        const double I = td_middle_current(&sensor->circuit);
+        frontend->rate *= I / (I + sensor->photoreceptor_half_a);
+    }
     frontend->light = 255.0 / 275; /* v2e: (DN + 20) / 275, DN = 255 Y */
     frontend->dark = 20.0 / 275;
 }
@@ -91,6 +95,12 @@ tides_status td_frontend_make(const tides_sensor *sensor, td_frontend *frontend,
     tides_status status = check_not_negative("photoreceptor_cutoff_hz", sensor->photoreceptor_cutoff_hz, error);
     if (status == TIDES_OK)
         status = check_choice("photoreceptor_law", sensor->photoreceptor_law, "TIDES_PHOTORECEPTOR_*", error);
+    if (status == TIDES_OK) status = check_not_negative("photoreceptor_half_a", sensor->photoreceptor_half_a, error);
+    if (status == TIDES_OK && sensor->photoreceptor_half_a > 0 && !(td_middle_current(&sensor->circuit) > 0))
+        return td_fail(error, TIDES_BAD_ARGUMENT,
+                       "photoreceptor_half_a is %g, of a photocurrent that isn't above 0: set circuit.photocurrent_a, or "
+                       "camera.lux in a run file",
+                       sensor->photoreceptor_half_a);
     if (status == TIDES_OK) status = check_choice("bandwidth", sensor->bandwidth, "TIDES_BANDWIDTH_*", error);
     if (status != TIDES_OK) return status;
     if (sensor->bandwidth == TIDES_BANDWIDTH_CIRCUIT) {

@@ -46,6 +46,11 @@ typedef struct td_frontend {
     double tolerance;                   /* of the input that a substep is solved for [log units] */
 } td_frontend;
 
+/* The photocurrent in the middle of the light, Y = 0.5 [A]. */
+static inline double td_middle_current(const tides_circuit *circuit) {
+    return 0.5 * circuit->photocurrent_a + circuit->dark_current_a;
+}
+
 /* `sensor` must outlive it. Off where bandwidth is FIRST_ORDER and photoreceptor_cutoff_hz is 0. TIDES_BAD_ARGUMENT naming the
  * field. */
 TIDES_MUST_CHECK tides_status td_frontend_make(const tides_sensor *sensor, td_frontend *frontend, tides_error *error);

@@ -1,0 +1,169 @@
+/* Where pixels with additive noise stand when a run begins at rest: slow events by their rates, then the noise's own path. */
+#include "td_steady.h"
+#include "td_math.h"
+#include "sensor/noise/td_noise_bridge.h"
+#include "td_random.h"
+
+#include <math.h>
+
+static const double two_pi = 6.28318530717958647692;
+static const double memory_ns = 1e10;
+enum { EVENTS_MAX = 512, PIECES_MAX = 1024, PATH = 48 };
+
+/* The leak may take the mean so far, in sigma, before rates are asked again. */
+static const double drift_most = 0.25;
+
+/* -- rates of passage ------------------------------------------------------------------------------------------------------ */
+
+/* sqrt(2 pi) e^(z^2 / 2) Phi(z), the time of passage per sigma of a level z sigma away: with half of it at 0, and for the rest
+ * the series z + z^3 / 3 + z^5 / 15 + ..., of which each term is z^2 / (2 n + 1) times the last. */
+static double time_per_sigma(double z) {
+    double term = z, sum = z;
+    for (int n = 1; term > 1e-17 * sum; n++) sum += term *= z * z / (2 * n + 1);
+    return 0.5 * sqrt(two_pi) * td_exp(0.5 * z * z) + sum;
+}
+
+void td_steady_begin(td_sensor *sensor) {
+    enum { PARTS = 16 };
+    const double dz = 1.0 / (TD_PASSAGES_PER_SIGMA * PARTS);
+    double time = 0;
+    sensor->passage[0] = INFINITY;
+    for (int k = 1; k < TD_PASSAGES; k++) {
+        for (int j = 0; j < PARTS; j++) {
+            const double z = ((k - 1) * PARTS + j + 0.5) * dz;
+            time += dz * time_per_sigma(z);
+        }
+        sensor->passage[k] = 1 / time;
+    }
+}
+
+/* Per tau; levels within half a sigma are as those there, since what is between is the path's to say. */
+static double hazard_at(const td_sensor *sensor, double u) {
+    const double nearest = 0.5, place = fmax(u, nearest) * TD_PASSAGES_PER_SIGMA;
+    if (!(place < TD_PASSAGES - 1)) return 0;
+    const int k = (int)place;
+    return sensor->passage[k] * td_pow(sensor->passage[k + 1] / sensor->passage[k], place - k);
+}
+
+/* -- slow events ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct pixel {
+    const td_sensor *sensor;
+    double on, off, leak, held; /* [ns] */
+    double sigma, tau;
+    double o, age; /* of the mean above the reference; since the last event [ns] */
+    uint32_t number;
+    uint64_t drawn;
+} pixel;
+
+static td_random_bits draw(pixel *p) { return td_random(p->sensor->sensor.seed, p->number, ++p->drawn, TD_RANDOM_INITIAL); }
+
+static int holds(const pixel *p) { return p->held > 0 && p->sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD; }
+
+/* The reference is where the noise, at `n` when the pixel fired, has come by the end of its refractory period. */
+static void hold(pixel *p, double n, double normal) {
+    const double l = p->held / p->tau;
+    p->o = -(td_exp(-l) * n + p->sigma * sqrt(-td_expm1(-2 * l)) * normal);
+}
+
+/* An event of this kind: 1 ON, -1 OFF; 0: one of shot noise or a hot pixel, which re-references. */
+static void take(pixel *p, int kind) {
+    double normal[2];
+    const td_random_bits bits = draw(p);
+    td_random_normals(&bits, normal);
+    const double n = kind > 0 ? p->on - p->o : kind < 0 ? -p->off - p->o : p->sigma * normal[1];
+    if (holds(p) || kind == 0)
+        hold(p, n, normal[0]);
+    else
+        p->o -= kind > 0 ? p->on : -p->off;
+    p->age = p->held;
+}
+
+static void pass_slowly(pixel *p, double rate) {
+    double left = memory_ns;
+    for (int events = 0, pieces = 0; events < EVENTS_MAX && pieces < PIECES_MAX; pieces++) {
+        const double on = hazard_at(p->sensor, (p->on - p->o) / p->sigma) / p->tau;
+        const double off = hazard_at(p->sensor, (p->off + p->o) / p->sigma) / p->tau;
+        const double all = on + off + rate, most = p->leak > 0 ? drift_most * p->sigma / p->leak : INFINITY;
+        const td_random_bits bits = draw(p);
+        const double wait = all > 0 ? td_random_exponential(&bits, 0) / all : INFINITY;
+        const double step = fmin(wait, fmin(most, left));
+        if (!(step < INFINITY)) return;
+        p->o += p->leak * step;
+        p->age += step;
+        left -= step + (step == wait ? p->held : 0);
+        if (step == wait) {
+            const double which = td_random_uniform(&bits, 1) * all;
+            take(p, which < on ? 1 : which < on + off ? -1 : 0);
+            events++;
+        }
+        if (!(left > 0)) return;
+    }
+}
+
+/* -- the noise's path ------------------------------------------------------------------------------------------------------ */
+
+/* Events between a and b, `dt` apart: the bridge's extreme beyond a level, once in a part; a held pixel waits. */
+static void cross(pixel *p, double a, double b, double dt, double variance, double *until) {
+    const td_random_bits bits = draw(p);
+    const double change = b - a;
+    p->o += p->leak * dt;
+    p->age += dt;
+    if (*until > 0) {
+        *until -= dt;
+        if (*until <= 0 && holds(p)) p->o = -b;
+        return;
+    }
+    const double w0 = sqrt(change * change + 2 * variance * td_random_exponential(&bits, 0));
+    const double w1 = sqrt(change * change + 2 * variance * td_random_exponential(&bits, 1));
+    const int up = p->o + 0.5 * (a + b + w0) >= p->on, down = p->o + 0.5 * (a + b - w1) <= -p->off;
+    if (!up && !down) return;
+    p->o -= up ? p->on : -p->off;
+    p->age = 0;
+    if (p->held < dt && holds(p)) p->o = -b; /* a bridge's end stands for what it comes to */
+    *until = p->held < dt ? 0 : p->held;
+}
+
+/* What is beyond a level at the run's start has fired. */
+static void settle(pixel *p, double n) {
+    while (p->o + n >= p->on || p->o + n <= -p->off) {
+        const int up = p->o + n >= p->on;
+        p->o -= up ? p->on : -p->off;
+        if (holds(p)) p->o = -n;
+        p->age = 0;
+    }
+}
+
+static double follow_path(pixel *p, double now, double first, double spacing) {
+    double x[PATH + 1], normal[2] = {0, 0}, until = 0;
+    const double l = spacing / p->tau, rho = td_exp(-l), change = p->sigma * sqrt(-td_expm1(-2 * l));
+    const double less = -td_expm1(-l), variance = 4 * p->sigma * p->sigma * less / (2 - less); /* tanh(l / 2) */
+    x[0] = first;
+    for (int k = 0; k < PATH; k++) { /* stationary: backwards it is the same process */
+        const td_random_bits bits = draw(p);
+        td_random_normals(&bits, normal);
+        x[k + 1] = rho * x[k] + change * normal[0];
+    }
+    settle(p, x[PATH]);
+    for (int k = PATH; k > 0; k--) cross(p, x[k], x[k - 1], spacing, variance, &until);
+    if (!(until > 0)) settle(p, now);
+    return fmax(until, 0);
+}
+
+td_initial td_steady_noise(const td_sensor *sensor, size_t i, double rate) {
+    const td_noise_segment at = td_sensor_noise_segment(sensor, i);
+    const td_additive_noise *noise = &sensor->additive;
+    pixel p = {.sensor = sensor, .number = sensor->number[i]};
+    p.on = sensor->threshold_on[i];
+    p.off = sensor->threshold_off[i];
+    p.leak = sensor->leak[i];
+    p.held = sensor->refractory_ns;
+    p.sigma = noise->varies ? at.sigma : noise->sigma;
+    p.tau = noise->varies ? at.tau_ns : td_additive_noise_tau(noise);
+    p.o = sensor->draw[i] * (p.on + p.off) - p.off;
+    if (!(p.sigma > 0)) return (td_initial){p.o, 0, 0};
+    const double now = td_sensor_noise_at(sensor, i, 0);
+    pass_slowly(&p, rate);
+    const double held = follow_path(&p, now, at.begin, fmax(noise->spacing_ns, p.tau / 8));
+    return (td_initial){p.o + now, p.age, held};
+}

@@ -1,0 +1,72 @@
+/* Where references are when a run with additive noise begins: a steady sensor at rest fires from its first moment as often as
+ * ten seconds later. */
+#include "sensor_rig.h"
+
+#include <stdio.h>
+
+static void still(const void *user, int i, double t, double *S, double *S_dot) {
+    (void)user;
+    (void)i;
+    (void)t;
+    *S = -1;
+    *S_dot = 0;
+}
+
+enum { TILES = 16 };
+
+/* Events from the rig's time to `stop`, in steps of at most `step`. */
+static double count_to(rig *r, double stop, double step) {
+    td_work_clear(&r->work);
+    while (r->now < stop - 1e-9) rig_step(r, r->now + step < stop ? r->now + step : stop);
+    return (double)r->work.events.count;
+}
+
+/* Additive noise, whose events come in pairs: a count's variance is up to twice its mean. */
+static void expect_same(const char *when, double found, double wanted) {
+    printf("  %-9s %6.0f, wanted %8.1f, %+.2f sigma\n", when, found, wanted, (found - wanted) / sqrt(2 * wanted));
+    assert_true(fabs(found - wanted) <= 3 * sqrt(2 * wanted));
+}
+
+static const struct {
+    const char *what;
+    double rms, cutoff, on, off, leak, shot, refractory;
+    int32_t law;
+} noisy[] = {
+    {"held", 0.05, 20, 0.2, 0.2, 0, 0, 1e-3, TIDES_REFRACTORY_HOLD},
+    {"leak", 0.04, 20, 0.2, 0.2, 0.2, 0, 1e-4, TIDES_REFRACTORY_HOLD},
+    {"unequal", 0.05, 20, 0.18, 0.2, 0.05, 0, 1e-4, TIDES_REFRACTORY_HOLD},
+    {"shot, dropped", 0.03, 20, 0.2, 0.2, 0.1, 1, 1e-3, TIDES_REFRACTORY_DROP_KEEP},
+    {"far levels", 0.03, 40, 0.2, 0.2, 0.1, 0, 1e-3, TIDES_REFRACTORY_HOLD},
+};
+
+static void test_noisy(void **state) {
+    (void)state;
+    for (size_t c = 0; c < sizeof noisy / sizeof *noisy; c++) {
+        tides_sensor sensor;
+        tides_sensor_defaults(&sensor);
+        sensor.threshold_on = noisy[c].on;
+        sensor.threshold_off = noisy[c].off;
+        sensor.threshold_sigma = 0.005;
+        sensor.noise_rms = noisy[c].rms;
+        sensor.noise_cutoff_hz = noisy[c].cutoff;
+        sensor.leak_rate_hz = noisy[c].leak;
+        sensor.shot_noise_hz = noisy[c].shot;
+        sensor.refractory_s = noisy[c].refractory;
+        sensor.refractory_law = noisy[c].law;
+        sensor.initial = TIDES_INITIAL_STEADY;
+        sensor.seed = 8102;
+        rig *r = rig_make(&sensor, TILES, 3, still, NULL);
+        const double first = count_to(r, 3.01, 0.002), next = count_to(r, 3.11, 0.01);
+        count_to(r, 12, 0.5);
+        const double tenth = count_to(r, 13, 0.5);
+        printf("%s\n", noisy[c].what);
+        expect_same("10 ms", first, tenth / 100);
+        expect_same("100 ms", next, tenth / 10);
+        rig_free(r);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_noisy)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
