@@ -67,7 +67,8 @@ typedef struct comparison {
     int32_t count;
 } comparison;
 
-/* How near to a recording a stream can be: two seeds of TIDES's own run, and the recording's even columns against its odd. */
+/* How near to a recording a stream can be: two seeds of TIDES's own run, from references anywhere between the levels, and the
+ * recording's even columns against its odd ones. */
 enum { COMPARE_SEEDS = 0, COMPARE_PIXELS = 1, COMPARE_FLOORS = 2 };
 
 /* compare_find.c: the value at "comparison.dt_p95_us" of an object in objects, or NULL. */

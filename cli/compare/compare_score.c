@@ -41,30 +41,34 @@ tides_status compare_score(comparison *c, compare_row *row, tides_error *error) 
 
 /* -- floors ---------------------------------------------------------------------------------------------------------------- */
 
-/* The run once more with another seed: what chance in the sensor and in time makes of the same light. */
-static tides_status run_again(comparison *c, const compare_row *row, cli_stream *stream, tides_error *error) {
-    char seed[COMPARE_SETTING];
+/* The run once more, from references anywhere between the levels: nobody knows where the recording's pixels had them. */
+static tides_status run_again(comparison *c, const compare_row *row, uint64_t seed, cli_stream *kept, tides_error *error) {
+    char text[COMPARE_SETTING];
     cli_list more = row->found;
+    cli_stream stream = {.events = NULL};
     tides_session *session = NULL;
-    snprintf(seed, sizeof seed, "seed=\"%llu\"", (unsigned long long)c->session.values.seed + 1);
-    more.items[more.count++] = seed;
+    snprintf(text, sizeof text, "seed=\"%llu\"", (unsigned long long)seed);
+    more.items[more.count++] = text;
+    if (!tides_run_gives(c->session.run, "sensor.initial")) more.items[more.count++] = "sensor.initial=random";
     tides_status status = compare_configure(c, row->name, compare_ideal(c), &more, NULL, &session, error);
-    c->progress.label = "another seed";
-    if (status == TIDES_OK) status = tides_session_run(session, cli_keep, stream, cli_progress_step, &c->progress, NULL, error);
+    c->progress.label = "floor";
+    if (status == TIDES_OK)
+        status = tides_session_run(session, cli_keep, &stream, cli_progress_step, &c->progress, NULL, error);
     cli_progress_end(&c->progress);
     tides_session_close(session);
+    if (status == TIDES_OK) status = compare_fair_events(c, &stream, kept, error);
+    free(stream.events);
     return status;
 }
 
 static tides_status of_seeds(comparison *c, const compare_row *row, tides_error *error) {
-    cli_stream again = {.events = NULL}, one = {.events = NULL}, other = {.events = NULL};
-    tides_status status = run_again(c, row, &again, error);
-    if (status == TIDES_OK) status = compare_fair_events(c, &row->stream, &one, error);
-    if (status == TIDES_OK) status = compare_fair_events(c, &again, &other, error);
+    cli_stream one = {.events = NULL}, other = {.events = NULL};
+    const uint64_t seed = strtoull(c->session.values.seed, NULL, 10);
+    tides_status status = run_again(c, row, seed, &one, error);
+    if (status == TIDES_OK) status = run_again(c, row, seed + 1, &other, error);
     if (status == TIDES_OK)
         status = compare_measure(c, one.events, one.count, &other, COMPARE_RECORDING, OF_RECORDINGS, NULL,
                                  &c->floors[COMPARE_SEEDS], error);
-    free(again.events);
     free(one.events);
     free(other.events);
     return status;
