@@ -2,20 +2,31 @@
 #include "compare.h"
 
 #include <stdio.h>
+#include <string.h>
 
 enum { NAME_WIDTH = 14 };
 
 static int32_t has_own_settings(const comparison *c) { return compare_ideal(c) == TIDES_IDEAL_SENSOR; }
 
+/* 1 where a later setting has the same key, as one that was searched has. */
+static int32_t is_replaced(const cJSON *setting) {
+    const size_t length = strcspn(setting->valuestring, "=") + 1;
+    for (const cJSON *later = setting->next; later; later = later->next)
+        if (strncmp(later->valuestring, setting->valuestring, length) == 0) return 1;
+    return 0;
+}
+
 /* Where the sensor was put into a method's own parameters all of these are told. */
 void compare_put_parameters(const comparison *c, const cJSON *row, void (*put)(FILE *file, const char *text), FILE *file) {
     const cJSON *one, *settings = compare_find(row, "settings");
+    const char *between = "";
     char text[128];
     if (has_own_settings(c)) {
         cJSON_ArrayForEach(one, settings) {
-            if (one == settings->child) continue; /* the method */
-            if (one != settings->child->next) fputs(", ", file);
+            if (one == settings->child || is_replaced(one)) continue; /* the first is the method */
+            fputs(between, file);
             put(file, one->valuestring);
+            between = ", ";
         }
         return;
     }

@@ -188,7 +188,7 @@ static void draw_curves(figure *f, int32_t place, const char *title, plot_panel 
     const double width = (panel_left(f, PANELS) - LEFT) / PLOT_COUNT, top = panel_top(f, f->count) + 40;
     double most = 0;
     p.left = (int32_t)(LEFT + place * width) - 60;
-    p.right = (int32_t)(LEFT + (place + 1) * width) - 120;
+    p.right = (int32_t)(LEFT + (place + 1) * width) - 180;
     p.top = (int32_t)top + 34;
     p.bottom = (int32_t)top + PLOTS - 84;
     p.title = "";

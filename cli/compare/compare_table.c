@@ -191,7 +191,10 @@ void compare_put_table(FILE *file, const cJSON *report, int32_t reference) {
 static void put_escaped(FILE *file, const char *text) {
     for (; *text; text++) {
         if (strchr("%&_#", *text)) putc('\\', file);
-        putc(*text, file);
+        if (*text == '|')
+            fputs("$|$", file);
+        else
+            putc(*text, file);
     }
 }
 
