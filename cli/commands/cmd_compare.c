@@ -35,63 +35,48 @@ static int parse_methods(const cli_command *command, const char *text, compariso
     return CLI_GO;
 }
 
-static int parse(const cli_command *command, const char *methods, const char *window, comparison *c) {
-    int code = parse_methods(command, methods, c);
-    if (code == CLI_GO && window) code = cli_number(command, "--window", window, &c->window_s);
+/* The command line's texts that are numbers or lists; NULL where not given. */
+typedef struct texts {
+    const char *methods, *window, *tolerance, *search, *theme, *pictures;
+} texts;
+
+/* A number above 0, of an option that was given. */
+static int parse_above(const cli_command *command, const char *option, const char *text, double *value) {
+    const int code = text ? cli_number(command, option, text, value) : CLI_GO;
+    if (code != CLI_GO || !text || *value > 0) return code;
+    return cli_usage(command, "%s %s: should be above 0", option, text);
+}
+
+/* What is said of a recording, without one. */
+static int parse_fair(const cli_command *command, const texts *t, comparison *c) {
+    compare_fair *f = &c->fair;
+    double search = 0;
+    int code = cli_reading_parse(command, &f->reading, &f->how);
+    if (code == CLI_GO && f->start) code = cli_time(command, "--start", f->start, &f->start_ns);
+    if (code == CLI_GO && f->stop) code = cli_time(command, "--stop", f->stop, &f->stop_ns);
+    if (code == CLI_GO) code = parse_above(command, "--tolerance", t->tolerance, &f->tolerance_s);
+    if (code == CLI_GO) code = parse_above(command, "--search", t->search, &search);
     if (code != CLI_GO) return code;
-    if (window && !(c->window_s > 0)) return cli_usage(command, "--window %s: should be above 0", window);
+    if (f->tolerance_s > 10) return cli_usage(command, "--tolerance %s: should be at most 10", t->tolerance);
+    if (search > 100000) return cli_usage(command, "--search %s: should be at most 100000 runs", t->search);
+    c->search = (int32_t)search;
+    if (!c->recording_file && (f->start || f->stop || f->mask_file || f->all || t->tolerance || t->search))
+        return cli_usage(command, "--start, --stop, --mask, --all-events, --tolerance and --search are of a --recording");
+    return CLI_GO;
+}
+
+static int parse(const cli_command *command, const texts *t, comparison *c) {
+    int code = parse_methods(command, t->methods, c);
+    if (code == CLI_GO) code = parse_above(command, "--window", t->window, &c->window_s);
+    if (code == CLI_GO) code = parse_fair(command, t, c);
+    if (code == CLI_GO) code = canvas_parse_theme(command, t->theme, &c->style);
+    if (code == CLI_GO) code = canvas_parse_pictures(command, t->pictures, &c->style);
+    if (code != CLI_GO) return code;
     if (strlen(c->directory) > COMPARE_PATH - 200) return cli_usage(command, "-o: the path is too long");
     return CLI_GO;
 }
 
 /* -- the work -------------------------------------------------------------------------------------------------------------- */
-
-void compare_interval(const comparison *c, int64_t *start_ns, int64_t *stop_ns) {
-    *start_ns = cli_nanoseconds(c->session.values.start);
-    *stop_ns = cli_nanoseconds(c->session.values.stop) + 1;
-}
-
-tides_status compare_keep_events(const comparison *c, const char *name, const tides_session_facts *s, const tides_event *events,
-                                 size_t count, tides_error *error) {
-    tides_event_writer *writer = NULL;
-    int64_t start_ns, stop_ns;
-    char path[COMPARE_PATH];
-    if (!c->keep) return TIDES_OK;
-    snprintf(path, sizeof path, "%s/%s.h5", c->directory, name);
-    compare_interval(c, &start_ns, &stop_ns);
-    const tides_event_file facts = {.width = s->intrinsics.width,
-                                    .height = s->intrinsics.height,
-                                    .run = s->values.json,
-                                    .seed = s->values.seed,
-                                    .start_ns = start_ns,
-                                    .stop_ns = stop_ns - 1};
-    tides_status status = tides_event_writer_open(path, NULL, &facts, &writer, error);
-    if (status == TIDES_OK) status = tides_event_writer_append(writer, events, NULL, count, error);
-    if (status == TIDES_OK) return tides_event_writer_finish(writer, stop_ns - 1, error);
-    tides_event_writer_abandon(writer);
-    return status;
-}
-
-/* The recording's events of the run's time, of a sensor of the run's size. */
-static tides_status read_recording(comparison *c, tides_error *error) {
-    cli_window *w = &c->recording;
-    const tides_intrinsics *size = &c->session.intrinsics;
-    if (!c->recording_file) return TIDES_OK;
-    compare_interval(c, &w->first_ns, &w->stop_ns);
-    tides_status status = cli_window_read(c->recording_file, w, error);
-    if (status == TIDES_OK) status = cli_window_ordered(c->recording_file, w, error);
-    if (status != TIDES_OK) return status;
-    if (w->count == 0)
-        return cli_error(error, TIDES_BAD_ARGUMENT,
-                         "%s: lasts from %.15g to %.15g s and has no events from %.15g to %.15g s, the run's time: tides "
-                         "convert --rebase counts from its zero, --offset shifts it",
-                         c->recording_file, 1e-9 * (double)w->seen_ns, 1e-9 * (double)w->seen_stop_ns, c->session.values.start,
-                         c->session.values.stop);
-    if (w->width > size->width || w->height > size->height)
-        return cli_error(error, TIDES_BAD_ARGUMENT, "%s: is %dx%d px and the run %dx%d px: tides cut --roi makes it as small",
-                         c->recording_file, w->width, w->height, size->width, size->height);
-    return TIDES_OK;
-}
 
 /* Frames come at their own times: ESIM has no other sampling there. */
 static void leave_out(comparison *c) {
@@ -103,9 +88,10 @@ static void leave_out(comparison *c) {
 
 /* The recording may be what an earlier comparison kept, and the run file anything. */
 static tides_status check_outputs(const comparison *c, tides_error *error) {
-    static const char *const tables[] = {"compare.json", "compare.csv", "compare.png", "compare.svg",
-                                         "compare.pdf",  "index.html",  NULL};
-    const char *kept[] = {"exact.h5", "exact.html", "recording.html", NULL};
+    static const char *const tables[] =
+        {"compare.json",  "compare.csv",   "compare.tex",   "compare.png", "compare.svg", "compare.pdf",
+         "recording.png", "recording.svg", "recording.pdf", "index.html",  NULL};
+    static const char *const kept[] = {"exact.h5", "exact.html", "lines.h5", "lines.html", NULL};
     tides_status status = cli_check_folder(c->run, c->sets, c->recording_file, c->directory, tables, error);
     if (status == TIDES_OK && c->keep) status = cli_check_folder(c->run, c->sets, c->recording_file, c->directory, kept, error);
     for (int32_t i = 0; i < c->count && c->keep && status == TIDES_OK; i++) {
@@ -127,9 +113,12 @@ static tides_status prepare(comparison *c, tides_error *error) {
         return cli_error(error, TIDES_UNSUPPORTED,
                          "%s: method ldati: a voxel grid has lost the signal that the others need; give a scene or frames",
                          c->run);
+    /* On frames exact are straight lines between them, TIDES's own, and of a measured sensor there is none: a recording is what
+     * such runs are held against. */
+    c->with_exact = !c->recording_file || (!c->session.frames && !c->as_configured);
     if (status == TIDES_OK) status = cli_make_directory(c->directory, error);
     if (status == TIDES_OK && c->session.frames) leave_out(c);
-    return status == TIDES_OK ? read_recording(c, error) : status;
+    return status == TIDES_OK ? compare_read(c, error) : status;
 }
 
 static tides_status work(comparison *c, cJSON **report, tides_error *error) {
@@ -137,10 +126,16 @@ static tides_status work(comparison *c, cJSON **report, tides_error *error) {
     if (status == TIDES_OK && c->count == 0)
         status = cli_error(error, TIDES_BAD_ARGUMENT, "--methods esim-fixed: needs a scene; on frames it is esim");
     if (status == TIDES_OK) status = compare_exact(c, error);
-    for (int32_t i = 0; status == TIDES_OK && i < c->count; i++) status = compare_run(c, &c->rows[i], error);
+    for (int32_t i = 0; status == TIDES_OK && i < c->count; i++) {
+        status = compare_search(c, &c->rows[i], error);
+        if (status == TIDES_OK) status = compare_run(c, &c->rows[i], error);
+    }
+    if (status == TIDES_OK) status = compare_floors(c, error);
     if (status == TIDES_OK) status = compare_report(c, report, error);
     if (status == TIDES_OK) status = compare_write_tables(c, *report, error);
+    if (status == TIDES_OK) status = compare_write_latex(c, *report, error);
     if (status == TIDES_OK) status = compare_figure(c, error);
+    if (status == TIDES_OK) status = compare_recorded(c, error);
     return status == TIDES_OK ? compare_page(c, *report, error) : status;
 }
 
@@ -172,7 +167,10 @@ static int finish(const comparison *c, tides_status status, cJSON *report, const
 
 static void free_all(comparison *c) {
     for (int32_t i = 0; i < c->count; i++) compare_row_free(&c->rows[i]);
+    for (int32_t i = 0; i < COMPARE_FLOORS; i++) cJSON_Delete(c->floors[i]);
     tides_free(c->exact.events);
+    tides_blemishes_free(&c->fair.blemishes);
+    free(c->fair.mask);
     free(c->recording.events);
     tides_session_close(c->open);
 }
@@ -182,15 +180,29 @@ int cmd_compare(const cli_command *command, int argc, char **argv) {
     cli_list sets = {.count = 0};
     comparison c;
     memset(&c, 0, sizeof c);
-    const char *methods = NULL, *window = NULL, *theme = NULL, *pictures = NULL;
+    texts t = {.methods = NULL};
+    c.fair.tolerance_s = 5e-3;
     const cli_option options[] = {
         {"--output", 'o', "DIR", "where results go (tides-compare)", NULL, &c.directory, NULL},
-        {"--methods", 0, "LIST", METHODS ": only these", NULL, &methods, NULL},
+        {"--methods", 0, "LIST", METHODS ": only these", NULL, &t.methods, NULL},
         {"--as-configured", 0, NULL, "the run file's own settings in place of ideal pixels", &c.as_configured, NULL, NULL},
         {"--recording", 0, "EVENTS", "compare with a recording of this scene, too", NULL, &c.recording_file, NULL},
-        {"--window", 0, "S", "the picture shows so much of the run's middle (as long as it stays clear)", NULL, &window, NULL},
-        {"--theme", 0, "THEME", CANVAS_THEME_HELP, NULL, &theme, NULL},
-        {"--pictures", 0, "FORMAT", CANVAS_PICTURES_HELP, NULL, &pictures, NULL},
+        {"--start", 0, "S", "with a recording: compare from here on (what run and recording both have)", NULL, &c.fair.start,
+         NULL},
+        {"--stop", 0, "S", "and before this time", NULL, &c.fair.stop, NULL},
+        {"--mask", 0, "FILE", "pixels that don't count: black in a .png, or a text file's lines of x and y", NULL,
+         &c.fair.mask_file, NULL},
+        {"--all-events", 0, NULL, "leave bursts of frames' readout and hot pixels in", &c.fair.all, NULL, NULL},
+        {"--tolerance", 0, "S", "events of the recording and of a stream are the same within this (0.005)", NULL, &t.tolerance,
+         NULL},
+        {"--search", 0, "RUNS", "move each method's parameters towards the recording, by so many runs each", NULL, &t.search,
+         NULL},
+        CLI_READING_FILE(c.fair.reading),
+        CLI_READING_CLOCK(c.fair.reading),
+        {"--window", 0, "S", "the picture shows so much of the run's middle (as long as it stays clear)", NULL, &t.window,
+         NULL},
+        {"--theme", 0, "THEME", CANVAS_THEME_HELP, NULL, &t.theme, NULL},
+        {"--pictures", 0, "FORMAT", CANVAS_PICTURES_HELP, NULL, &t.pictures, NULL},
         {"--keep", 0, NULL, "keep the events: DIR/exact.h5 and DIR/METHOD.h5, and pages of them (.html)", &c.keep, NULL, NULL},
         {"--double", 0, NULL, "the exact stream in double precision, by the reference device: slow", &c.in_double, NULL, NULL},
         {"--set", 0, "KEY=VALUE", "override a key of the run file; may be repeated", NULL, NULL, &sets},
@@ -199,9 +211,7 @@ int cmd_compare(const cli_command *command, int argc, char **argv) {
     int code = cli_parse(command, options, argc, argv, &common, &c.run);
     if (code != CLI_GO) return code;
     if (!c.directory) c.directory = "tides-compare";
-    if ((code = parse(command, methods, window, &c)) != CLI_GO) return code;
-    if ((code = canvas_parse_theme(command, theme, &c.style)) != CLI_GO) return code;
-    if ((code = canvas_parse_pictures(command, pictures, &c.style)) != CLI_GO) return code;
+    if ((code = parse(command, &t, &c)) != CLI_GO) return code;
     c.common = &common;
     c.sets = &sets;
     c.progress.quiet = common.quiet;

@@ -1,6 +1,7 @@
 /* tides info: what a file or folder holds. The kind of file is found from its content. */
 #include "info_preset.h"
 #include "reading.h"
+#include "recording_folder.h"
 
 #include <errno.h>
 #include <math.h>
@@ -428,12 +429,11 @@ static tides_status array_facts(const char *start, size_t got, cJSON *facts) {
     return TIDES_OK;
 }
 
-/* ------------------------------------------------------------------------------------------------------------------- */
-
-/* Facts of a folder. Where it holds no event files, the path's reader has the best reason to give, unless there is no path. */
+/* Facts of a folder. Where it holds no events, the path's reader has the best reason to give. */
 static tides_status folder_facts(const char *file, cJSON *facts, tides_error *error) {
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
-    if (open_events(file) != TIDES_FILE_NOT_FOUND) return events_facts(file, NULL, facts, error);
+    if (open_events(file) != TIDES_FILE_NOT_FOUND)
+        return events_facts(file, NULL, facts, error) == TIDES_OK ? recording_folder_facts(file, facts) : error->status;
     const tides_status status = path_facts(file, facts, error);
     if (status != TIDES_FILE_NOT_FOUND) return status;
     if (tides_file_foreign(file, error) != TIDES_OK) return TIDES_BAD_FILE;

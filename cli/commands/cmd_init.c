@@ -1,7 +1,8 @@
 /* tides init: a run file to begin with: the keys that most runs set, or with --all every key, with its default and a comment
  * that explains it. Defaults are comments themselves: a value that is given would keep a preset from setting it. */
-#include "cli.h"
+#include "recording_folder.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,14 +12,20 @@ typedef struct template {
     FILE *file;
     const tides_param *rows;
     size_t count;
-    const char *scene, *camera; /* file names; no camera: an orbit */
-    int32_t all;                /* every key, not only the common ones */
+    const char *scene, *camera;        /* file names; no camera: an orbit */
+    int32_t all;                       /* every key, not only the common ones */
+    const recording_folder *recording; /* NULL: a scene's run */
+    const char *folder;                /* its folder, as the run file names it */
 }
 template;
 
 /* The next row from `i` on that is to be written and lies in the group of `prefix`'s first `length` characters. */
 static size_t next_row(const template *t, size_t i, const char *prefix, size_t length) {
-    while (i < t->count && !((t->all || t->rows[i].common) && strncmp(t->rows[i].key, prefix, length) == 0)) i++;
+    for (; i < t->count; i++) {
+        const tides_param *row = &t->rows[i];
+        const int32_t written = t->all || row->common || (t->recording && strncmp(row->key, "camera.", 7) == 0); /* its lens */
+        if (written && strncmp(row->key, prefix, length) == 0) break;
+    }
     return i;
 }
 
@@ -30,7 +37,29 @@ static void put_quoted(FILE *file, const char *text) {
     cJSON_Delete(value);
 }
 
+/* A value that the recording has for this row; 0: none. */
+static int32_t put_recorded(const template *t, const tides_param *row) {
+    static const char *const lens[RECORDING_LENS] = {"camera.fx", "camera.fy", "camera.cx", "camera.cy", "camera.k1",
+                                                     "camera.k2", "camera.p1", "camera.p2", "camera.k3"};
+    const recording_folder *r = t->recording;
+    char path[2 * RECORDING_PATH];
+    for (int32_t i = 0; r && i < r->lens_count; i++)
+        if (strcmp(row->key, lens[i]) == 0) return fprintf(t->file, "%.12g", r->lens[i]) > 0;
+    if (r && r->lens_count > 4 && strcmp(row->key, "camera.lens") == 0) return fputs("\"radtan\"", t->file) >= 0;
+    const double first = r ? fmax(r->first_s, 1e-9 * (double)r->events.first_ns) : 0;
+    const double last = r ? fmin(r->last_s, 1e-9 * (double)r->events.last_ns) : 0;
+    if (r && strcmp(row->key, "time.start") == 0) return fprintf(t->file, "%.9f", first < last ? first : r->first_s) > 0;
+    if (r && strcmp(row->key, "time.stop") == 0) return fprintf(t->file, "%.9f", first < last ? last : r->last_s) > 0;
+    if (!r || (strcmp(row->key, "frames.file") != 0 && strcmp(row->key, "camera.file") != 0)) return 0;
+    const char *name = row->key[0] == 'f' ? r->frames : r->poses;
+    if (!*name) return 0;
+    snprintf(path, sizeof path, "%s/%s", t->folder, name);
+    put_quoted(t->file, path);
+    return 1;
+}
+
 static void put_value(const template *t, const tides_param *row) {
+    if (put_recorded(t, row)) return;
     if (strcmp(row->key, "scene.file") == 0)
         put_quoted(t->file, t->scene);
     else if (strcmp(row->key, "camera.file") == 0)
@@ -45,6 +74,7 @@ static int32_t is_key(const tides_param *row, const char *key) { return strcmp(r
 
 /* Rows that most users set, and that no preset sets. */
 static int32_t is_open(const template *t, const tides_param *row) {
+    if (t->recording) return is_key(row, "frames.file") || strncmp(row->key, "time.st", 7) == 0;
     return is_key(row, "scene.file") || is_key(row, t->camera ? "camera.file" : "camera.orbit_s") ||
            strncmp(row->key, "time.", 5) == 0;
 }
@@ -81,10 +111,10 @@ static size_t put_group(const template *t, size_t i, size_t length, int indent) 
     return i;
 }
 
-static char *make_template(const char *scene, const char *camera, int32_t all) {
+/* `t` without rows and file. */
+static char *make_template(template t) {
     char *text = NULL;
     size_t bytes = 0;
-    template t = {.scene = scene, .camera = camera, .all = all};
     t.rows = tides_params(&t.count);
     t.file = open_memstream(&text, &bytes);
     if (!t.file) return NULL;
@@ -92,7 +122,12 @@ static char *make_template(const char *scene, const char *camera, int32_t all) {
           "behind // is\n"
           "// the default: take the // away in front of a key to change it. A sensor: \"preset\": \"dvs128\".\n",
           t.file);
-    if (!all) fputs("// tides init --all writes all keys; tides simulate --help-all explains them.\n", t.file);
+    if (!t.all) fputs("// tides init --all writes all keys; tides simulate --help-all explains them.\n", t.file);
+    if (t.recording)
+        fputs("// Light is the recording's frames here. Of a scene trained from them: scene.file, camera.file and the lens "
+              "below in "
+              "place of frames.file.\n",
+              t.file);
     fputs("{\n", t.file);
     put_group(&t, next_row(&t, 0, "", 0), 0, 2);
     fputs("}", t.file);
@@ -117,9 +152,29 @@ static tides_status check_output(const char *output, const char *scene, const ch
     return status == TIDES_OK ? cli_check_outputs(camera, &written, 1, error) : status;
 }
 
+/* What a recording's run file is made of. Its paths are as the command's, so that the file belongs into the same folder. */
+static tides_status look_into(const char *folder, const char *output, recording_folder *found, char *lines, size_t size,
+                              tides_error *error) {
+    tides_status status = recording_folder_read(folder, found, error);
+    if (status != TIDES_OK) return status;
+    if (!found->frames[0] || found->frame_count < 2)
+        return cli_error(error, TIDES_FILE_NOT_FOUND,
+                         "%s: has events and %s frames with times (images/ with images.txt or timestamps.txt): a run needs "
+                         "light, of two frames or of a scene (--scene)",
+                         folder, found->frames[0] ? "less than two" : "no");
+    if (strchr(output, '/'))
+        return cli_error(error, TIDES_BAD_ARGUMENT, "-o %s: a recording's run file goes into this folder, as its paths do",
+                         output);
+    recording_folder_lines(found, lines, size);
+    return TIDES_OK;
+}
+
 int cmd_init(const cli_command *command, int argc, char **argv) {
     cli_common common;
-    const char *output = NULL, *scene = NULL, *camera = NULL;
+    const char *output = NULL, *scene = NULL, *camera = NULL, *folder = NULL;
+    recording_folder recording;
+    char lines[512] = "";
+    tides_error error = {TIDES_OK, ""};
     int32_t force = 0, all = 0;
     const cli_option options[] = {
         {"--output", 'o', "RUN.json", "the file to write (run.json)", NULL, &output, NULL},
@@ -129,14 +184,19 @@ int cmd_init(const cli_command *command, int argc, char **argv) {
         {"--force", 0, NULL, "replace a file that is there", &force, NULL, NULL},
         {NULL, 0, NULL, NULL, NULL, NULL, NULL},
     };
-    int code = cli_parse(command, options, argc, argv, &common, NULL);
+    int code = cli_parse(command, options, argc, argv, &common, &folder);
     if (code != CLI_GO) return code;
     if (!output) output = "run.json";
     if (!force && access(output, F_OK) == 0)
         return cli_failed("%s: is there already; name another with -o, or replace it with --force", output);
 
-    tides_error error = {TIDES_OK, ""};
-    char *text = make_template(scene ? scene : "scene.ply", camera || scene ? camera : "path.json", all);
+    if (folder && (scene || camera)) return cli_usage(command, "%s: a recording has no --scene or --camera", folder);
+    if (folder && look_into(folder, output, &recording, lines, sizeof lines, &error) != TIDES_OK) return cli_fail(&error);
+    char *text = make_template((template){.scene = scene ? scene : "scene.ply",
+                                          .camera = camera || scene ? camera : "path.json",
+                                          .all = all,
+                                          .folder = folder,
+                                          .recording = folder ? &recording : NULL});
     if (!text) return cli_failed("out of memory: %s", output);
     tides_status status = check_output(output, scene, camera, &error);
     if (status == TIDES_OK) status = check(text, &error);
@@ -148,7 +208,11 @@ int cmd_init(const cli_command *command, int argc, char **argv) {
         cJSON_AddStringToObject(facts, "file", output);
         return cli_print_facts(facts, 1);
     }
-    if (!common.quiet)
+    cli_tell_lines(&common, lines);
+    if (!common.quiet && folder)
+        printf("%s: tides calibrate %s %s -o sensor.json measures its sensor; then set sensor.preset\n", output, folder,
+               output);
+    else if (!common.quiet)
         printf("%s: %stides simulate %s -o events.h5\n", output,
                scene ? "" : "name your scene and camera path in it, then: ", output);
     return CLI_OK;

@@ -1,11 +1,21 @@
-/* `tides compare`: every method on one run, against its exact stream and a recording. */
+/* `tides compare`: every method on one run, against its exact stream or a recording. Files from the bottom up: compare_find,
+ * compare_fair and compare_mask, compare_settings, compare_score, compare_exact, compare_run, compare_search, then the results:
+ * compare_report, compare_table, compare_print, the figures, compare_page. */
 #ifndef CLI_COMPARE_H
 #define CLI_COMPARE_H
 
 #include "canvas.h"
 #include "metrics_report.h"
+#include "reading.h"
 #include "session.h"
 #include "stream.h"
+
+/* What the methods' streams are held against. */
+enum { COMPARE_EXACT = 0, COMPARE_RECORDING = 1, COMPARE_REFERENCES = 2 };
+
+enum { COMPARE_METHODS_MAX = 8, COMPARE_PATH = 4200 /* of files in the directory */ };
+/* Parameters of a method that are searched at most, and a setting's length. */
+enum { COMPARE_SEARCHED = 6, COMPARE_SETTING = 80 };
 
 /* One method, and what became of it. */
 typedef struct compare_row {
@@ -13,12 +23,25 @@ typedef struct compare_row {
     tides_error error; /* status TIDES_OK where it ran */
     cJSON *settings;   /* ["key=value", ...] on top of the run file */
     cJSON *parameters; /* those that its column shows, {key: value}, as they were in force */
+    cli_list found;    /* "key=value" of a search, in found_texts */
+    char found_texts[COMPARE_SEARCHED][COMPARE_SETTING];
     cli_stream stream; /* its events */
     tides_stats stats;
-    cJSON *against_exact, *against_recording; /* cli_metrics_json; NULL where there is none */
+    cJSON *against[COMPARE_REFERENCES]; /* cli_metrics_json; NULL where there is none */
 } compare_row;
 
-enum { COMPARE_METHODS_MAX = 8, COMPARE_PATH = 4200 /* of files in the directory */ };
+/* What of recording and streams is compared: the same time, the same pixels. */
+typedef struct compare_fair {
+    const char *start, *stop, *mask_file; /* of the options; NULL where not given */
+    cli_reading reading;
+    tides_event_reading how;
+    int32_t all;               /* 1: bursts and hot pixels stay in */
+    int64_t start_ns, stop_ns; /* [start, stop) */
+    double tolerance_s;        /* of matches */
+    uint8_t *mask;             /* (height x width): 1: counts; NULL: all do */
+    uint64_t masked;           /* the recording's events that it left out */
+    tides_blemishes blemishes;
+} compare_fair;
 
 typedef struct comparison {
     const cli_common *common;
@@ -30,57 +53,101 @@ typedef struct comparison {
     int32_t as_configured;      /* 1: the run file's own settings; 0: ideal pixels */
     int32_t keep;               /* 1: events of each go to files */
     int32_t in_double;          /* 1: the exact stream comes from the double-precision reference */
+    int32_t with_exact;         /* 1: the comparison supports it */
+    int32_t search;             /* runs that each method's parameters may be searched with; 0: none */
 
     tides_session *open; /* as the run file says; the rows' are variations of it */
     tides_session_facts session;
     cli_progress progress;
     tides_exact exact;
-    cli_window recording;
+    cli_window recording; /* what is compared of it */
+    compare_fair fair;
+    cJSON *floors[2]; /* COMPARE_SEEDS, COMPARE_PIXELS; NULL where there is none */
     compare_row rows[COMPARE_METHODS_MAX];
     int32_t count;
 } comparison;
 
-/* The interval that is compared: [start, stop) with the run's last nanosecond in it. */
-void compare_interval(const comparison *c, int64_t *start_ns, int64_t *stop_ns);
+/* How near to a recording a stream can be: two seeds of TIDES's own run, from references anywhere between the levels, and the
+ * recording's even columns against its odd ones. */
+enum { COMPARE_SEEDS = 0, COMPARE_PIXELS = 1, COMPARE_FLOORS = 2 };
+
+/* compare_find.c: the value at "comparison.dt_p95_us" of an object in objects, or NULL. */
+const cJSON *compare_find(const cJSON *object, const char *path);
+/* Three digits, or as many as a whole number has; returns `text`. */
+const char *compare_number(double value, char text[32]);
+
+/* compare_fair.c: the interval that is compared, [start, stop): the run's with its last nanosecond, or the recording's part. */
+void compare_interval(const comparison *c, int32_t reference, int64_t *start_ns, int64_t *stop_ns);
+/* Reads the recording and leaves out what no simulation makes. */
+tides_status compare_read(comparison *c, tides_error *error);
+/* What of a stream is held against the recording, in `kept`, which the caller frees. */
+tides_status compare_fair_events(const comparison *c, const cli_stream *stream, cli_stream *kept, tides_error *error);
+/* compare_mask.c: fair->mask of its file. */
+tides_status compare_mask_read(compare_fair *fair, int32_t width, int32_t height, tides_error *error);
+
+/* compare_settings.c: the name of method number `index`, in the order of the rows; NULL behind the last. */
+const char *compare_method(size_t index);
+/* 1 where it makes no sense for frames: another method is the same there. */
+int32_t compare_scenes_only(const char *method);
+/* What of a method may be searched: keys, ended by NULL. */
+const char *const *compare_searched(const char *method);
+/* The session of a method, ideal (TIDES_IDEAL_*), with `more` on top (nullable), on what c->open has open; with `row` its
+ * settings are told. The caller closes it. */
+tides_status compare_configure(const comparison *c, const char *method, int32_t what, const cli_list *more, compare_row *row,
+                               tides_session **session, tides_error *error);
+/* TIDES_IDEAL_* of the rows. */
+int32_t compare_ideal(const comparison *c);
+
+/* compare_score.c: events against events as the reference's are compared. */
+tides_status compare_measure(comparison *c, const tides_event *events, size_t count, const cli_stream *stream,
+                             int32_t reference, uint32_t wanted, tides_metrics *metrics, cJSON **json, tides_error *error);
+/* The row's stream against what there is, and c->floors. */
+tides_status compare_score(comparison *c, compare_row *row, tides_error *error);
+tides_status compare_floors(comparison *c, tides_error *error);
+
+/* compare_exact.c: c->exact, the stream that all are measured against. */
+tides_status compare_exact(comparison *c, tides_error *error);
+/* In words what it is, and its name: "exact", or of frames "lines". */
+const char *compare_exact_what(const comparison *c);
+const char *compare_exact_name(const comparison *c);
+
+/* compare_run.c: runs the row's method; the row keeps the failure. TIDES_CANCELLED where the user stopped it, else TIDES_OK. */
+tides_status compare_run(comparison *c, compare_row *row, tides_error *error);
+void compare_row_free(compare_row *row);
 /* With --keep: the stream into NAME.h5. */
 tides_status compare_keep_events(const comparison *c, const char *name, const tides_session_facts *session,
                                  const tides_event *events, size_t count, tides_error *error);
 
-/* compare_methods.c: the name of method number `index`, in the order of the rows; NULL behind the last. */
-const char *compare_method(size_t index);
-/* 1 where it makes no sense for frames: another method is the same there. */
-int32_t compare_scenes_only(const char *method);
-/* The session of a method, ideal or as configured, on what c->open has open; with
- * `row` its settings are told. The caller closes it. */
-tides_status compare_configure(const comparison *c, const char *method, int32_t what, compare_row *row, tides_session **session,
-                               tides_error *error);
-/* Runs the row's method; the row keeps the failure. TIDES_CANCELLED where the user stopped it, else TIDES_OK. */
-tides_status compare_run(comparison *c, compare_row *row, tides_error *error);
-void compare_row_free(compare_row *row);
+/* compare_search.c: row->found, the parameters by which its stream is nearest to the recording, of c->search runs. */
+tides_status compare_search(comparison *c, compare_row *row, tides_error *error);
 
-/* compare_exact.c: c->exact, the stream that all are measured against. */
-tides_status compare_exact(comparison *c, tides_error *error);
-/* In words what it is. */
-const char *compare_exact_what(const comparison *c);
-
-/* compare_table.c: compare.json and .csv, and the table; `report` gets the JSON, the caller's. */
+/* compare_report.c: compare.json and .csv; `report` gets the JSON, the caller's. */
 tides_status compare_report(const comparison *c, cJSON **report, tides_error *error);
 tides_status compare_write_tables(const comparison *c, const cJSON *report, tides_error *error);
-void compare_print(const comparison *c, const cJSON *report);
-/* Three digits, or as many as a whole number has; returns `text`. */
-const char *compare_number(double value, char text[32]);
-/* The value at "comparison.dt_p95_us" of an object in objects, or NULL. */
-const cJSON *compare_find(const cJSON *object, const char *path);
+/* The first row's metrics against a reference: the names that there are; NULL: none ran. */
+const cJSON *compare_names(const cJSON *report, int32_t reference);
+/* A row's metrics against it. */
+const cJSON *compare_against(const cJSON *row, int32_t reference);
 
-/* The table as HTML, as it is printed; 0 or 1: against the exact stream, against the recording. */
-void compare_put_table(FILE *file, const cJSON *report, size_t reference);
-/* What its columns mean, and which way is better. */
-void compare_put_meanings(FILE *file);
+/* compare_table.c: the table as text, HTML and (of a recording) compare.tex; what its columns mean, and which way is better. */
+void compare_print_table(const cJSON *report, int32_t reference);
+void compare_put_table(FILE *file, const cJSON *report, int32_t reference);
+tides_status compare_write_latex(const comparison *c, const cJSON *report, tides_error *error);
+void compare_print_meanings(int32_t reference);
+void compare_put_meanings(FILE *file, int32_t reference);
+
+/* compare_print.c: all of it on the terminal. What was left out of a recording, as a sentence. */
+void compare_print(const comparison *c, const cJSON *report);
+enum { COMPARE_SENTENCE = 400 };
+const char *compare_left_out(const comparison *c, char text[COMPARE_SENTENCE]);
+/* "key value, ..." of a row, as it was told. */
+void compare_put_parameters(const comparison *c, const cJSON *row, void (*put)(FILE *file, const char *text), FILE *file);
 
 /* compare_page.c: index.html with all of it, and with --keep a page of events for each stream. */
 tides_status compare_page(const comparison *c, const cJSON *report, tides_error *error);
 
-/* compare_figure.c: compare.png. */
+/* compare_figure.c: compare.png, against the exact stream. compare_recorded.c: recording.png. */
 tides_status compare_figure(const comparison *c, tides_error *error);
+tides_status compare_recorded(const comparison *c, tides_error *error);
 
 #endif

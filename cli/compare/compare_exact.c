@@ -12,11 +12,14 @@ const char *compare_exact_what(const comparison *c) {
     return c->exact.tolerance > 0 ? "cubic under error control, its steps halved" : "cubic on equal steps, halved";
 }
 
+const char *compare_exact_name(const comparison *c) { return c->session.frames ? "lines" : "exact"; }
+
 tides_status compare_exact(comparison *c, tides_error *error) {
     tides_exact_options how;
     tides_error reason = {TIDES_OK, ""};
     tides_session *ideal = NULL; /* for the file's facts alone */
     tides_session_facts facts;
+    if (!c->with_exact) return TIDES_OK;
     c->progress.label = "exact";
     tides_exact_options_defaults(&how);
     how.in_double = c->in_double;
@@ -24,10 +27,10 @@ tides_status compare_exact(comparison *c, tides_error *error) {
     cli_progress_end(&c->progress);
     if (status != TIDES_OK) return cli_error(error, status, "%s: %s", c->run, reason.text);
     if (!c->keep) return TIDES_OK;
-    status = compare_configure(c, "tides", TIDES_IDEAL_PIXEL, NULL, &ideal, error);
+    status = compare_configure(c, "tides", TIDES_IDEAL_PIXEL, NULL, NULL, &ideal, error);
     if (status != TIDES_OK) return status;
     tides_session_get(ideal, &facts);
-    status = compare_keep_events(c, "exact", &facts, c->exact.events, c->exact.count, error);
+    status = compare_keep_events(c, compare_exact_name(c), &facts, c->exact.events, c->exact.count, error);
     tides_session_close(ideal);
     return status;
 }

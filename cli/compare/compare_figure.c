@@ -1,5 +1,5 @@
-/* The picture of a comparison: the exact events and where the picture looks closely, how far each method is off, and a panel
- * for each in which every event hangs on the exact one. */
+/* The picture of a comparison with the exact stream: its events and where the picture looks closely, how far each method is
+ * off, and a panel for each in which every event hangs on the exact one. */
 #include "compare_zoom.h"
 #include "plot.h"
 
@@ -9,7 +9,7 @@
 #include <string.h>
 
 enum { WIDTH = 640, HEIGHT = 480, LEFT = 100, RIGHT = 28, TOP = 72, BOTTOM = 64, HEADER = 92, MARGIN = 24 /* [px] */ };
-enum { STREAMS_MAX = COMPARE_METHODS_MAX + 1, UP = 2, DOWN = 4 /* shapes of ON and OFF */ };
+enum { STREAMS_MAX = COMPARE_METHODS_MAX, UP = 2, DOWN = 4 /* shapes of ON and OFF */ };
 
 /* Classes of |dt|, and their colours of the theme's series: from blue to red, each darker or lighter than its neighbours. */
 enum { CLASSES = 5 };
@@ -35,9 +35,9 @@ typedef struct figure {
 
 static void tell(stream *s, const compare_row *row) {
     char texts[3][32];
-    const cJSON *median = compare_find(row->against_exact, "comparison.dt_median_us"),
-                *p95 = compare_find(row->against_exact, "comparison.dt_p95_us"),
-                *mismatch = compare_find(row->against_exact, "comparison.mismatch_percent");
+    const cJSON *median = compare_find(row->against[COMPARE_EXACT], "comparison.dt_median_us"),
+                *p95 = compare_find(row->against[COMPARE_EXACT], "comparison.dt_p95_us"),
+                *mismatch = compare_find(row->against[COMPARE_EXACT], "comparison.mismatch_percent");
     if (row->error.status != TIDES_OK)
         snprintf(s->facts, sizeof s->facts, "failed");
     else if (cJSON_IsNumber(median) && cJSON_IsNumber(p95) && cJSON_IsNumber(mismatch))
@@ -56,7 +56,6 @@ static void collect(figure *f) {
         *s = (stream){c->rows[i].name, c->rows[i].stream.events, ran ? c->rows[i].stream.count : 0, ""};
         tell(s, &c->rows[i]);
     }
-    if (c->recording_file) f->streams[f->count++] = (stream){"recording", c->recording.events, c->recording.count, ""};
 }
 
 /* -- panels ---------------------------------------------------------------------------------------------------------------- */
@@ -80,8 +79,8 @@ static int32_t draw_overview(figure *f) {
     cli_window shown = {.events = f->c->exact.events, .count = f->c->exact.count};
     shown.width = f->c->session.intrinsics.width;
     shown.height = f->c->session.intrinsics.height;
-    compare_interval(f->c, &shown.first_ns, &shown.stop_ns);
-    canvas_title(&f->canvas, MARGIN, HEADER + TOP - 46, 0, "exact");
+    compare_interval(f->c, COMPARE_EXACT, &shown.first_ns, &shown.stop_ns);
+    canvas_title(&f->canvas, MARGIN, HEADER + TOP - 46, 0, compare_exact_name(f->c));
     view_legend(&f->canvas, MARGIN, HEADER + TOP - 18, &shown);
     return view_draw_xyt(&f->canvas, &eye, &shown, &part);
 }
@@ -114,10 +113,12 @@ static void draw_shares(figure *f) {
     panel.x_low = 1e-3, panel.x_high = 1e5;
     panel.y_low = 0, panel.y_high = 100;
     panel.y_linear = 1;
-    panel.x_label = "from the nearest exact event, |dt| [us]";
+    panel.x_label = f->c->session.frames ? "from the nearest event of straight lines, |dt| [us]"
+                                         : "from the nearest exact event, |dt| [us]";
     panel.y_label = "events [%]";
     for (int32_t i = 0; i < f->count; i++) legend[i] = (plot_curve){f->streams[i].name, NULL, NULL, 0, i};
-    canvas_title(&f->canvas, panel.left, panel.top - 46, 0, "events within |dt|: upper left is better");
+    canvas_title(&f->canvas, panel.left, panel.top - 46, 0,
+                 f->c->session.frames ? "events within |dt| of straight lines" : "events within |dt|: upper left is better");
     plot_legend(&f->canvas, panel.left, panel.top - 18, panel.right, legend, f->count);
     panel.top += PLOT_LEGEND_LINE * (plot_legend_lines(panel.left, panel.right, legend, f->count) - 1);
     plot_axes(&f->canvas, &panel, 1);
@@ -201,10 +202,10 @@ static void draw_header(figure *f) {
              f->c->as_configured ? "as configured" : "ideal pixels", (int)f->zoom.x, (int)(f->zoom.x + f->zoom.width - 1),
              (int)f->zoom.y, interval);
     canvas_title(&f->canvas, MARGIN, 24, 0, line);
-    double x = legend_entry(f, MARGIN, 60, UP, theme->frame, 1, "exact ON");
-    x = legend_entry(f, x, 60, DOWN, theme->frame, 1, "exact OFF");
+    double x = legend_entry(f, MARGIN, 60, UP, theme->frame, 1, f->c->session.frames ? "lines ON" : "exact ON");
+    x = legend_entry(f, x, 60, DOWN, theme->frame, 1, f->c->session.frames ? "lines OFF" : "exact OFF");
     for (int32_t k = 0; k < CLASSES; k++) x = legend_entry(f, x, 60, 0, theme->series[class_series[k]], 0, class_names[k]);
-    canvas_text(&f->canvas, x, 60, 0, "lines lead to the nearest exact event");
+    canvas_text(&f->canvas, x, 60, 0, "strokes lead to the nearest of these");
 }
 
 static tides_status draw(figure *f, tides_error *error) {
@@ -220,6 +221,7 @@ static tides_status draw(figure *f, tides_error *error) {
 tides_status compare_figure(const comparison *c, tides_error *error) {
     figure f = {.c = c};
     char stem[COMPARE_PATH];
+    if (!c->with_exact) return TIDES_OK;
     collect(&f);
     f.columns = f.count <= 2 ? 2 : 3;
     f.canvas = canvas_create(&c->style, f.columns * WIDTH, HEADER + (2 + f.count + f.columns - 1) / f.columns * HEIGHT);

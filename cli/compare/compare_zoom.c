@@ -88,7 +88,7 @@ static tides_status choose_place(const comparison *c, view_mark *zoom, tides_err
 /* The stretch in the middle of the run: as long as was asked for, else halved until events can be told apart. */
 tides_status compare_choose_zoom(const comparison *c, view_mark *zoom, tides_error *error) {
     int64_t start, stop;
-    compare_interval(c, &start, &stop);
+    compare_interval(c, COMPARE_EXACT, &start, &stop);
     int64_t length = stop - start;
     if (c->window_s > 0) length = (int64_t)fmin((double)length, fmax(1e9 * c->window_s, 1));
     const tides_status status = choose_place(c, zoom, error);

@@ -11,8 +11,10 @@
 static const cli_command commands[] = {
     {"demo", "[-o DIR]", "Make a dynamic scene, simulate it, and leave everything in a directory.",
      "Writes the scene, camera path, run file, events.h5, preview.png, frame.exr and stats.json.", 0, cmd_demo, 0},
-    {"init", "[-o RUN.json]", "Write a run file to begin with: keys, their defaults, and what they do.",
-     "The comments (// to the end of a line) are TIDES's own: JSON has none.", 0, cmd_init, 1},
+    {"init", "[RECORDING] [-o RUN.json]", "Write a run file to begin with: keys, their defaults, and what they do.",
+     "The comments (// to the end of a line) are TIDES's own: JSON has none.\n"
+     "RECORDING: a folder with events and frames as datasets come (ECD, EDS, DSEC, HS-ERGB, BS-ERGB).",
+     -1, cmd_init, 1},
     {"devices", "", "List OpenCL devices and show which one is used.", NULL, 0, cmd_devices, 0},
     {"presets", "", "List the sensors that sensor.preset names, side by side.",
      "guesses: so many of a preset's values have no source; tides info PRESET says of each where it comes from.", 0,

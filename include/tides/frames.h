@@ -39,7 +39,7 @@ typedef struct tides_frames tides_frames;
  *   a folder         its .png (grey or RGB, 8 or 16 bit) or .exr files (channel Y, R G B, or the only one), in natural order
  *   .npy, .npz       an array (frames, height, width) of numbers; the .npz's is "Y", "frames", "images" or "voxels", times
  *                    "t" or "timestamps"
- *   .h5, .hdf5       the same names, read frame by frame
+ *   .h5, .hdf5       the same names, read frame by frame; .aedat4: those beside its events, at mid-exposure, on their clock
  *   .y4m, a pipe,    YUV4MPEG2 video, as `ffmpeg -f yuv4mpegpipe` writes it: 4:2:0, 4:2:2, 4:4:4, 4:1:1 or grey, of 8 to 16
  *   "-"              bits, with its frame rate; "-" is the standard input. Pipes are read to their end, into a temporary file.
  *                    Values are R'G'B' by BT.601: give them TIDES_TRANSFER_SRGB

@@ -34,7 +34,7 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_match_events(const tides_event *re
 
 /* The families of values, or-ed together in tides_metrics_options.wanted. */
 enum {
-    TIDES_METRIC_COUNTS = 1,            /* count ratio, ON fraction, count correlation */
+    TIDES_METRIC_COUNTS = 1,            /* count ratios, ON fraction, count correlation, rate and region errors */
     TIDES_METRIC_ISI = 2,               /* IG-NLL, W1 of log ISI, ISI spike */
     TIDES_METRIC_SAME_TIME = 4,         /* Same-ts */
     TIDES_METRIC_FANO = 8,              /* Fano error */
@@ -115,14 +115,19 @@ typedef struct tides_metrics {
     int64_t start_ns, stop_ns;                 /* the interval */
     tides_stream_metrics reference, simulated; /* of each stream by itself */
 
-    double count_ratio;       /* simulated / reference events */
+    double count_ratio;                     /* simulated / reference events */
+    double count_ratio_on, count_ratio_off; /* of each polarity */
+    double rate_error[TIDES_FANO_BINS];     /* sum over bins of time, each as long as the Fano factor's, of the whole sensor's
+                                               |simulated - reference| events, over the reference's events: 0 equal rates */
+    double region_error;                    /* the same over tiles of fano_tile_px in place of bins */
     double count_correlation; /* Pearson's, of events per pixel; NaN where either stream has the same count everywhere */
 
     /* Negative log-likelihood of the reference's intervals [nats per interval, tau in seconds] under the fit to the simulated
      * ones, and under their own fit; excess is the difference: the Kullback-Leibler divergence of the fits, free of units, not
      * negative. NaN under 2 simulated intervals or 1 of the reference. Blind to batching shorter than the intervals. */
     double ig_nll[TIDES_PAIRS], ig_nll_self[TIDES_PAIRS], ig_nll_excess[TIDES_PAIRS]; /* as above */
-    double isi_w1; /* Wasserstein-1 distance of log10 intervals (any) [decades] */
+    double isi_w1;          /* Wasserstein-1 distance of log10 intervals (any) [decades] */
+    double isi_w1_after[2]; /* of those whose first event is OFF, ON */
 
     double fano_error[TIDES_FANO_BINS];    /* mean |ln((F_simulated + epsilon) / (F_reference + epsilon))| over the tiles */
     uint64_t fano_tiles[TIDES_FANO_BINS];  /* tiles compared */
@@ -149,6 +154,7 @@ typedef struct tides_metrics {
     uint64_t time_difference_over; /* events with a longer one, or with none */
     double kernel_distance;        /* squared distance of the streams under the Gaussian kernel, polarity as sign */
     tides_match match;             /* pairs of events */
+    double matched_share;          /* 2 pairs / events of both streams: 1 where each has its counterpart within the limit */
 } tides_metrics;
 
 /* Description of a value of a comparison. It belongs to each stream (a field of tides_stream_metrics) or to both (of
@@ -186,6 +192,29 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_metrics_compare(const tides_event 
                                                               const tides_event *simulated, size_t simulated_count,
                                                               const tides_metrics_options *options, tides_progress progress,
                                                               void *user, tides_metrics *metrics, tides_error *error);
+
+/* -- what of a recording isn't of its light ----------------------------------------------------------------------------- */
+
+/* Stretches of time and pixels that tell nothing of the light: bursts that the readout of frames makes (many pixels at once,
+ * far above the rate around, for at most 5 ms), and hot pixels (ten events and five times as many as the third busiest pixel
+ * within 2 px). The caller frees it with tides_blemishes_free. */
+typedef struct tides_blemishes {
+    int64_t *burst; /* (bursts x 2): [start, stop) in ns, ascending, apart */
+    uint16_t *hot;  /* (hots x 2): x, y, row by row */
+    size_t bursts, hots;
+    uint64_t burst_events, hot_events; /* of the recording: in bursts; of hot pixels outside of them */
+} tides_blemishes;
+
+/* Finds those of a recording of (width x height) px, whose events are in order of time (else TIDES_BAD_ARGUMENT). */
+TIDES_MUST_CHECK TIDES_API tides_status tides_blemishes_find(const tides_event *events, size_t count, int32_t width,
+                                                             int32_t height, tides_blemishes *found, tides_error *error);
+
+/* Leaves out of `events`, in order of time, those within a burst and those of hot pixels, in place; how many are left. Streams
+ * that are compared are to be treated alike. */
+TIDES_API size_t tides_blemishes_leave_out(const tides_blemishes *blemishes, tides_event *events, size_t count);
+
+/* Frees what it points to, and empties it. NULL is fine. */
+TIDES_API void tides_blemishes_free(tides_blemishes *blemishes);
 
 #ifdef __cplusplus
 }

@@ -8,6 +8,7 @@
 #define TD_CALIBRATE_H
 
 #include "td_base.h"
+#include "td_bursts.h"
 #include "tides/calibrate.h"
 
 /* The stretch's events of one recording, bursts marked, in order of pixel and time. */
@@ -99,7 +100,7 @@ tides_status td_taken_read(const char *path, td_calibration *c, double light_sta
 tides_status td_taken_sort(td_taken *taken, tides_error *error); /* fills first and rate, of width, height, bins and events */
 void td_taken_free(td_taken *taken);
 /* bursts.c: finds the bursts that the readout of frames makes, and marks their events. */
-#define TD_BIN_S 2.5e-4
+#define TD_BIN_S TD_BURST_BIN_S
 tides_status td_bursts_find(td_taken *taken, tides_error *error);
 void td_bursts_mark(td_taken *taken);
 static inline size_t td_bin(const td_taken *taken, int64_t t) {

@@ -22,6 +22,12 @@ TIDES_MUST_CHECK tides_status td_trajectory_check_smooth(const tides_trajectory 
 TIDES_MUST_CHECK tides_status td_trajectory_copy(const tides_trajectory *trajectory, tides_trajectory **copy,
                                                  tides_error *error);
 
+/* The path with what it lacks of [start, stop] [s]: it goes on straight and turns evenly, as its first (last) three segments
+ * do, with samples as far apart. Of what it had only the curve next to its ends changes. A static path comes back as it is.
+ * TIDES_UNSUPPORTED: an open or mounted path; TIDES_OUT_OF_RANGE: over a million samples. */
+TIDES_MUST_CHECK tides_status td_trajectory_extend(const tides_trajectory *trajectory, double start, double stop,
+                                                   tides_trajectory **extended, tides_error *error);
+
 /* An open path once more from its beginning, which is another one now. */
 TIDES_MUST_CHECK tides_status td_trajectory_begin(tides_trajectory *trajectory, const tides_pose_sample *first,
                                                   tides_error *error);

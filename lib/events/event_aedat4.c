@@ -11,9 +11,7 @@
 #include <string.h>
 
 enum {
-    COMPRESSION_ZSTD_HIGH = 4,
-    HEADER_MOST = 1 << 24, /* bytes: an XML of a few kilobytes in every recorder */
-    PACKET_MOST = 1 << 28  /* bytes of one packet, unpacked: 16 million events */
+    PACKET_MOST = 1 << 28 /* bytes of one packet, unpacked: 16 million events */
 };
 
 typedef struct aedat4_state {
@@ -29,99 +27,21 @@ static int detect_aedat4(const td_event_probe *probe) {
     return probe->bytes >= TD_AEDAT4_MAGIC_BYTES && memcmp(probe->head, TD_AEDAT4_MAGIC, TD_AEDAT4_MAGIC_BYTES) == 0;
 }
 
-/* ---- flatbuffers ---- */
-
-/* A flatbuffer without its size prefix. */
-typedef struct flat {
-    const unsigned char *data;
-    size_t bytes;
-} flat;
-
-static int has(flat f, size_t at, size_t bytes) { return at <= f.bytes && bytes <= f.bytes - at; }
-
-/* Where the root table is; 0 where there is none. */
-static size_t root_table(flat f, const char *identifier) {
-    if (!has(f, 0, 8) || memcmp(f.data + 4, identifier, 4) != 0) return 0;
-    size_t at = td_le32(f.data);
-    return has(f, at, 4) ? at : 0;
-}
-
-/* Where a field of a table is stored, with room for `bytes`; 0 where it is absent, and has its default. */
-static size_t table_field(flat f, size_t table, size_t field, size_t bytes) {
-    int64_t virtual_table = (int64_t)table - (int32_t)td_le32(f.data + table);
-    size_t entry = 4 + 2 * field;
-    if (virtual_table < 0 || !has(f, (size_t)virtual_table, 4)) return 0;
-    size_t at = (size_t)virtual_table, length = td_le16(f.data + at);
-    if (entry + 2 > length || !has(f, at, length)) return 0;
-    size_t offset = td_le16(f.data + at + entry);
-    return offset && has(f, table + offset, bytes) ? table + offset : 0;
-}
-
-/* A vector field with `*count` items of `size` bytes; NULL where absent or not whole. */
-static const unsigned char *vector_field(flat f, size_t table, size_t field, size_t size, size_t *count) {
-    size_t at = table_field(f, table, field, 4);
-    if (!at) return NULL;
-    size_t vector = at + td_le32(f.data + at);
-    if (!has(f, vector, 4)) return NULL;
-    *count = td_le32(f.data + vector);
-    return *count <= (f.bytes - vector - 4) / size ? f.data + vector + 4 : NULL;
-}
-
 /* ---- the header ---- */
 
-/* The value of an attribute of the XML, from `from` on; NULL where there is none. */
-static const char *attribute(const char *from, const char *key) {
-    char quoted[64];
-    snprintf(quoted, sizeof quoted, "key=\"%s\"", key);
-    const char *at = strstr(from, quoted), *value = at ? strchr(at, '>') : NULL;
-    return value ? value + 1 : NULL;
-}
-
-/* The node around `inside`: its name is the stream's number. */
-static int32_t stream_number(const char *xml, const char *inside) {
-    static const char mark[] = "<node name=\"";
-    const char *found = NULL;
-    for (const char *at = strstr(xml, mark); at && at < inside; at = strstr(at + 1, mark)) found = at;
-    return found ? (int32_t)strtol(found + sizeof mark - 1, NULL, 10) : -1;
-}
-
-/* One stream that the description tells of: its number, the camera that it is of, where its texts begin and end. */
-typedef struct told {
-    int32_t number;
-    char name[64];
-    const char *type, *end;
-} told;
-
-static void take_text(const char *value, char *out, size_t size) {
-    const size_t length = value ? strcspn(value, "<") : 0;
-    snprintf(out, size, "%.*s", (int)(length < size ? length : size - 1), value ? value : "");
-}
-
-/* The next stream of a type behind `from`; 0 where there is none. Its texts end where the next stream's node begins. */
-static int next_told(const char *xml, const char *from, const char *type, told *t) {
-    for (t->type = attribute(from, "typeIdentifier"); t->type && strncmp(t->type, type, 4) != 0;)
-        t->type = attribute(t->type, "typeIdentifier");
-    if (!t->type) return 0;
-    t->number = stream_number(xml, t->type);
-    t->end = attribute(t->type, "typeIdentifier");
-    const char *source = attribute(t->type, "source");
-    take_text(source && (!t->end || source < t->end) ? source : NULL, t->name, sizeof t->name);
-    return 1;
-}
-
-static int is_named(const told *t, const char *stream) {
+static int is_named(const td_aedat4_told *t, const char *stream) {
     char number[16];
     snprintf(number, sizeof number, "%d", t->number);
     return strcmp(stream, number) == 0 || strcmp(stream, t->name) == 0;
 }
 
 /* The stream that was asked for, or the only one; else they are listed. */
-static tides_status choose_stream(td_event_stream *stream, const char *xml, told *chosen, tides_error *error) {
+static tides_status choose_stream(td_event_stream *stream, const char *xml, td_aedat4_told *chosen, tides_error *error) {
     const char *wanted = stream->reading.stream;
     char list[256] = "";
     int found = 0, fitting = 0;
-    told one;
-    for (const char *at = xml; next_told(xml, at, "EVTS", &one); at = one.type) {
+    td_aedat4_told one;
+    for (const char *at = xml; td_aedat4_next(xml, at, "EVTS", &one); at = one.type) {
         const size_t length = strlen(list);
         snprintf(list + length, sizeof list - length, "%s%d%s%s%s", found ? ", " : "", one.number, one.name[0] ? " (" : "",
                  one.name, one.name[0] ? ")" : "");
@@ -138,12 +58,12 @@ static tides_status choose_stream(td_event_stream *stream, const char *xml, told
 
 static tides_status parse_description(td_event_stream *stream, const char *xml, tides_error *error) {
     aedat4_state *state = stream->state;
-    told chosen = {.number = 0}, frames;
+    td_aedat4_told chosen = {.number = 0}, frames;
     tides_status status = choose_stream(stream, xml, &chosen, error);
     if (status != TIDES_OK) return status;
     state->stream = chosen.number;
-    state->frames = next_told(xml, xml, "FRME", &frames) ? frames.number : -1;
-    const char *width = attribute(chosen.type, "sizeX"), *height = attribute(chosen.type, "sizeY");
+    state->frames = td_aedat4_next(xml, xml, "FRME", &frames) ? frames.number : -1;
+    const char *width = td_aedat4_attribute(chosen.type, "sizeX"), *height = td_aedat4_attribute(chosen.type, "sizeY");
     if (!width || !height || (chosen.end && (width > chosen.end || height > chosen.end))) return TIDES_OK;
     long size[2] = {strtol(width, NULL, 10), strtol(height, NULL, 10)};
     if (size[0] < 1 || size[1] < 1 || size[0] > 65536 || size[1] > 65536) return TIDES_OK;
@@ -156,15 +76,15 @@ static tides_status bad_header(const td_event_stream *stream, tides_error *error
     return td_fail(error, TIDES_BAD_FILE, "%s: its AEDAT 4 header (IOHE) is damaged", stream->input.path);
 }
 
-static tides_status parse_header(td_event_stream *stream, flat header, tides_error *error) {
+static tides_status parse_header(td_event_stream *stream, td_flat header, tides_error *error) {
     aedat4_state *state = stream->state;
-    size_t table = root_table(header, "IOHE"), length = 0;
+    size_t table = td_flat_root(header, "IOHE"), length = 0;
     if (!table) return bad_header(stream, error);
-    size_t compression = table_field(header, table, 0, 4), position = table_field(header, table, 1, 8);
-    const unsigned char *text = vector_field(header, table, 2, 1, &length);
+    size_t compression = td_flat_field(header, table, 0, 4), position = td_flat_field(header, table, 1, 8);
+    const unsigned char *text = td_flat_vector(header, table, 2, 1, &length);
     if (!text) return bad_header(stream, error);
     state->compression = compression ? (int32_t)td_le32(header.data + compression) : 0;
-    if (state->compression < 0 || state->compression > COMPRESSION_ZSTD_HIGH)
+    if (state->compression < 0 || state->compression > TD_AEDAT4_ZSTD_HIGH)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: compression %d isn't known: NONE, LZ4 and ZSTD are", stream->input.path,
                        state->compression);
     uint64_t end = position ? td_le64(header.data + position) : 0;
@@ -193,28 +113,28 @@ static tides_status bad_packet(const td_event_stream *stream, const char *what, 
 }
 
 /* The packet's bytes, unpacked where they are compressed. */
-static tides_status unpack(td_event_stream *stream, size_t packed, flat *payload, tides_error *error) {
+static tides_status unpack(td_event_stream *stream, size_t packed, td_flat *payload, tides_error *error) {
     aedat4_state *state = stream->state;
-    *payload = (flat){state->packed, packed};
+    *payload = (td_flat){state->packed, packed};
     if (state->compression == TD_AEDAT4_NONE) return TIDES_OK;
     int zstd = state->compression >= TD_AEDAT4_ZSTD;
     size_t bytes = 0;
     tides_status status = (zstd ? td_zstd_unpack : td_lz4_unpack)(state->packed, packed, PACKET_MOST, &state->payload,
                                                                   &state->payload_capacity, &bytes, error);
     if (status == TIDES_BAD_FILE) return bad_packet(stream, zstd ? "isn't Zstandard" : "isn't an LZ4 frame", error);
-    *payload = (flat){state->payload, bytes};
+    *payload = (td_flat){state->payload, bytes};
     return status;
 }
 
-static tides_status parse_packet(td_event_stream *stream, flat payload, tides_error *error) {
+static tides_status parse_packet(td_event_stream *stream, td_flat payload, tides_error *error) {
     aedat4_state *state = stream->state;
     if (payload.bytes < 4 || td_le32(payload.data) > payload.bytes - 4) return bad_packet(stream, "is cut off", error);
-    flat buffer = {payload.data + 4, td_le32(payload.data)};
-    size_t table = root_table(buffer, "EVTS");
+    td_flat buffer = {payload.data + 4, td_le32(payload.data)};
+    size_t table = td_flat_root(buffer, "EVTS");
     if (!table) return bad_packet(stream, "holds no events, though its stream does", error);
     state->taken = state->events = 0;
-    if (!table_field(buffer, table, 0, 4)) return TIDES_OK; /* an empty packet */
-    state->first = vector_field(buffer, table, 0, TD_AEDAT4_EVENT, &state->events);
+    if (!td_flat_field(buffer, table, 0, 4)) return TIDES_OK; /* an empty packet */
+    state->first = td_flat_vector(buffer, table, 0, TD_AEDAT4_EVENT, &state->events);
     return state->first ? TIDES_OK : bad_packet(stream, "says more events than it holds", error);
 }
 
@@ -233,7 +153,7 @@ static tides_status next_packet(td_event_stream *stream, tides_error *error) {
         if (status == TIDES_OK) status = td_input_copy(&stream->input, state->packed, (size_t)bytes, error);
         if (status != TIDES_OK) return status;
         if ((int32_t)td_le32(head) != state->stream) continue;
-        flat payload;
+        td_flat payload;
         status = unpack(stream, (size_t)bytes, &payload, error);
         if (status == TIDES_OK) status = parse_packet(stream, payload, error);
         if (status != TIDES_OK) return status;
@@ -244,7 +164,7 @@ static tides_status next_packet(td_event_stream *stream, tides_error *error) {
 /* ---- the zero ---- */
 
 /* The first packet of the stream `number`, unpacked; 0 where there is none that can be read. Others are passed over unread. */
-static int find_packet(td_event_stream *probe, int32_t number, flat *payload) {
+static int find_packet(td_event_stream *probe, int32_t number, td_flat *payload) {
     aedat4_state *state = probe->state;
     td_event_input *input = &probe->input;
     unsigned char head[8];
@@ -267,15 +187,15 @@ static int find_packet(td_event_stream *probe, int32_t number, flat *payload) {
 static void find_zero(td_event_stream *stream) {
     aedat4_state *state = stream->state;
     td_event_stream probe = {.state = state};
-    flat payload;
+    td_flat payload;
     if (state->frames < 0 || td_input_open(&probe.input, stream->input.path, NULL) != TIDES_OK) {
         td_input_close(&probe.input);
         return;
     }
     probe.input.at = stream->input.at;
     if (find_packet(&probe, state->frames, &payload) && payload.bytes >= 4 && td_le32(payload.data) <= payload.bytes - 4) {
-        const flat frame = {payload.data + 4, td_le32(payload.data)};
-        const size_t table = root_table(frame, "FRME"), time = table ? table_field(frame, table, 0, 8) : 0;
+        const td_flat frame = {payload.data + 4, td_le32(payload.data)};
+        const size_t table = td_flat_root(frame, "FRME"), time = table ? td_flat_field(frame, table, 0, 8) : 0;
         if (time && td_event_microseconds((int64_t)td_le64(frame.data + time), &stream->facts.zero_ns))
             stream->facts.zero = TIDES_ZERO_FRAME;
     }
@@ -290,11 +210,11 @@ static tides_status open_aedat4(td_event_stream *stream, tides_error *error) {
     tides_status status = td_input_copy(&stream->input, start, sizeof start, error);
     if (status != TIDES_OK) return status;
     size_t bytes = td_le32(start + TD_AEDAT4_MAGIC_BYTES);
-    if (bytes > HEADER_MOST || bytes > stream->input.size) return bad_header(stream, error);
+    if (bytes > TD_AEDAT4_HEADER_MOST || bytes > stream->input.size) return bad_header(stream, error);
     unsigned char *header = td_alloc(bytes, 1, error);
     if (!header) return TIDES_NO_MEMORY;
     status = td_input_copy(&stream->input, header, bytes, error);
-    if (status == TIDES_OK) status = parse_header(stream, (flat){header, bytes}, error);
+    if (status == TIDES_OK) status = parse_header(stream, (td_flat){header, bytes}, error);
     free(header);
     if (status == TIDES_OK) find_zero(stream);
     return status;

@@ -162,8 +162,9 @@ static tides_status read_file(tides_frames *frames, const char *file, tides_erro
 
 /* A timestamp file in the folder, or beside the folder or file; NULL where there is none. */
 static char *find_file(const char *path, tides_error *error, tides_status *status) {
-    static const char *const names[] = {"timestamps.txt",          "image_timestamps.txt",     "../timestamps.txt",
-                                        "../image_timestamps.txt", "../images_timestamps.txt", "../images.txt"};
+    static const char *const names[] = {"timestamps.txt",    "image_timestamps.txt",    "timestamp.txt",
+                                        "../timestamps.txt", "../image_timestamps.txt", "../images_timestamps.txt",
+                                        "../images.txt",     "../../timestamps.txt",    "../../image_timestamps.txt"};
     const int folder = td_is_folder(path);
     *status = TIDES_OK;
     for (size_t i = 0; i < (folder ? sizeof names / sizeof *names : 2u); i++) {

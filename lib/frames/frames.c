@@ -1,5 +1,6 @@
 /* Frame sequences behind tides_frames: opens the source that a path asks for, keeps shapes and times, reads a frame. Pixels
- * come from the sources (frames_folder.c, frames_npy.c, frames_hdf5.c, frames_y4m.c), times from frame_times.c. */
+ * come from the sources (frames_folder.c, frames_npy.c, frames_hdf5.c, frames_y4m.c, frames_aedat4.c), times from
+ * frame_times.c. */
 #include "td_frames.h"
 
 #include "td_folder.h"
@@ -37,8 +38,9 @@ static tides_status open_source(tides_frames *frames, tides_error *error) {
     if (td_is_folder(path)) return td_frames_folder(frames, error);
     if (td_ends_in(path, ".npy") || td_ends_in(path, ".npz")) return td_frames_npy(frames, error);
     if (td_ends_in(path, ".h5") || td_ends_in(path, ".hdf5")) return td_frames_hdf5(frames, error);
+    if (td_ends_in(path, ".aedat4") && frames->options.planes == 1) return td_frames_aedat4(frames, error);
     return td_fail(error, TIDES_BAD_FILE,
-                   "%s: frames come from a folder of .png or .exr, or from .y4m, .npy, .npz, .h5 or .hdf5", path);
+                   "%s: frames come from a folder of .png or .exr, or from .y4m, .npy, .npz, .h5, .hdf5 or .aedat4", path);
 }
 
 static tides_status check_options(const tides_frames_options *o, tides_error *error) {
@@ -71,7 +73,9 @@ tides_status tides_frames_open(const char *path, const tides_frames_options *opt
     if (!made) return TIDES_NO_MEMORY;
     made->options = own;
     made->path = td_strdup(path, error);
-    status = made->path ? td_kind_judge(path, TD_WANTS_FRAMES, open_source(made, error), error) : TIDES_NO_MEMORY;
+    status = made->path ? open_source(made, error) : TIDES_NO_MEMORY;
+    /* An AEDAT 4 file is one of events, too: what is wrong with its frames isn't its kind. */
+    if (made->path && !td_ends_in(path, ".aedat4")) status = td_kind_judge(path, TD_WANTS_FRAMES, status, error);
     if (status == TIDES_OK) status = td_frames_times(made, error);
     if (status == TIDES_OK) status = td_frames_range(made, error);
     made->options.timestamps = NULL; /* the caller's; read by now */

@@ -67,6 +67,7 @@ tides_status td_frames_folder(tides_frames *frames, tides_error *error); /* fram
 tides_status td_frames_npy(tides_frames *frames, tides_error *error);    /* frames_npy.c */
 tides_status td_frames_hdf5(tides_frames *frames, tides_error *error);   /* frames_hdf5.c */
 tides_status td_frames_y4m(tides_frames *frames, tides_error *error);    /* frames_y4m.c */
+tides_status td_frames_aedat4(tides_frames *frames, tides_error *error); /* frames_aedat4.c */
 
 /* frame_times.c: fills frames->times, by the order that tides_frames_open tells, and checks them. */
 tides_status td_frames_times(tides_frames *frames, tides_error *error);

@@ -3,10 +3,12 @@
 
 #include <math.h>
 
-static double on_fraction(const td_stream *stream) {
+static double over(size_t events, size_t of) { return of ? (double)events / (double)of : NAN; }
+
+static size_t count_on(const td_stream *stream) {
     size_t on = 0;
     for (size_t i = 0; i < stream->count; i++) on += stream->events[i].polarity > 0;
-    return stream->count ? (double)on / (double)stream->count : NAN;
+    return on;
 }
 
 /* Pearson's correlation over all pixels; NaN where either stream has the same count everywhere. */
@@ -29,9 +31,12 @@ static double correlation(const td_compare *c) {
 
 tides_status td_compare_counts(td_compare *c) {
     tides_metrics *m = c->metrics;
-    m->reference.on_fraction = on_fraction(&c->reference);
-    m->simulated.on_fraction = on_fraction(&c->simulated);
-    m->count_ratio = c->reference.count ? (double)c->simulated.count / (double)c->reference.count : NAN;
+    const size_t on_a = count_on(&c->reference), on_b = count_on(&c->simulated);
+    m->reference.on_fraction = over(on_a, c->reference.count);
+    m->simulated.on_fraction = over(on_b, c->simulated.count);
+    m->count_ratio = over(c->simulated.count, c->reference.count);
+    m->count_ratio_on = over(on_b, on_a);
+    m->count_ratio_off = over(c->simulated.count - on_b, c->reference.count - on_a);
     m->count_correlation = correlation(c);
     return TIDES_OK;
 }

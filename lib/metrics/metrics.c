@@ -88,6 +88,9 @@ static tides_status match(td_compare *c, const tides_event *reference, size_t re
     if (status == TIDES_OK)
         status = tides_match_events(c->reference.events, c->reference.count, c->simulated.events, c->simulated.count,
                                     c->options->match_limit_s, &c->metrics->match, c->error);
+    const tides_match *m = &c->metrics->match;
+    const double events = (double)m->reference + (double)m->simulated;
+    if (status == TIDES_OK && events > 0) c->metrics->matched_share = 2 * (double)m->matched / events;
     td_stream_release(&c->reference);
     td_stream_release(&c->simulated);
     return status;

@@ -82,7 +82,9 @@ tides_status td_metrics_options_check(const tides_metrics_options *options, tide
 
 /* The parts: each fills its own fields of c->metrics. */
 tides_status td_compare_counts(td_compare *c);
+tides_status td_compare_rates(td_compare *c);
 tides_status td_compare_isi(td_compare *c);
+tides_status td_compare_isi_after(td_compare *c);
 tides_status td_compare_same_time(td_compare *c);
 tides_status td_compare_fano(td_compare *c);
 tides_status td_compare_chamfer(td_compare *c);

@@ -110,6 +110,8 @@ const td_param td_params[] = {
             "nerfstudio's dataparser_transforms.json; null: beside camera or scene, if there; none: not"),
      .fallback = "null"},
     {BOOLEAN("camera.rebase", path.rebase, "put the path's first sample at time 0 (camera.start_s is then ignored)")},
+    {ROW("camera.extrapolate", BOOLEAN, TD_NO_FIELD, "a path that is shorter than the run goes on as its ends do"),
+     .fallback = "false"},
 
     {TEXT("rig.file", "Kalibr's camchain.yaml: the rig's cameras, cam0 ...; rig.cameras adds to what it says of them"),
      .fallback = "null", .is_file = 1},
@@ -324,7 +326,7 @@ const td_param td_params[] = {
     {CHOICE("filters.erc_law", filters.erc_law, "chance|first", "which pass: by chance, or the first of a period")},
 
     {STRING("frames.file", frames_file,
-            "in place of a scene: a folder of .png or .exr, .y4m (-: from a pipe), .npy, .npz, .h5, .hdf5"),
+            "in place of a scene: a folder of .png or .exr, .y4m (-: a pipe), .npy, .npz, .h5, .aedat4"),
      .fallback = "null", .is_file = 1, .common = 1},
     {STRING("frames.timestamps", frames.timestamps,
             "text file with a time per frame; null: the rate, else the file's own or timestamps.txt"),

@@ -1,5 +1,6 @@
 /* Opens the files that a run names: the scene with its moving objects, and the camera's path with its intrinsics; or the
  * frames. Facts that may surprise the run's reader are noted on the way. */
+#include "camera/td_trajectory.h"
 #include "td_folder.h"
 #include "td_math.h"
 #include "td_run.h"
@@ -8,20 +9,48 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* "0.0223 s at its beginning, 1.2 s at its end" */
+static const char *lacking(double first, double last, double start, double stop, char text[96]) {
+    const double before = first - start, after = stop - last;
+    const char *between = before > 0 && after > 0 ? ", " : "";
+    char head[40] = "", tail[40] = "";
+    if (before > 0) snprintf(head, sizeof head, "%.4g s at its beginning", before);
+    if (after > 0) snprintf(tail, sizeof tail, "%.4g s at its end", after);
+    snprintf(text, 96, "%s%s%s", head, between, tail);
+    return text;
+}
+
 /* Whether a path covers the run; `file` and `key` say whose it is. */
 static tides_status check_cover(const tides_run *run, const tides_trajectory *trajectory, const char *file, const char *key,
                                 tides_error *error) {
+    char text[96];
     double first, last, start = td_run_number(run, "time.start"), stop = td_run_number(run, "time.stop");
     tides_trajectory_range(trajectory, &first, &last);
     if (first <= start && stop <= last) return TIDES_OK;
     return td_fail(error, TIDES_OUT_OF_RANGE,
-                   "%s: %s: the motion in %s covers [%.15g, %.15g] s, but the run needs [%.15g, %.15g] s; change time.start "
-                   "and "
-                   "time.stop%s",
-                   run->origin, key, file, first, last, start, stop,
-                   strcmp(key, "camera.file") == 0       ? ", or camera.start_s, camera.rebase or camera.duration_s"
+                   "%s: %s: the motion in %s covers [%.15g, %.15g] s, but the run needs [%.15g, %.15g] s; it lacks %s: change "
+                   "time.start and time.stop%s",
+                   run->origin, key, file, first, last, start, stop, lacking(first, last, start, stop, text),
+                   strcmp(key, "camera.file") == 0
+                       ? ", or camera.start_s, camera.rebase or camera.duration_s, or let it go on (camera.extrapolate)"
                    : strstr(key, "].trajectory") != NULL ? ", or start_s or duration_s beside the trajectory"
                                                          : "");
+}
+
+/* With camera.extrapolate: what the camera's path lacks of the run, and a line on it. */
+static tides_status go_on(const tides_run *run, tides_trajectory **path, const char *file, char **notes, tides_error *error) {
+    char text[96];
+    double first, last, start = td_run_number(run, "time.start"), stop = td_run_number(run, "time.stop");
+    tides_trajectory *longer = NULL;
+    if (!cJSON_IsTrue(td_run_value(run, "camera.extrapolate"))) return TIDES_OK;
+    tides_trajectory_range(*path, &first, &last);
+    if (first <= start && stop <= last) return TIDES_OK;
+    const tides_status status = td_trajectory_extend(*path, start, stop, &longer, error);
+    if (status != TIDES_OK) return td_fail_within(error, status, "%s: camera.extrapolate: %s", run->origin, file);
+    tides_trajectory_destroy(*path);
+    *path = longer;
+    return td_note(notes, error, "camera.extrapolate: %s goes on as its ends do: it lacks %s", file,
+                   lacking(first, last, start, stop, text));
 }
 
 /* Notes on a path; `key` is the run file's key for it. */
@@ -291,6 +320,7 @@ tides_status td_run_open_camera(const tides_run *run, const tides_scene *scene, 
         if (status == TIDES_OK) status = tides_path_load(values.camera_file, &values.path, &path, error);
         free(frame);
         opening->unframed = strcmp(path.format, "transforms") == 0 && !path.framed && !tides_run_gives(run, "camera.frame");
+        if (status == TIDES_OK) status = go_on(run, &path.trajectory, values.camera_file, &opening->notes, error);
         if (status == TIDES_OK) status = check_cover(run, path.trajectory, values.camera_file, "camera.file", error);
         if (status == TIDES_OK) status = merge_intrinsics(run, &path, intrinsics, error);
         if (status == TIDES_OK)

@@ -54,7 +54,8 @@ static tides_status open_frames(tides_session *s, tides_error *error) {
     if (status != TIDES_OK) return status;
     tides_frames_size(s->frames, &facts->intrinsics.width, &facts->intrinsics.height);
     snprintf(facts->info.name, sizeof facts->info.name, "none: frames from %s", facts->values.frames_file);
-    return take_span(facts, s->frames, error);
+    status = take_span(facts, s->frames, error);
+    return status == TIDES_OK ? td_run_frames_light(&facts->values, s->frames, &s->opening.notes, error) : status;
 }
 
 /* `spec` wins over the run file, which wins over TIDES_DEVICE; "auto" is what a run file says to leave it open. */

@@ -112,6 +112,9 @@ typedef struct td_opening {
     double T_C_I[16]; /* there: p_camera = T_C_I p_imu, by rows [scene units] */
 } td_opening;
 
+/* frames_light.c: adds to *notes what frames don't say of the light: lines, or nothing. */
+tides_status td_run_frames_light(const tides_run_values *values, tides_frames *frames, char **notes, tides_error *error);
+
 /* run_open.c: what tides_run_open does; and the camera's path and intrinsics alone, where `scene` is what an orbit is about,
  * NULL where camera.file is given. */
 tides_status td_run_open(const tides_run *run, tides_scene **scene, tides_trajectory **camera, tides_intrinsics *intrinsics,

@@ -251,6 +251,7 @@ TIDES_VOXEL_TIMELENS = 2
 TIDES_LIVE_CAMERA = -1
 TIDES_IDEAL_THRESHOLDS = 1
 TIDES_IDEAL_PIXEL = 2
+TIDES_IDEAL_SENSOR = 4
 TIDES_CALIBRATED_ON = 0
 TIDES_CALIBRATED_OFF = 1
 TIDES_CALIBRATED_SIGMA = 2
@@ -3131,12 +3132,17 @@ class tides_metrics(Structure):
     int64_t start_ns, stop_ns; /* the interval */
     tides_stream_metrics reference, simulated; /* of each stream by itself */
     double count_ratio; /* simulated / reference events */
+    double count_ratio_on, count_ratio_off; /* of each polarity */
+    double rate_error[TIDES_FANO_BINS]; /* sum over bins of time, each as long as the Fano factor's, of the whole sensor's
+    |simulated - reference| events, over the reference's events: 0 equal rates */
+    double region_error; /* the same over tiles of fano_tile_px in place of bins */
     double count_correlation; /* Pearson's, of events per pixel; NaN where either stream has the same count everywhere */
     /* Negative log-likelihood of the reference's intervals [nats per interval, tau in seconds] under the fit to the simulated
     * ones, and under their own fit; excess is the difference: the Kullback-Leibler divergence of the fits, free of units, not
     * negative. NaN under 2 simulated intervals or 1 of the reference. Blind to batching shorter than the intervals. */
     double ig_nll[TIDES_PAIRS], ig_nll_self[TIDES_PAIRS], ig_nll_excess[TIDES_PAIRS]; /* as above */
     double isi_w1; /* Wasserstein-1 distance of log10 intervals (any) [decades] */
+    double isi_w1_after[2]; /* of those whose first event is OFF, ON */
     double fano_error[TIDES_FANO_BINS]; /* mean |ln((F_simulated + epsilon) / (F_reference + epsilon))| over the tiles */
     uint64_t fano_tiles[TIDES_FANO_BINS]; /* tiles compared */
     double fano_coverage[TIDES_FANO_BINS]; /* of the reference's tiles with enough events */
@@ -3159,6 +3165,7 @@ class tides_metrics(Structure):
     uint64_t time_difference_over; /* events with a longer one, or with none */
     double kernel_distance; /* squared distance of the streams under the Gaussian kernel, polarity as sign */
     tides_match match; /* pairs of events */
+    double matched_share; /* 2 pairs / events of both streams: 1 where each has its counterpart within the limit */
     """
 
     computed: int
@@ -3169,11 +3176,16 @@ class tides_metrics(Structure):
     reference: tides_stream_metrics
     simulated: tides_stream_metrics
     count_ratio: float
+    count_ratio_on: float
+    count_ratio_off: float
+    rate_error: Any
+    region_error: float
     count_correlation: float
     ig_nll: Any
     ig_nll_self: Any
     ig_nll_excess: Any
     isi_w1: float
+    isi_w1_after: Any
     fano_error: Any
     fano_tiles: Any
     fano_coverage: Any
@@ -3193,6 +3205,7 @@ class tides_metrics(Structure):
     time_difference_over: int
     kernel_distance: float
     match: tides_match
+    matched_share: float
 
     _fields_ = [
         ("computed", c_uint32),
@@ -3203,11 +3216,16 @@ class tides_metrics(Structure):
         ("reference", tides_stream_metrics),
         ("simulated", tides_stream_metrics),
         ("count_ratio", c_double),
+        ("count_ratio_on", c_double),
+        ("count_ratio_off", c_double),
+        ("rate_error", c_double * 3),
+        ("region_error", c_double),
         ("count_correlation", c_double),
         ("ig_nll", c_double * 3),
         ("ig_nll_self", c_double * 3),
         ("ig_nll_excess", c_double * 3),
         ("isi_w1", c_double),
+        ("isi_w1_after", c_double * 2),
         ("fano_error", c_double * 3),
         ("fano_tiles", c_uint64 * 3),
         ("fano_coverage", c_double * 3),
@@ -3227,6 +3245,7 @@ class tides_metrics(Structure):
         ("time_difference_over", c_uint64),
         ("kernel_distance", c_double),
         ("match", tides_match),
+        ("matched_share", c_double),
     ]
 
 
@@ -3265,6 +3284,30 @@ class tides_metric(Structure):
         ("is_real", c_int32),
         ("offset", c_size_t),
         ("stride", c_size_t),
+    ]
+
+
+class tides_blemishes(Structure):
+    """int64_t *burst; /* (bursts x 2): [start, stop) in ns, ascending, apart */
+    uint16_t *hot; /* (hots x 2): x, y, row by row */
+    size_t bursts, hots;
+    uint64_t burst_events, hot_events; /* of the recording: in bursts; of hot pixels outside of them */
+    """
+
+    burst: Any
+    hot: Any
+    bursts: int
+    hots: int
+    burst_events: int
+    hot_events: int
+
+    _fields_ = [
+        ("burst", P(c_int64)),
+        ("hot", P(c_uint16)),
+        ("bursts", c_size_t),
+        ("hots", c_size_t),
+        ("burst_events", c_uint64),
+        ("hot_events", c_uint64),
     ]
 
 
@@ -3770,6 +3813,15 @@ FUNCTIONS: dict[str, tuple[Any, list[Any], str]] = {
         P(tides_baseline), P(tides_frame_supply), tides_event_sink, c_void_p, tides_progress, c_void_p,
         P(tides_stats), P(tides_error)
     ], "baseline supply sink sink_user progress user stats error"),
+    # tides_status tides_blemishes_find(const tides_event *events, size_t count, int32_t width, int32_t height,
+    # tides_blemishes *found, tides_error *error)
+    "tides_blemishes_find": (c_int32, [
+        P(tides_event), c_size_t, c_int32, c_int32, P(tides_blemishes), P(tides_error)
+    ], "events count width height found error"),
+    # void tides_blemishes_free(tides_blemishes *blemishes)
+    "tides_blemishes_free": (None, [P(tides_blemishes)], "blemishes"),
+    # size_t tides_blemishes_leave_out(const tides_blemishes *blemishes, tides_event *events, size_t count)
+    "tides_blemishes_leave_out": (c_size_t, [P(tides_blemishes), P(tides_event), c_size_t], "blemishes events count"),
     # tides_status tides_calibrate(const char *recording, tides_session *session, const tides_calibrate_options
     # *options, tides_progress progress, void *user, tides_calibration *found, tides_error *error)
     "tides_calibrate": (c_int32, [
@@ -4681,7 +4733,8 @@ STRUCTS = (
     tides_session_taken, tides_recording, tides_recorded, tides_dataset_layout, tides_dataset_report, tides_generator,
     tides_generate_options, tides_world, tides_channel, tides_truth, tides_material_point, tides_track,
     tides_event_truth, tides_event_conversion, tides_event_conversion_report, tides_match, tides_metrics_options,
-    tides_interval_fit, tides_stream_metrics, tides_metrics, tides_metric, tides_voxel_options, tides_array_shape,
-    tides_page_options, tides_page_report, tides_run_input, tides_fingerprint, tides_live_options, tides_exact_options,
-    tides_exact, tides_calibrated, tides_calibrated_row, tides_calibrate_options, tides_calibration,
+    tides_interval_fit, tides_stream_metrics, tides_metrics, tides_metric, tides_blemishes, tides_voxel_options,
+    tides_array_shape, tides_page_options, tides_page_report, tides_run_input, tides_fingerprint, tides_live_options,
+    tides_exact_options, tides_exact, tides_calibrated, tides_calibrated_row, tides_calibrate_options,
+    tides_calibration,
 )

@@ -75,11 +75,12 @@ def image_is_continuous(image: ImageParams) -> bool:
     return bool(lib.tides_image_is_continuous(image))
 
 
-def ideal_settings(run: "Run", method: str, pixel: bool = True) -> dict[str, str]:
+def ideal_settings(run: "Run", method: str, pixel: bool = True, sensor: bool = False) -> dict[str, str]:
     """Overrides ({key: value}) that take `method` in place of the run's own, with ideal pixels of the run's thresholds; with
-    pixel=False only the thresholds, where the run gives none for the method."""
+    pixel=False only the thresholds, where the run gives none for the method. With sensor=True (and pixel=False) the run's sensor
+    in the method's own parameters, but for keys that the run gives."""
     texts, count = POINTER(c_char_p)(), c_size_t()
-    what = _api.TIDES_IDEAL_PIXEL if pixel else _api.TIDES_IDEAL_THRESHOLDS
+    what = _api.TIDES_IDEAL_PIXEL if pixel else _api.TIDES_IDEAL_SENSOR if sensor else _api.TIDES_IDEAL_THRESHOLDS
     call("tides_ideal_settings", run._pointer, method.encode(), what, byref(texts), byref(count))
     try:
         return dict(text(one).split("=", 1) for one in texts[: count.value])

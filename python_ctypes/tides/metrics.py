@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from ctypes import byref, c_size_t
+from ctypes import byref, c_int64, c_size_t, c_uint16
 from typing import Any, Iterable
 
+import numpy as np
+
 from . import _api
-from ._call import call
+from ._call import call, pointer
 from ._library import lib
 from ._progress import Progress, Reporter
 from ._values import Facts, Value, choice, constants, plain
@@ -60,3 +62,30 @@ def match(reference: Any, simulated: Any, limit_s: float = 1e-3) -> Facts:
     made = _api.tides_match()
     call("tides_match_events", _records(reference), len(reference), _records(simulated), len(simulated), limit_s, made)
     return plain(made)
+
+
+class Blemishes(Facts):
+    """What of a recording isn't of its light. bursts (n x 2): [start, stop) [ns] of bursts that the readout of frames makes; hot
+    (n x 2): x, y of hot pixels; burst_events, hot_events: how many the recording has of each."""
+
+    def __init__(self, events: Any, width: int, height: int):
+        """Of a recording (EVENT, in order of time) of width x height px."""
+        events, made = as_events(events), _api.tides_blemishes()
+        call("tides_blemishes_find", _records(events), len(events), width, height, made)
+        try:
+            counted = {"burst_events": made.burst_events, "hot_events": made.hot_events}
+            super().__init__(bursts=_pairs(made.burst, made.bursts), hot=_pairs(made.hot, made.hots), **counted)
+        finally:
+            lib.tides_blemishes_free(byref(made))
+
+    def leave_out(self, events: Any) -> np.ndarray:
+        """A copy of a stream, in order of time, without these: what is compared is to be treated alike."""
+        kept, made = as_events(events).copy(), _api.tides_blemishes()
+        bursts, hot = np.ascontiguousarray(self["bursts"], np.int64), np.ascontiguousarray(self["hot"], np.uint16)
+        made.burst, made.bursts = pointer(bursts, c_int64), len(bursts)
+        made.hot, made.hots = pointer(hot, c_uint16), len(hot)
+        return kept[: lib.tides_blemishes_leave_out(byref(made), _records(kept), len(kept))]
+
+
+def _pairs(data: Any, count: int) -> np.ndarray:
+    return np.ctypeslib.as_array(data, (2 * count,)).copy().reshape(count, 2) if count else np.empty((0, 2), np.int64)

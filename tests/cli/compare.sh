@@ -70,7 +70,7 @@ silent
 grep -q '"v2e.neg_thres=0.2"' own/compare.json && fail "the run file's own thresholds should stay"
 grep -q '"v2e.pos_thres":[[:space:]]0.3' own/compare.json || fail "v2e.pos_thres should be the run file's"
 
-# Frames: exact are straight lines between them, so that TIDES's comparator is exact there, and ESIM nearly.
+# Frames: straight lines between them are TIDES's own way and no truth. Its row has no score; ESIM goes the same way.
 mkdir frames
 for k in $(seq 0 8); do
     t=$(awk -v k="$k" 'BEGIN { printf "%.3f", k / 200 }')
@@ -79,7 +79,10 @@ for k in $(seq 0 8); do
 done
 echo '{ "frames": { "file": "frames" } }' >frames.json
 expect 0 tides compare frames.json -o seen
-[ "$(of_method seen/compare.json tides dt_max_us)" = 0 ] || fail "tides should be exact on frames"
+out "TIDES's own way, no truth"
+grep -q '"exact"' seen/compare.json && fail "on frames nothing is exact"
+out '^tides +- '
+${PYTHON:-python3} -c 'import json; r = json.load(open("seen/compare.json")); assert "lines" in r and not any("against_exact" in m for m in r["methods"] if m["method"] == "tides")' || fail "TIDES is held against itself"
 less "$(of_method seen/compare.json esim dt_p95_us)" 0.01 "ESIM on frames"
 grep -q esim-fixed seen/compare.csv && fail "on frames ESIM has one sampling only"
 
@@ -90,6 +93,48 @@ out '^v2e +failed: '
 out '^esim +[0-9]+'
 exists part/compare.png
 [ "$(wc -l <part/compare.csv)" = 3 ] || fail "a failure has its row"
+
+# A recording and its simulations over the same time, pixels, and without what no light makes: its floors, and which scores can be
+# read. On frames nothing is exact beside a recording, and of a measured sensor neither.
+expect 0 tides simulate run.json -o real.h5 --set sensor.threshold_sigma=0.02 --set seed=5
+expect 0 tides compare run.json -o fair --methods tides,v2e --recording real.h5 --as-configured --start 0.01 --stop 0.03 --json \
+    --set sensor.threshold_sigma=0.02
+is_json
+${PYTHON:-python3} - fair/compare.json <<'PY' || fail "the recording's table"
+import json, sys
+report = json.load(open(sys.argv[1]))
+assert "exact" not in report and abs(report["compared"]["start_s"] - 0.01) < 1e-12 and abs(report["compared"]["stop_s"] - 0.03) < 1e-12
+rows = {row["method"]: row["against_recording"]["comparison"] for row in report["methods"]}
+floor = report["floors"]["seeds"]["comparison"]
+# The recording is a simulation of another seed: TIDES is as near to it as two seeds are, and v2e isn't.
+assert abs(rows["tides"]["victor_purpura_fraction"] - floor["victor_purpura_fraction"]) < 0.1
+assert rows["v2e"]["victor_purpura_fraction"] > rows["tides"]["victor_purpura_fraction"]
+assert 0 <= report["floors"]["pixels"]["comparison"]["rate_error_1ms"] < 1
+assert any(text.startswith("v2e.pos_thres=") for text in report["methods"][1]["settings"])
+PY
+for file in fair/recording.png fair/compare.tex fair/index.html; do exists $file; done
+[ -e fair/compare.png ] && fail "nothing was exact there"
+grep -q 'begin{tabular}{lr' fair/compare.tex || fail "compare.tex is no table"
+expect 0 tides compare frames.json -o on_frames --methods tides,esim --recording real.h5
+out '^floor: seeds'
+out '^compared +[-0-9.e]+ to 0.04'
+! grep -q '"lines"\|"exact"' on_frames/compare.json || fail "straight lines beside a recording"
+# Masked pixels are nowhere, and their events are counted.
+echo '24 18' >mask.txt
+expect 0 tides compare run.json -o masked --methods tides --recording real.h5 --as-configured --mask mask.txt
+expect 0 tides compare run.json -o alike --methods tides --recording real.h5 --as-configured --tolerance 0.002 --all-events
+[ "$(value alike/compare.json masked_events)" = 0 ] || fail "nothing was masked"
+# Searched, a method is no further off than it was before.
+expect 0 tides compare run.json -o before --methods esim-fixed --recording real.h5 --as-configured --set frames_per_second=200
+expect 0 tides compare run.json -o searched --methods esim-fixed --recording real.h5 --as-configured --search 5 --set frames_per_second=200
+out '^searched .* 5 runs'
+[ "$(awk -v a="$(value searched/compare.json victor_purpura_fraction)" -v b="$(value before/compare.json victor_purpura_fraction)" 'BEGIN { print (a <= b) }')" = 1 ] ||
+    fail "a search made it worse"
+refuse 2 "are of a --recording" tides compare run.json --search 5
+refuse 1 "isn't within the run's 0 to 0.04 s" tides compare run.json -o no --recording real.h5 --start 0.02 --stop 0.05
+printf 'hot\n' >words.txt
+refuse 1 "line 1 should be a pixel's x and y" tides compare run.json -o no --recording real.h5 --mask words.txt
+refuse 1 "is 48x36 px and the run 64x36" tides compare run.json -q -o no --recording real.h5 --set camera.width=64
 
 refuse 2 "no method is called esmi; did you mean esim\?" tides compare run.json --methods tides,esmi
 refuse 2 "tides is there twice" tides compare run.json --methods tides,tides

@@ -66,6 +66,52 @@ static void ideal_pixels_have_nothing_else(void **state) {
     tides_run_destroy(run);
 }
 
+/* What the relations of measure.h say, and that a run's own keys stay. */
+static void a_sensor_in_other_methods_parameters(void **state) {
+    (void)state;
+    static const char *const sets[] = {"sensor.threshold_on=0.5",
+                                       "sensor.threshold_off=0.3",
+                                       "sensor.threshold_sigma=0.02",
+                                       "sensor.refractory_s=0.001",
+                                       "sensor.leak_rate_hz=0.1",
+                                       "frontend.shot_noise_hz=4",
+                                       "frontend.photoreceptor_cutoff_hz=50",
+                                       "image.log_eps=0.05",
+                                       "v2e.leak_rate_hz=3"};
+    static const char *const methods[] = {"esim", "v2e", "dvs-voltmeter", "iebcs"};
+    for (int i = 0; i < 4; i++) {
+        tides_run *run = parse(base, sets, 9);
+        const char **texts = NULL;
+        size_t count = 0;
+        tides_error error = {0, ""};
+        tides_run_values v;
+        scene_expect_ok(tides_ideal_settings(run, methods[i], TIDES_IDEAL_SENSOR, &texts, &count, &error), &error);
+        const char *all[40];
+        memcpy(all, sets, sizeof sets);
+        memcpy(all + 9, texts, count * sizeof *texts);
+        tides_run *own = parse(base, all, 9 + count);
+        tides_run_get(own, &v);
+        const tides_baseline_params *b = &v.baseline;
+        if (i == 0) assert_true(b->esim.contrast_threshold_pos == 0.5 && b->esim.contrast_threshold_neg == 0.3);
+        if (i == 0) assert_true(b->esim.contrast_threshold_sigma_pos == 0 && b->esim.refractory_period_ns == 1e6);
+        if (i == 0) assert_true(b->esim.log_eps == 0.05);
+        if (i == 1)
+            assert_true(fabs(b->v2e.pos_thres - 0.5 * 0.23 / 0.18) < 1e-9 &&
+                        fabs(b->v2e.sigma_thres - 0.02 * 0.23 / 0.18) < 1e-9);
+        if (i == 1) assert_true(fabs(b->v2e.cutoff_hz * (255 * 0.18 + 20) / 275 - 50) < 1e-6 && b->v2e.leak_rate_hz == 3);
+        if (i == 1) assert_true(b->v2e.shot_noise_rate_hz == 4 && b->v2e.refractory_period == 1e-3);
+        if (i == 2) assert_true(b->voltmeter.k1 == 2.5 && b->voltmeter.k2 == 12.75 && fabs(b->voltmeter.k4 - 1e-7) < 1e-15);
+        if (i == 2) assert_true(b->voltmeter.k3 == 0 && b->voltmeter.k5 == 0 && fabs(b->voltmeter.k6 - 2e-3) < 1e-12);
+        if (i == 3) assert_true(b->iebcs.th_pos == 0.5 && b->iebcs.scale == 20 && b->iebcs.ref == 1000 && b->iebcs.lat == 0);
+        /* 1 / (2 pi 50 Hz) at Y = 0.18, in us, where its constant is tau at 1 klux */
+        if (i == 3) assert_true(fabs(1e3 * b->iebcs.tau / (20 * 0.18 + 1) - 1e6 / (6.283185307179586 * 50)) < 1e-4);
+        if (i == 3) assert_true(fabs(b->iebcs.bgnp - 2.1) < 1e-9 && b->iebcs.bgnn == 2);
+        tides_free(texts);
+        tides_run_destroy(own);
+        tides_run_destroy(run);
+    }
+}
+
 static size_t thresholds_of(const char *const *sets, size_t count, const char *method) {
     tides_run *run = parse(base, sets, count);
     const char **texts = NULL;
@@ -186,6 +232,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ideal_pixels_have_nothing_else),
         cmocka_unit_test(thresholds_are_the_runs_unless_it_gives_the_methods),
+        cmocka_unit_test(a_sensor_in_other_methods_parameters),
         cmocka_unit_test(levels_settle),
         cmocka_unit_test_setup_teardown(frames_are_straight_lines, scene_folder_setup, scene_folder_teardown),
     };

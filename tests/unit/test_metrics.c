@@ -11,6 +11,7 @@
 #include "tests/support/metrics_of.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define MS 1000000 /* [ns] */
@@ -150,8 +151,83 @@ static void counts(void **state) {
     assert_near("on", m.reference.on_fraction, 2.0 / 3.0);
     assert_near("on", m.simulated.on_fraction, 0.25);
     assert_near("correlation", m.count_correlation, -1.0);
+    assert_near("ratio of ON", m.count_ratio_on, 0.5);
+    assert_near("ratio of OFF", m.count_ratio_off, 3.0);
     o.width = 1; /* the same everywhere: there is one pixel */
     assert_true(isnan(metrics_of(a, 2, a, 2, &o).count_correlation));
+}
+
+/* Events in another bin are one too few there and one too many here; bins and tiles that neither stream has tell nothing. */
+static void rates_and_regions(void **state) {
+    (void)state;
+    tides_event a[] = {event_at(0, 0, 0, 1), event_at(MS, 0, 0, 1), event_at(9 * MS, 40, 0, 1),
+                       event_at(9 * MS + 1, 40, 0, -1)};
+    tides_event b[] = {event_at(500, 15, 0, 1), event_at(2 * MS, 16, 0, 1), event_at(9 * MS, 40, 0, 1)};
+    const tides_metrics_options o = options_for(TIDES_METRIC_COUNTS, 64, 1, 10 * MS);
+    const tides_metrics m = metrics_of(a, 4, b, 3, &o);
+    assert_near("1 ms", m.rate_error[0], 3.0 / 4.0);
+    assert_near("5 ms", m.rate_error[2], 1.0 / 4.0);
+    assert_near("regions", m.region_error, 3.0 / 4.0);
+    assert_near("itself", metrics_of(a, 4, a, 4, &o).rate_error[1], 0.0);
+    assert_true(isnan(metrics_of(a, 0, b, 3, &o).rate_error[0]) && isnan(metrics_of(a, 0, b, 3, &o).region_error));
+}
+
+/* Tenfold intervals after OFF, equal ones after ON. */
+static void intervals_after_each_polarity(void **state) {
+    (void)state;
+    tides_event a[] = {event_at(0, 0, 0, -1), event_at(MS, 0, 0, 1), event_at(2 * MS, 0, 0, 1)};
+    tides_event b[] = {event_at(0, 0, 0, -1), event_at(10 * MS, 0, 0, 1), event_at(11 * MS, 0, 0, 1)};
+    const tides_metrics_options o = options_for(TIDES_METRIC_ISI, 1, 1, 20 * MS);
+    const tides_metrics m = metrics_of(a, 3, b, 3, &o);
+    assert_near("after OFF", m.isi_w1_after[0], 1.0);
+    assert_near("after ON", m.isi_w1_after[1], 0.0);
+    assert_true(isnan(metrics_of(a, 1, b, 3, &o).isi_w1_after[1]));
+}
+
+/* A burst of all pixels at 100 ms among a steady rate, a hot pixel beside one that is merely busy, and a thin line whose
+ * pixels are all as busy as one another. */
+static void blemishes_of_a_recording(void **state) {
+    enum { EVENTS = 40000, W = 40, H = 30 };
+    (void)state;
+    tides_event *e = calloc(EVENTS, sizeof *e);
+    tides_blemishes b;
+    tides_error error = {0, ""};
+    size_t n = 0, burst = 0, hot = 0;
+    assert_non_null(e);
+    for (int64_t t = 0; t < 200 * MS; t += 10000) { /* every 10 us */
+        const int64_t k = t / 10000;
+        e[n++] = k % 5 == 0 ? event_at(t, 20, 15, 1)
+                            : event_at(t, (int)(k * 37 % (W * H) % W), (int)(k * 37 % (W * H) / W), k % 2 ? 1 : -1);
+        if (k % 10 == 3) e[n++] = event_at(t, 5 + (int)(k / 10 % H), (int)(k / 10 % H), 1);
+        for (int i = 0; t >= 100 * MS && t < 101 * MS && i < 20; i++) e[n++] = event_at(t, i * 2, (int)(k % H), i % 2 ? 1 : -1);
+    }
+    assert_int_equal(tides_blemishes_find(e, n, W, H, &b, &error), TIDES_OK);
+    assert_int_equal(b.bursts, 1);
+    assert_true(b.burst[0] <= 100 * MS && b.burst[0] > 98 * MS && b.burst[1] >= 101 * MS && b.burst[1] < 103 * MS);
+    assert_int_equal(b.hots, 1);
+    assert_true(b.hot[0] == 20 && b.hot[1] == 15);
+    for (size_t i = 0; i < n; i++) {
+        const int inside = e[i].t >= b.burst[0] && e[i].t < b.burst[1];
+        burst += (size_t)inside;
+        hot += !inside && e[i].x == 20 && e[i].y == 15;
+    }
+    assert_int_equal(b.burst_events, burst);
+    assert_int_equal(b.hot_events, hot);
+    assert_int_equal(tides_blemishes_leave_out(&b, e, n), n - burst - hot);
+    tides_blemishes_free(&b);
+    assert_null(b.burst);
+    tides_blemishes_free(NULL);
+    assert_int_equal(tides_blemishes_find(e, 0, W, H, &b, &error), TIDES_OK);
+    assert_int_equal(b.bursts + b.hots, 0);
+    tides_blemishes_free(&b);
+    e[0].t = 5, e[1].t = 4;
+    assert_int_equal(tides_blemishes_find(e, 2, W, H, &b, &error), TIDES_BAD_ARGUMENT);
+    e[1] = event_at(6, W, 0, 1);
+    assert_int_equal(tides_blemishes_find(e, 2, W, H, &b, &error), TIDES_BAD_ARGUMENT);
+    assert_int_equal(tides_blemishes_find(e, 0, 0, H, &b, &error), TIDES_BAD_ARGUMENT);
+    e[0].t = 0, e[1] = event_at(INT64_C(30000000000000), 0, 0, 1);
+    assert_int_equal(tides_blemishes_find(e, 2, W, H, &b, &error), TIDES_UNSUPPORTED);
+    free(e);
 }
 
 /* ---- space and time ---- */
@@ -310,6 +386,9 @@ int main(void) {
         cmocka_unit_test(same_time_in_sensor_and_tile),
         cmocka_unit_test(fano_factors),
         cmocka_unit_test(counts),
+        cmocka_unit_test(rates_and_regions),
+        cmocka_unit_test(intervals_after_each_polarity),
+        cmocka_unit_test(blemishes_of_a_recording),
         cmocka_unit_test(chamfer_of_delay_and_shift),
         cmocka_unit_test(chamfer_of_one_side_and_of_duplicates),
         cmocka_unit_test(speed_of_an_edge),

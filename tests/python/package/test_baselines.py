@@ -179,3 +179,15 @@ def test_frames_say_how_they_were_taken(tmp_path):
     assert "255" in tides.Frames(tmp_path / "bytes.npy", frames_per_second=10).note
     np.save(tmp_path / "ones.npy", np.linspace(0, 1, 3 * 6 * 8, dtype=np.float32).reshape(3, 6, 8))
     assert tides.Frames(tmp_path / "ones.npy", frames_per_second=10).note == ""
+
+
+def test_tides_on_arrays():
+    """TIDES's own pixels on frames from memory: straight lines in log luminance, each crossing of which is an event."""
+    times, light = np.arange(5) * 1e-3, np.linspace(0.1, 1, 5)
+    params = tides.BaselineParams(method="tides", log_eps=0.001)
+    frames = tides.Frames.of(light[:, None, None] * np.ones((1, 3, 4)), times)
+    events = tides.Baseline(params, 4, 3).run(frames)
+    levels = np.log(0.101) + 0.2 * np.arange(1, 12)
+    wanted = 1e9 * np.interp(levels, np.log(light + 0.001), times)
+    one = events[(events["x"] == 2) & (events["y"] == 1)]
+    assert len(events) == 12 * 11 and (one["p"] == 1).all() and np.allclose(one["t"], wanted, atol=2)

@@ -136,8 +136,20 @@ def flat(identifier, fields):
     return body + bytes(table - len(body)) + bytes(inline) + bytes(tail)
 
 
+def packet(number, payload):
+    payload = struct.pack("<I", len(payload)) + payload
+    return struct.pack("<iI", number, len(payload)) + payload
+
+
+def frame(time, pixels, kind=0, at=(0, 0)):
+    """The fields of a frame of 4 ms of exposure about `time` [us]; pixels (height x width [x channels]) uint8."""
+    times = [struct.pack("<q", time + step) for step in (0, -3000, 3000, -2000, 2000)]
+    sizes = [struct.pack("<h", number) for number in (pixels.shape[1], pixels.shape[0], *at)]
+    return [*times, struct.pack("<b", kind), *sizes, (pixels.size, pixels.tobytes())]
+
+
 def aedat4(path, streams):
-    """streams: (type, name, events [us] or a frame's time)."""
+    """streams: (type, name, events [us], a frame's time, or a list of frames' fields)."""
     xml = "<dv><node name=\"outInfo\">"
     packets = b""
     for number, (kind, name, what) in enumerate(streams):
@@ -148,10 +160,10 @@ def aedat4(path, streams):
         if kind == "EVTS":
             rows = b"".join(struct.pack("<qhhB3x", *row) for row in what)
             payload = flat(b"EVTS", [(len(what), rows)])
-        else:
-            payload = flat(b"FRME", [struct.pack("<q", what)])
-        payload = struct.pack("<I", len(payload)) + payload
-        packets += struct.pack("<iI", number, len(payload)) + payload
+            packets += packet(number, payload)
+            continue
+        for fields in what if isinstance(what, list) else [[struct.pack("<q", what)]]:
+            packets += packet(number, flat(b"FRME", fields))
     head = flat(b"IOHE", [struct.pack("<i", 0), struct.pack("<q", -1), (len(xml), xml.encode())])
     path.write_bytes(b"#!AER-DAT4.0\r\n" + struct.pack("<I", len(head)) + head + packets)
     return path
@@ -385,3 +397,39 @@ def test_units_of_hdf5(tmp_path):
     np.savez(tmp_path / "e.npz", t=1000 * T, x=X, y=Y, p=P)
     with tides.EventReader(tmp_path / "e.npz") as reader:
         assert "nanoseconds, as rpg_vid2e has them" in reader.facts["read_as"]
+
+
+def test_frames_beside_events(tmp_path):
+    """Frames of an AEDAT 4 file: times at mid-exposure on the events' clock, grey and colour, and what isn't whole."""
+    rng = np.random.default_rng(7)
+    grey = [rng.integers(0, 256, (4, 5), dtype=np.uint8) for _ in range(3)]
+    start = 1_589_000_000_000_000
+    ours = [(start + 100 * k, k % 5, k % 4, k % 2) for k in range(50)]
+    parts = [("EVTS", "davis", ours), ("FRME", "davis", [frame(start + 40_000 * k, one) for k, one in enumerate(grey)])]
+    file = aedat4(tmp_path / "a.aedat4", parts)
+    with tides.Frames(file, rebase=True) as frames:
+        assert (frames.width, frames.height, len(frames)) == (5, 4, 3)
+        assert np.allclose(frames.times, [0, 0.04, 0.08], atol=1e-6) and "4 ms" in frames.note
+        assert all(np.allclose(frames[k], grey[k] / 255, atol=1e-7) for k in range(3))
+    with tides.Frames(file) as frames:
+        assert abs(frames.times[0] - start / 1e6) < 1e-6
+    assert len(tides.read_events(file)) == 50
+
+    colour = rng.integers(0, 256, (4, 5, 3), dtype=np.uint8)
+    both = [frame(start, colour, 16), frame(start + 9, np.dstack([colour, colour[..., :1]]), 24)]
+    with tides.Frames(aedat4(tmp_path / "c.aedat4", [parts[0], ("FRME", "davis", both)])) as frames:
+        luminance = colour.astype(float) @ [0.0722, 0.7152, 0.2126] / 255  # blue, green, red
+        assert np.allclose(frames[0], luminance, atol=1e-6) and np.allclose(frames[1], luminance, atol=1e-6)
+
+    whole = file.read_bytes()
+    (tmp_path / "cut.aedat4").write_bytes(whole[:-7])
+    refused = {
+        "ends within a packet": tmp_path / "cut.aedat4",
+        "no stream of frames": aedat4(tmp_path / "no.aedat4", parts[:1]),
+        "a part of the others": aedat4(tmp_path / "roi.aedat4", [parts[0], ("FRME", "d", [frame(start, grey[0], at=(1, 0))])]),
+        "format 5": aedat4(tmp_path / "format.aedat4", [parts[0], ("FRME", "d", [frame(start, grey[0], 5)])]),
+        "several streams": aedat4(tmp_path / "two.aedat4", [*parts, parts[1]]),
+    }
+    for why, path in refused.items():
+        with pytest.raises(tides.errors.TidesError, match=why):
+            tides.Frames(path)[0]

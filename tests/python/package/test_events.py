@@ -326,3 +326,25 @@ def test_filters(tmp_path):
         tides.filter(events, trail="stc")
     with pytest.raises(tides.TidesError, match="afk_start"):
         tides.filter(events, afk="band_stop", afk_start=3)
+
+
+def test_blemishes_of_a_recording():
+    rng = np.random.default_rng(3)
+    t = np.sort(rng.integers(0, 200_000_000, 8000))
+    burst = np.sort(rng.integers(100_000_000, 101_000_000, 2000))
+    times = np.concatenate([t, burst])
+    x, y = rng.integers(0, 40, len(times)), rng.integers(0, 30, len(times))
+    x[:1000:2], y[:1000:2] = 20, 15  # a hot pixel
+    order = np.argsort(times, kind="stable")
+    events = tides.make_events(times[order], x[order], y[order], np.where(np.arange(len(times)) % 2, 1, -1))
+    found = tides.metrics.Blemishes(events, 40, 30)
+    assert found.bursts.shape == (1, 2) and found.bursts[0, 0] <= 100_000_000 and found.bursts[0, 1] >= 101_000_000
+    assert found.hot.tolist() == [[20, 15]] and 480 < found.hot_events < 530 and found.burst_events >= 2000
+    kept = found.leave_out(events)
+    assert len(kept) == len(events) - found.hot_events - found.burst_events
+    assert not ((kept["x"] == 20) & (kept["y"] == 15)).any() and len(events) == len(times)
+    assert len(found.leave_out(kept)) == len(kept)
+    none = tides.metrics.Blemishes(events[:0], 40, 30)
+    assert none.bursts.shape == (0, 2) and len(none.leave_out(events)) == len(events)
+    with pytest.raises(ValueError):
+        tides.metrics.Blemishes(events[::-1], 40, 30)

@@ -194,6 +194,8 @@ def test_exact_streams_and_ideal_pixels(tmp_path, scene, camera):
     assert own == {"method": "v2e"} and "v2e.neg_thres" in tides.ideal_settings(run, "v2e", pixel=False)
     with pytest.raises(ValueError, match="dvs-voltmeter"):
         tides.ideal_settings(run, "ldati")
+    sensor = tides.ideal_settings(run, "dvs-voltmeter", pixel=False, sensor=True)
+    assert sensor["voltmeter.k3"] == "0" and float(sensor["voltmeter.k2"]) > 0
     ideal = run.ideal()
     assert ideal.sensor.threshold_on == 0.15 and ideal.sensor.threshold_sigma == 0 and not ideal.gives("seed")
     with run.session("reference") as session:

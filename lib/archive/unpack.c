@@ -1,5 +1,5 @@
 /* LZ4 frames and Zstandard, as AEDAT 4 packets use them. Both libraries compare the checksums that a frame has. */
-#include "td_aedat4.h"
+#include "td_aedat4_parts.h"
 
 #include "td_base.h"
 

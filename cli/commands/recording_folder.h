@@ -1,0 +1,27 @@
+/* What a folder of a recording has beside its events, for `tides info` and `tides init`. */
+#ifndef CLI_RECORDING_FOLDER_H
+#define CLI_RECORDING_FOLDER_H
+
+#include "cli.h"
+
+enum { RECORDING_PATH = 4200, RECORDING_LENS = 9 /* fx fy cx cy k1 k2 p1 p2 k3 */ };
+
+typedef struct recording_folder {
+    tides_event_summary events;
+    char frames[RECORDING_PATH], poses[RECORDING_PATH]; /* "" where there are none */
+    size_t frame_count;
+    int32_t frame_width, frame_height;
+    double first_s, last_s;         /* of the frames */
+    double poses_first, poses_last; /* [s] */
+    double lens[RECORDING_LENS];
+    int32_t lens_count; /* 0: no calib.txt */
+} recording_folder;
+
+/* Looks into `folder`, as datasets come. TIDES_FILE_NOT_FOUND where it holds no events; what else it lacks is left empty. */
+tides_status recording_folder_read(const char *folder, recording_folder *found, tides_error *error);
+/* Adds what is beside the events of a folder, with those lines as notes; TIDES_OK, whatever there is. */
+tides_status recording_folder_facts(const char *folder, cJSON *facts);
+/* Lines on what frames and events are to each other: of other cameras, of other times; "" where nothing is to be said. */
+void recording_folder_lines(const recording_folder *found, char *text, size_t size);
+
+#endif

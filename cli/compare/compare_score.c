@@ -1,0 +1,106 @@
+/* Streams against streams: the metrics of each row, and how good any could be. */
+#include "compare.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { OF_RECORDINGS = TIDES_METRICS_DEFAULT | TIDES_METRIC_MATCH, OF_EXACT = TIDES_METRICS_DEFAULT | TIDES_METRIC_MATCH };
+
+tides_status compare_measure(comparison *c, const tides_event *events, size_t count, const cli_stream *stream,
+                             int32_t reference, uint32_t wanted, tides_metrics *metrics, cJSON **json, tides_error *error) {
+    tides_metrics_options options;
+    tides_metrics own;
+    tides_metrics_options_defaults(&options);
+    options.wanted = wanted;
+    options.width = c->session.intrinsics.width;
+    options.height = c->session.intrinsics.height;
+    options.match_limit_s = reference == COMPARE_EXACT ? TIDES_MATCH_LIMIT_S : c->fair.tolerance_s;
+    compare_interval(c, reference, &options.start_ns, &options.stop_ns);
+    tides_status status = tides_metrics_compare(events, count, stream->events, stream->count, &options, cli_progress_step,
+                                                &c->progress, metrics ? metrics : &own, error);
+    if (status != TIDES_OK || !json) return status;
+    *json = cli_metrics_json(metrics ? metrics : &own, &options);
+    return *json ? TIDES_OK : cli_error(error, TIDES_NO_MEMORY, "out of memory: metrics");
+}
+
+tides_status compare_score(comparison *c, compare_row *row, tides_error *error) {
+    tides_status status = TIDES_OK;
+    cli_stream kept;
+    /* Straight lines between frames are TIDES's own way there: it isn't held against itself. */
+    if (c->with_exact && !(c->session.frames && strcmp(row->name, "tides") == 0))
+        status = compare_measure(c, c->exact.events, c->exact.count, &row->stream, COMPARE_EXACT, OF_EXACT, NULL,
+                                 &row->against[COMPARE_EXACT], error);
+    if (status != TIDES_OK || !c->recording_file) return status;
+    status = compare_fair_events(c, &row->stream, &kept, error);
+    if (status == TIDES_OK)
+        status = compare_measure(c, c->recording.events, c->recording.count, &kept, COMPARE_RECORDING, OF_RECORDINGS, NULL,
+                                 &row->against[COMPARE_RECORDING], error);
+    free(kept.events);
+    return status;
+}
+
+/* -- floors ---------------------------------------------------------------------------------------------------------------- */
+
+/* The run once more, from references anywhere between the levels: nobody knows where the recording's pixels had them. */
+static tides_status run_again(comparison *c, const compare_row *row, uint64_t seed, cli_stream *kept, tides_error *error) {
+    char text[COMPARE_SETTING];
+    cli_list more = row->found;
+    cli_stream stream = {.events = NULL};
+    tides_session *session = NULL;
+    snprintf(text, sizeof text, "seed=\"%llu\"", (unsigned long long)seed);
+    more.items[more.count++] = text;
+    if (!tides_run_gives(c->session.run, "sensor.initial")) more.items[more.count++] = "sensor.initial=random";
+    tides_status status = compare_configure(c, row->name, compare_ideal(c), &more, NULL, &session, error);
+    c->progress.label = "floor";
+    if (status == TIDES_OK)
+        status = tides_session_run(session, cli_keep, &stream, cli_progress_step, &c->progress, NULL, error);
+    cli_progress_end(&c->progress);
+    tides_session_close(session);
+    if (status == TIDES_OK) status = compare_fair_events(c, &stream, kept, error);
+    free(stream.events);
+    return status;
+}
+
+static tides_status of_seeds(comparison *c, const compare_row *row, tides_error *error) {
+    cli_stream one = {.events = NULL}, other = {.events = NULL};
+    const uint64_t seed = strtoull(c->session.values.seed, NULL, 10);
+    tides_status status = run_again(c, row, seed, &one, error);
+    if (status == TIDES_OK) status = run_again(c, row, seed + 1, &other, error);
+    if (status == TIDES_OK)
+        status = compare_measure(c, one.events, one.count, &other, COMPARE_RECORDING, OF_RECORDINGS, NULL,
+                                 &c->floors[COMPARE_SEEDS], error);
+    free(one.events);
+    free(other.events);
+    return status;
+}
+
+/* Even columns and odd ones see nearly the same light: the recording against itself. What is told of pixels one by one isn't a
+ * floor there, since neighbours see an edge at different times; distributions, counts and rates are. */
+static tides_status of_pixels(comparison *c, tides_error *error) {
+    const cli_window *w = &c->recording;
+    cli_stream halves[2] = {{.events = malloc((w->count + 1) * sizeof *w->events)},
+                            {.events = malloc((w->count + 1) * sizeof *w->events)}};
+    tides_status status = halves[0].events && halves[1].events ? TIDES_OK : cli_error(error, TIDES_NO_MEMORY, "out of memory");
+    for (size_t i = 0; status == TIDES_OK && i < w->count; i++) {
+        cli_stream *half = &halves[w->events[i].x % 2];
+        half->events[half->count] = w->events[i];
+        half->events[half->count++].x /= 2;
+    }
+    if (status == TIDES_OK)
+        status = compare_measure(c, halves[0].events, halves[0].count, &halves[1], COMPARE_RECORDING,
+                                 TIDES_METRIC_COUNTS | TIDES_METRIC_ISI | TIDES_METRIC_FANO, NULL, &c->floors[COMPARE_PIXELS],
+                                 error);
+    for (int i = 0; i < 2; i++) free(halves[i].events);
+    return status;
+}
+
+tides_status compare_floors(comparison *c, tides_error *error) {
+    tides_status status = TIDES_OK;
+    if (!c->recording_file) return status;
+    for (int32_t i = 0; i < c->count && status == TIDES_OK; i++)
+        if (strcmp(c->rows[i].name, "tides") == 0 && c->rows[i].error.status == TIDES_OK)
+            status = of_seeds(c, &c->rows[i], error);
+    if (status == TIDES_OK) status = of_pixels(c, error);
+    cli_progress_end(&c->progress);
+    return status;
+}
