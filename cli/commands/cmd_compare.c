@@ -47,7 +47,7 @@ static int parse_above(const cli_command *command, const char *option, const cha
     return cli_usage(command, "%s %s: should be above 0", option, text);
 }
 
-/* What is said of a recording, without one. */
+/* Takes the options for a recording; without one it refuses them. */
 static int parse_fair(const cli_command *command, const texts *t, comparison *c) {
     compare_fair *f = &c->fair;
     double search = 0;

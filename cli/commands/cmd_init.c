@@ -152,7 +152,7 @@ static tides_status check_output(const char *output, const char *scene, const ch
     return status == TIDES_OK ? cli_check_outputs(camera, &written, 1, error) : status;
 }
 
-/* What a recording's run file is made of. Its paths are as the command's, so that the file belongs into the same folder. */
+/* Finds the parts of a recording's run file. Its paths are as the command's, so that the file belongs into the same folder. */
 static tides_status look_into(const char *folder, const char *output, recording_folder *found, char *lines, size_t size,
                               tides_error *error) {
     tides_status status = recording_folder_read(folder, found, error);

@@ -1,4 +1,4 @@
-/* What a folder of a recording has beside its events, for `tides info` and `tides init`. */
+/* Content of a recording's folder beside its events, for `tides info` and `tides init`. */
 #ifndef CLI_RECORDING_FOLDER_H
 #define CLI_RECORDING_FOLDER_H
 

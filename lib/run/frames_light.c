@@ -1,6 +1,6 @@
-/* What frames don't say of the light, told when a run on them is opened, by a few of them: how far straight lines in log
- * luminance are from a frame that is left out; how far things move from frame to frame; and whether a single step of an
- * 8-bit value crosses a threshold. */
+/* Notes on the light between frames, made of a few of them when a run on them is opened: the error of straight lines in log
+ * luminance at a frame that is left out; the motion from frame to frame; and whether a single step of an 8-bit value crosses a
+ * threshold. */
 #include "td_run.h"
 #include "td_math.h"
 
