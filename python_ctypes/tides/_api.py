@@ -665,7 +665,7 @@ class tides_readout(Structure):
 
 
 class tides_readout_stats(Structure):
-    """uint64_t in, out; /* events given to it; those that left */
+    """uint64_t in, out; /* events given to it; events that left */
     uint64_t dropped; /* by chance */
     uint64_t overflowed; /* their queue was full */
     uint64_t waiting; /* in queues, or held until the order is certain */
@@ -970,9 +970,9 @@ class tides_path_options(Structure):
     int32_t rebase; /* 1: `start` is ignored and the first sample is put at 0 */
     int32_t raw_positions; /* nerfies: 1 leaves positions as the camera files have them (as 4DGaussians trains) instead of
     applying scene.json (as Nerfies, HyperNeRF and Deformable-3D-Gaussians do) */
-    const char *views; /* which poses to keep, as Python slices with commas between: "7", "0:100:10", "3,5,-1"; NULL: all.
-    Counted from 0 in the path's order: of times, of images' names, else of the file. What a file
-    without times has left is spread over `duration` */
+    const char *views; /* which poses to keep, as Python slices with commas between: "7", "0:100:10", "3,5,-1"; NULL:
+    all. Counted from 0 in the path's order: of times, of images' names, else of the file. The
+    poses kept of a file without times are spread over `duration` */
     int32_t body; /* EuRoC: 1 leaves the body's poses as they are instead of putting its camera there (T_BS of sensor.yaml) */
     int32_t reserved;
     const char *frame; /* transforms.json and COLMAP: nerfstudio's dataparser_transforms.json, which puts cameras where
@@ -1339,10 +1339,10 @@ class tides_gaussians(Structure):
 
 class tides_scene_options(Structure):
     """uint32_t size;
-    /* Of a file that holds more than it shows at first, which part is read instead: a glTF's scene and an .h5's object by name
-    * or number, a streamed SOG's level of detail (0: the finest), a trained model's iteration. NULL: the glTF's default
-    * scene, all objects, the finest level, the newest iteration; tides_scene_notes says what else there is. Where a file
-    * has no parts, or not this one: TIDES_BAD_ARGUMENT. */
+    /* The part to read of a file that has several: a glTF's scene or an .h5's object by name or number, a streamed SOG's level
+    * of detail (0: the finest), a trained model's iteration. NULL: the glTF's default scene, all objects, the finest level,
+    * the newest iteration; tides_scene_notes lists the other parts. Where a file has no parts, or not this one:
+    * TIDES_BAD_ARGUMENT. */
     const char *part;
     int32_t invalid; /* TIDES_INVALID_* */
     int32_t reserved;
@@ -1449,8 +1449,8 @@ class tides_circuit(Structure):
 
 class tides_sensor(Structure):
     """uint32_t size;
-    /* Per pixel and step, >= 1. Error control cuts steps that may have more; what is cut off where it can't, or elsewhere, is
-    * counted and fires at the step's end. */
+    /* Per pixel and step, >= 1. Error control cuts steps that may have more. Further events, where it can't or isn't on, are
+    * counted and fire at the step's end. */
     int32_t max_events_per_step; /* as above */
     double threshold_on; /* C+ [log units], > 0 */
     double threshold_off; /* C- [log units], > 0 */
@@ -1845,9 +1845,9 @@ class tides_stats(Structure):
     uint64_t steps_at_minimum; /* accepted above the tolerance because they were as short as min_step_s */
     double worst_delay_s; /* in the readout, jitter aside [s] */
     double worst_error; /* largest estimate among accepted steps [thresholds]; 0 under fixed steps, which estimate none */
-    /* Estimated timing error that so many percent of the events stay below [s]; likewise 0 under fixed steps. Of each event:
-    * what probes saw there, and rounding, by the slope and the curvature of the signal where it fired. Under RISK alone from
-    * the ends of steps where nothing was cut, which may show nothing. */
+    /* Estimated timing error that so many percent of the events stay below [s]; likewise 0 under fixed steps. An event's error
+    * is that which probes saw there, and rounding, by the slope and the curvature of the signal where it fired. Under RISK
+    * alone, where nothing was cut, it comes from the ends of steps, which may show nothing. */
     double error_p50_s, error_p95_s, error_p99_s; /* as above [s] */
     double worst_residual; /* max over pixels at the end of (S - S_ref) / threshold; below 1 by construction */
     uint64_t tile_steps_still; /* (tile, step) pairs in which nothing moved: neither rendered nor compared */
@@ -1855,8 +1855,8 @@ class tides_stats(Structure):
     double simulated_s, run_time_s, real_time_factor; /* simulated / run time */
     double time_compare_s, time_sink_s, time_other_s; /* wall time of the comparator, the sink, the rest [s] */
     uint64_t peak_memory_bytes; /* of the process */
-    /* Of `steps`, those that rest on a probe: an evaluation inside a step that they are a part of, compared with its model in
-    * value and rate. All under error control but where min_step_s leaves macro steps whole. */
+    /* The part of `steps` that rests on a probe: an evaluation inside a step that they are a part of, compared with its model
+    * in value and rate. Under error control that is all of them, but where min_step_s leaves macro steps whole. */
     uint64_t steps_probed;
     /* Accepted although above the tolerance, because what a probe saw is no more than rounding of S in single precision:
     * shorter steps would see as much. */
@@ -3077,7 +3077,7 @@ class tides_metrics_options(Structure):
 
 
 class tides_interval_fit(Structure):
-    """uint64_t count, floored; /* intervals; those shorter than the floor */
+    """uint64_t count, floored; /* intervals; intervals shorter than the floor */
     double mean_s, shape_s; /* NaN without intervals */
     """
 
@@ -3155,7 +3155,7 @@ class tides_metrics(Structure):
     double chamfer_fraction; /* of the diagonal */
     double chamfer_limit_px; /* min(v window, diagonal) */
     double chamfer_to_simulated_px, chamfer_to_reference_px; /* means of all points of the reference, of the simulated stream */
-    uint64_t chamfer_terms, chamfer_one_sided; /* windows of a polarity; those with one stream empty */
+    uint64_t chamfer_terms, chamfer_one_sided; /* windows of a polarity; windows with one stream empty */
     /* Spike-train distances between the trains of each pixel and polarity, summed. */
     double victor_purpura; /* least cost of turning one train into the other */
     double victor_purpura_fraction; /* of the cost of removing and adding everything: 0 identical, 1 nothing near */
@@ -3607,7 +3607,7 @@ class tides_calibrate_options(Structure):
     int64_t start_ns, stop_ns; /* the stretch [start, stop); INT64_MIN, INT64_MAX: of what recording and light have in common
     the busiest second */
     int32_t x, y, width, height; /* pixels that count; width 0: all */
-    double given[TIDES_CALIBRATED_VALUES]; /* values that are known; NaN: to be measured. Of the thresholds none */
+    double given[TIDES_CALIBRATED_VALUES]; /* values that are known; NaN: to be measured. A threshold can't be given */
     const char *still; /* a recording of a still scene or behind a cap, for noise and leak; or NULL */
     const struct tides_event_reading *reading; /* how the recordings are read; NULL: by content */
     uint64_t seed; /* of the halves and the simulations */
