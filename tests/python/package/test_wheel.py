@@ -50,8 +50,9 @@ def test_wheel_holds_the_package(wheel):
     with zipfile.ZipFile(wheel) as file:
         names = {name for name in file.namelist() if not name.endswith((".dist-info/", "/"))}
         assert file.read("tides/libtides.so.0") == Path(tides.library_path).read_bytes()
-    modules = {f"tides/{path.name}" for path in (ROOT / "python_ctypes" / "tides").glob("*.py")}
-    others = {"tides/py.typed", "tides/libtides.so.0", "tides/tides"}
+    package = ROOT / "python_ctypes"
+    modules = {path.relative_to(package).as_posix() for path in (package / "tides").rglob("*.py")}
+    others = {"tides/py.typed", "tides/libtides.so.0", "tides/tides", "tides/play/page.html"}
     assert modules | others == {name for name in names if ".dist-info/" not in name}
 
 
