@@ -10,7 +10,7 @@
 #include "session.h"
 #include "stream.h"
 
-/* What the methods' streams are held against. */
+/* The streams that methods are compared with. */
 enum { COMPARE_EXACT = 0, COMPARE_RECORDING = 1, COMPARE_REFERENCES = 2 };
 
 enum { COMPARE_METHODS_MAX = 8, COMPARE_PATH = 4200 /* of files in the directory */ };
@@ -30,7 +30,7 @@ typedef struct compare_row {
     cJSON *against[COMPARE_REFERENCES]; /* cli_metrics_json; NULL where there is none */
 } compare_row;
 
-/* What of recording and streams is compared: the same time, the same pixels. */
+/* The part of recording and streams that is compared: one stretch of time and one set of pixels for both. */
 typedef struct compare_fair {
     const char *start, *stop, *mask_file; /* of the options; NULL where not given */
     cli_reading reading;
@@ -80,7 +80,7 @@ const char *compare_number(double value, char text[32]);
 void compare_interval(const comparison *c, int32_t reference, int64_t *start_ns, int64_t *stop_ns);
 /* Reads the recording and leaves out what no simulation makes. */
 tides_status compare_read(comparison *c, tides_error *error);
-/* What of a stream is held against the recording, in `kept`, which the caller frees. */
+/* Copies the part of a stream that is compared with the recording to `kept`, which the caller frees. */
 tides_status compare_fair_events(const comparison *c, const cli_stream *stream, cli_stream *kept, tides_error *error);
 /* compare_mask.c: fair->mask of its file. */
 tides_status compare_mask_read(compare_fair *fair, int32_t width, int32_t height, tides_error *error);
@@ -89,7 +89,7 @@ tides_status compare_mask_read(compare_fair *fair, int32_t width, int32_t height
 const char *compare_method(size_t index);
 /* 1 where it makes no sense for frames: another method is the same there. */
 int32_t compare_scenes_only(const char *method);
-/* What of a method may be searched: keys, ended by NULL. */
+/* Keys of a method that may be searched, ended by NULL. */
 const char *const *compare_searched(const char *method);
 /* The session of a method, ideal (TIDES_IDEAL_*), with `more` on top (nullable), on what c->open has open; with `row` its
  * settings are told. The caller closes it. */

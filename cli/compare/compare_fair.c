@@ -1,5 +1,5 @@
-/* What of a recording and of the streams is compared: the time that both have, or that was asked for; pixels that aren't masked
- * or hot; and what isn't a burst that the readout of frames makes. */
+/* Chooses the part of a recording and of the streams that is compared. Time: the stretch that both have, or the one that was
+ * asked for. Pixels: neither masked nor hot. Events: none in bursts that the readout of frames makes. */
 #include "compare.h"
 
 #include <stdlib.h>

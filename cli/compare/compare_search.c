@@ -28,7 +28,7 @@ static void write_found(search *s, const double *values) {
     }
 }
 
-/* What values come to; infinite where the method refuses them. */
+/* The score of some values of the searched keys; infinite where the method refuses them. */
 static tides_status attempt(search *s, const double *values, double *score, tides_error *error) {
     comparison *c = s->c;
     tides_session *session = NULL;

@@ -1,4 +1,4 @@
-/* What compare's picture looks at closely. */
+/* The close view in compare's picture: the part of a row and the time that it shows, and how far events are from exact ones. */
 #ifndef CLI_COMPARE_ZOOM_H
 #define CLI_COMPARE_ZOOM_H
 
