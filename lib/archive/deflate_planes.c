@@ -10,10 +10,10 @@
 #include <string.h>
 #include <zlib.h>
 
-/* What becomes of planes, and how many ns a byte that takes. Of own_bench throughput's events (1.7 million in 30 ms)
- * libdeflate alone took 55 ns for an event's 17 planes and 28.8 bits: 6.4 for each of three planes of noise, 2.4 for each of
- * eight that don't change at all. It is a quarter of that so, and 28.5 bits. A coder of our own for all kinds took 500
- * lines. */
+/* Kinds of planes, with the ns a byte that each coding takes. The kinds cut coding to a quarter of libdeflate's time: measured
+ * on own_bench throughput's events (1.7 million in 30 ms), whose event has 17 planes. libdeflate alone took 55 ns an event for
+ * 28.8 bits: 6.4 for each of three planes of noise, 2.4 for each of eight that don't change at all. With the kinds an event has
+ * 28.5 bits. A coder of our own for all kinds took 500 lines. */
 typedef enum kind {
     NOISE, /* as it is: 0.3 */
     SAME,  /* one byte throughout: nothing */

@@ -140,9 +140,9 @@ static int check_header_2(const unsigned char *bytes, size_t count) {
     return 1;
 }
 
-/* Of version 1. What continues a header has messages only; where it begins with a dataspace, that
- * looks like a header but for the dataspace's version, 1 or 2, in place of a size in eights. HDF5 reads further than a header
- * goes: what lies there is something else's. */
+/* Checks an object header of version 1, and leaves one of version 2 to check_header_2. A block that continues a header has
+ * messages only. Where such a block begins with a dataspace it looks like a header, but for the dataspace's version, 1 or 2, in
+ * place of a size in eights. HDF5 reads further than a header goes: bytes behind it belong to something else. */
 int td_h5_check_header(const unsigned char *bytes, size_t count) {
     enum { PREFIX = 16, SIZE = 8 };
     if (count >= 4 && memcmp(bytes, "OHDR", 4) == 0) return check_header_2(bytes, count);

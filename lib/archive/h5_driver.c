@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* What HDF5 calls handle begins with the descriptor, as that of its own driver. */
+/* An open file. The handle that HDF5 asks for points to the descriptor, as that of HDF5's own driver does. */
 typedef struct disk_file {
     H5FD_t head; /* HDF5's */
     int descriptor;

@@ -22,7 +22,7 @@
  * failure. */
 hid_t td_h5_write_access(int *failed);
 
-/* The same for files that are read. */
+/* Access properties for files that are read: this driver, too. Negative on failure. */
 hid_t td_h5_read_access(void);
 
 /* Opens a file for reading; negative on failure. */

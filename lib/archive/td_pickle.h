@@ -15,7 +15,7 @@
  * before torch 1.6, other globals, big-endian storages, other dtypes); TIDES_NO_MEMORY. */
 tides_status td_torch_open(const char *path, td_tree **tree, tides_error *error);
 
-/* The same from memory that outlives the tree; `path` is for messages only. */
+/* Reads a file in memory, which must outlive the tree; `path` is for messages only. Otherwise like td_torch_open. */
 tides_status td_torch_parse(const char *path, const void *bytes, size_t size, td_tree **tree, tides_error *error);
 
 #endif
