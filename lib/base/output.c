@@ -14,7 +14,7 @@ static const char ending[] = ".part";
 
 /* ---- names ---- */
 
-/* What the link `path` says, as seen from here. */
+/* The target of the link `path`, as a path from here. */
 static tides_status read_link(const char *path, char **target, tides_error *error) {
     char text[4096]; /* PATH_MAX of Linux: no link holds more */
     ssize_t length = readlink(path, text, sizeof text);
@@ -44,8 +44,8 @@ tides_status td_follow_links(const char *path, char **target, tides_error *error
     return status;
 }
 
-/* What makes a file that is there another's, which isn't written; NULL: it is a file of ours alone, such as a run left that was
- * stopped. In a folder that others may write anybody can put a link to a file of ours where the .part will be. */
+/* The reason why an existing file counts as another's, and isn't written. NULL: it is a file of ours alone, for example left by
+ * a stopped run. In a folder that others may write anybody can put a link to a file of ours in the place of the .part. */
 static const char *foreign(const struct stat *there) {
     if (S_ISLNK(there->st_mode)) return "is a link";
     if (!S_ISREG(there->st_mode)) return "isn't a file";

@@ -21,7 +21,7 @@ tides_status td_folder_add(td_folder *folder, const char *path, const char *name
 /* 1 where the name is longer than `ending` and ends in it, whatever its case. */
 int td_ends_in(const char *name, const char *ending);
 
-/* What follows the last slash. */
+/* The part of `path` behind its last slash. */
 const char *td_base_name(const char *path);
 
 /* `path` without the slashes that a folder's name may end in: td_base_name has its name then. Allocated. */

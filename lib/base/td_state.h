@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* What an array holds: double, uint32_t, or int64_t. */
+/* Element types of an array: double, uint32_t, or int64_t. */
 typedef enum td_state_type { TD_STATE_REAL, TD_STATE_COUNT, TD_STATE_WHOLE } td_state_type;
 static inline size_t td_state_size(td_state_type type) {
     return type == TD_STATE_COUNT ? sizeof(uint32_t) : type == TD_STATE_WHOLE ? sizeof(int64_t) : sizeof(double);
