@@ -215,7 +215,7 @@ static void look_for_offset(td_calibration *c, td_fit *best) {
     }
 }
 
-/* What is given is where it is held. */
+/* The front end with every given value in place; given values aren't free in the fit. */
 static td_front given_front(td_calibration *c) {
     const double *g = c->options->given;
     td_front front = {.log_eps = 0.02, .law = TIDES_PHOTORECEPTOR_CONSTANT};

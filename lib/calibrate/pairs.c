@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is about one pixel, or counts where there is no room yet. */
+/* Writes one pixel's pairs to `list`, or with NULL only counts them. */
 static size_t of_pixel(const td_taken *t, size_t pixel, uint32_t place, td_pair *list) {
     size_t count = 0;
     for (size_t i = t->first[pixel] + 1; i < t->first[pixel + 1]; i++) {
