@@ -34,7 +34,7 @@ static tides_status make_planes(int32_t width, int32_t height, const char *const
 
 /* -- pictures -------------------------------------------------------------------------------------------------------------- */
 
-/* What is stored: whole numbers. */
+/* The value as stored: a whole number. */
 static float stored(const td_picture_values *p, size_t i) {
     return (float)rint((double)p->values[i] * (p->bits == 16 ? 65535.0 : 255.0));
 }
