@@ -75,7 +75,7 @@ static tides_status check_options(const tides_exact_options *how, tides_error *e
 
 static double or_else(double given, double otherwise) { return given > 0 ? given : otherwise; }
 
-/* What is left open depends on the run's length. */
+/* Fills options that were left open; their defaults depend on the run's length. */
 static void fill_in(job *j) {
     const double length = j->stop - j->start;
     tides_exact_options *how = &j->how;

@@ -17,7 +17,7 @@ enum { SETTINGS_MAX = 40, SETTING_BYTES = 80 };
 #define TWO_PI 6.283185307179586
 #define VOLTMETER_QUIET 1e-9 /* k6: the original gives nothing at 0 */
 
-/* What a method's settings are made from. */
+/* The pixel from which a method's settings are made. */
 typedef struct pixel {
     double on, off, log_eps;
     const tides_sensor *sensor;
