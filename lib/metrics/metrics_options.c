@@ -1,4 +1,4 @@
-/* What tides_metrics_compare may be told, its defaults, and which of it is refused. */
+/* The options of tides_metrics_compare: defaults, and checks. */
 #include "td_metrics.h"
 
 #include <math.h>

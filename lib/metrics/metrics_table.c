@@ -5,14 +5,14 @@
 
 #define ROW(of, label, family, kind, often, field, span, units, way, text) \
     { label, FAMILY_##family, units, text, TIDES_BETTER_##way, TIDES_OF_##of, TIDES_REPEATS_##often, kind, field, span }
-/* Of the comparison: a number, a count, a number for each kind of pairs or for each bin. */
+/* Rows of the comparison: a number, a count, a number for each kind of pairs or for each bin. */
 #define ONCE(name, family, member, unit, way, text) \
     ROW(BOTH, name, family, 1, ONCE, offsetof(tides_metrics, member), 0, unit, way, text)
 #define COUNT(name, family, member, unit, way, text) \
     ROW(BOTH, name, family, 0, ONCE, offsetof(tides_metrics, member), 0, unit, way, text)
 #define EACH(often, name, family, member, unit, way, text) \
     ROW(BOTH, name, family, 1, often, offsetof(tides_metrics, member), sizeof(double), unit, way, text)
-/* Of each stream by itself. */
+/* Rows of each stream by itself. */
 #define STREAM(often, real, name, family, member, span, unit, text) \
     ROW(STREAM, name, family, real, often, offsetof(tides_stream_metrics, member), span, unit, NEITHER, text)
 
