@@ -92,7 +92,7 @@ typedef struct look {
     int32_t any[LOOK];                              /* 1 where it touches one */
 } look;
 
-/* Of `count` boxes, a whole number of groups. NaN touches nothing. */
+/* Finds the tiles that `count` boxes touch; `count` is a whole number of groups. A box with a NaN touches nothing. */
 TD_WIDE static void look_at(const float *restrict boxes, int count, int tiles_x, int tiles_y, look *restrict out) {
     const float limit_x = (float)(TD_TILE * tiles_x), limit_y = (float)(TD_TILE * tiles_y);
     for (int i = 0; i < count; i++) {
@@ -226,8 +226,9 @@ static inline void place(td_candidates *candidates, int tile, int there, int gau
     if (moves) candidates->travel[tile] = far > candidates->travel[tile] ? far : candidates->travel[tile];
 }
 
-/* Of one object; what moves, and how far at most, is noted on the way. Tiles that aren't there take what isn't wanted: three,
- * so that no number waits for itself more than once. */
+/* Places the Gaussians of one object in the lists of their tiles; of moving ones it notes that they move and how far at most.
+ * Entries that aren't wanted go to tiles behind the last. There are three of these, so that no counter waits for itself more
+ * than once. */
 static inline void place_each(td_candidates *candidates, const struct td_touching *touching, const float *travel, int moves) {
     const int tiles_x = candidates->tiles_x, none = tiles_x * candidates->tiles_y;
     for (size_t i = touching->begin; i < touching->end; i++) {
@@ -247,7 +248,7 @@ static inline void place_each(td_candidates *candidates, const struct td_touchin
     }
 }
 
-/* Nobody, up to where the next object's share begins. */
+/* Fills each tile's list with TD_NO_GAUSSIAN up to where the next object's share begins. */
 static void fill_up(td_candidates *candidates, const range *on) {
     for (int y = on->y0; y <= on->y1; y++)
         for (int t = y * candidates->tiles_x + on->x0; t <= y * candidates->tiles_x + on->x1; t++) {
@@ -268,7 +269,8 @@ static inline void travel_in(float *restrict blocks, int stride, const range *on
     }
 }
 
-/* An object's to the blocks that they touch: rows x stride of what moves there at most, -1 where nothing does. */
+/* Notes an object's travel in the blocks that its boxes touch. `blocks` (rows x stride) has the largest travel there, -1 where
+ * nothing moves. */
 TD_WIDE static void place_blocks(const struct td_touch *restrict touches, size_t count, const float *restrict boxes,
                                  const float *restrict travel, int last_x, int last_y, int stride, float *restrict blocks) {
     const float end_x = (float)((last_x + 1) * TD_BLOCK), end_y = (float)((last_y + 1) * TD_BLOCK);
@@ -283,7 +285,7 @@ TD_WIDE static void place_blocks(const struct td_touch *restrict touches, size_t
     }
 }
 
-/* Of all objects that move, to each tile's blocks. */
+/* Notes the travel of all objects that move, in the blocks of each tile. */
 static void find_blocks(td_candidates *candidates, const float *boxes, const float *travel, const uint8_t *object_moves) {
     enum { SIDE = TD_TILE / TD_BLOCK };
     const int stride = blocks_stride(candidates), rows = SIDE * candidates->tiles_y;

@@ -1,5 +1,5 @@
-/* What of a scene is in view: clusters of neighbours against the planes through the eye and the image's borders, in double on
- * the host, whatever the device.
+/* Finds the part of a scene that is in view: clusters of neighbours against the planes through the eye and the image's borders.
+ * It computes in double on the host, whatever the device.
  *
  * A mean at (x, y, z) of the camera, z > 0, is seen at u = fx x / z + cx. Its splat reaches sigmas (fx / z) s sigma further,
  * sigma its largest standard deviation and s = sqrt(1 + limit^2) what the Jacobian's slope, which is clamped, makes of it, and
@@ -116,7 +116,7 @@ static void set_points(const td_cluster_path *path, outlook *out) {
     out->stray = path->stray;
 }
 
-/* Of the side at which `axis` grows or falls with `sign`: `border` pixels from the principal point. */
+/* Adds the plane of the side at which `axis` grows or falls with `sign`: `border` pixels from the principal point. */
 static void add_side(outlook *out, int axis, double sign, double focal, double limit, double border) {
     plane *side = &out->plane[out->planes++];
     *side = (plane){.spread = focal * sqrt(1 + limit * limit)};

@@ -45,9 +45,10 @@ static double rough_pieces(const tides_renderer *r, int gaussian) {
     return most;
 }
 
-/* What Gaussians of an object that moves them by itself ask for: those that something shorter than the stretch may happen to.
- * Where the motion knows which of them rest, the others ask for all pieces; else what the sweep found rough does, which is by
- * how much they differ from what coarser pieces show, unless it can't have seen all. */
+/* Asks for pieces of the Gaussians whose motion model moves them, where an event shorter than the stretch may happen to them.
+ * If the motion knows which of them rest, each of the others asks for all pieces. Else a Gaussian asks for as many as the sweep
+ * found it rough: by how much it differs from the image of coarser pieces. `unknown`: the sweep may have missed something, so
+ * each asks for all. */
 static tides_status ask_for_moved(const tides_renderer *r, td_dynamic_object *object, td_expose_band *band,
                                   tides_error *error) {
     const tides_motion *motion = object->of.motion;
@@ -71,7 +72,7 @@ static tides_status ask_for_moved(const tides_renderer *r, td_dynamic_object *ob
     return status;
 }
 
-/* What each Gaussian asks for in the interval swept last. */
+/* Finds the pieces that each Gaussian asks for in the interval swept last. */
 static tides_status find_asks(tides_renderer *r, td_expose_band *band, tides_error *error) {
     const int paths = finest_path(r);
     tides_status status = TIDES_OK;

@@ -73,7 +73,7 @@ static void surface_at(const moment *m, const td_view *view, const double *row, 
     td_store_surfaces(view, &m->image, &source, 0, 0, 0, &to);
 }
 
-/* What a ray shows of it; no further out than kernels do. */
+/* The Gaussian as a ray sees it; no further out than kernels go. */
 static glance glance_at(const moment *m, const td_view *view, const double *row, double x, double y) {
     double place[16], rate[16], way[3];
     td_source source;

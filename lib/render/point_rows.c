@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-/* Of a job: enough for its start, few enough that threads end together. */
+/* Gaussians of a job: enough for its start, few enough that threads end together. */
 enum { JOB_GAUSSIANS = 256 };
 
 /* -- projection ------------------------------------------------------------------------------------------------------------ */

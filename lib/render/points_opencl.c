@@ -309,7 +309,7 @@ static tides_status make_kernels(opencl_points *p, const td_image_numbers *numbe
                    {"td_point_make_splats", &p->splat_kernel},
                    {"td_point_make_lists", &p->list_kernel},
                    {"td_point_values", &p->value_kernel}};
-    /* What points don't ask for is 0, so that few programs are built. */
+    /* Choices that points don't need are 0, so that few programs are built. */
     char *defines = td_format(error,
                               "#define TD_BUILD_SH_DEGREE 0\n#define TD_BUILD_ANTIALIAS 0\n#define TD_BUILD_CUT_RULE %d\n"
                               "#define TD_BUILD_STOP_RULE 0\n#define TD_BUILD_EXTENT_RULE 0\n#define TD_BUILD_MOVING 0\n"

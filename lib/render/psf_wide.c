@@ -113,7 +113,8 @@ static double cell_of(td_psf_wide *w, const td_psf_source *s, int x, int y) {
 
 /* ---- a tile ---- */
 
-/* Of 16 pixels: step is 2 at least, sigma 6 cells at most (td_psf_wide_sigma), and the kernel is cut at 4 of them. */
+/* Bounds for the cells of 16 pixels: step is 2 at least, sigma 6 cells at most (td_psf_wide_sigma), and the kernel is cut at 4
+ * sigma. */
 enum { ACROSS = TD_TILE / 2 + 4, RADIUS = 24, ALL = ACROSS + 2 * RADIUS };
 
 /* The cells that 16 pixels from `x` on are made of: the first, and how many. */

@@ -92,7 +92,8 @@ typedef struct pair {
     double contrast, slow;
 } pair;
 
-/* What it is worth to a block of the tile where both are these forms; NULL: where isn't known, and it may be anywhere. */
+/* The light of a swap to a block of the tile where both splats have these forms. NULL: their place isn't known, and may be
+ * anywhere. */
 static double light_in(const pair *of, int block, const form *f, const form *g) {
     const int *corner = of->tile->corner;
     if (!f) return of->contrast * of->a->opacity * of->b->opacity;

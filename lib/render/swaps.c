@@ -19,7 +19,7 @@
 enum { LEAST_PARTS = 4, MOST_PARTS = 64 };
 static const double steady = 0.2;
 
-/* Of the ellipsoid's standard deviations: out to there a splat of opacity 1 has 1/255 left. */
+/* Reach of a splat in standard deviations of its ellipsoid: out to there a splat of opacity 1 has 1/255 left. */
 static const double sigmas = 3.4;
 
 /* Pairs of a tile that are looked at, of bodies and within them: 10 ms of a processor each. What a denser tile has beyond isn't
@@ -32,7 +32,8 @@ static const double askew = 1.5;
 /* The share of their light by which splats that show another colour from each side may differ beside their constant terms. */
 static const double by_view = 0.1;
 
-/* With splats of other bodies only; with its own body's, if shortly; with its own body's. */
+/* A splat's possible partners in a swap. MAY_SWAP: splats of other bodies only; MAY_SHORTLY: its own body's, too, if shortly;
+ * MAY_ALONE: its own body's, too. */
 enum { MAY_NOT, MAY_SWAP, MAY_SHORTLY, MAY_ALONE };
 
 /* -- making it ------------------------------------------------------------------------------------------------------------- */
@@ -252,7 +253,8 @@ static void take_splat(const tides_renderer *renderer, const struct td_swaps *sw
     to->z_dot = z_dot;
 }
 
-/* Those of a tile's list that may swap; none where they are of one body and none of them may alone. */
+/* Takes the splats of a tile's list that may swap. It takes none where all are of one body and no splat may swap within its
+ * own. */
 static tides_status take_splats(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at, int tile,
                                 int *count, int *bodies, tides_error *error) {
     const int *first = renderer->candidates.first, *list = renderer->candidates.list;

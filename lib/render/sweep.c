@@ -15,8 +15,8 @@ static tides_status note_moves(tides_renderer *renderer, const tides_trajectory 
     return TIDES_OK;
 }
 
-/* What a sweep does about an object of the store. DYNAMIC: td_dynamic_sweep_rows does it; from WANTED on: the level of its
- * pieces. */
+/* The sweep's treatment of an object of the store. BOX_DYNAMIC: td_dynamic_sweep_rows does it. From BOX_WANTED on: the level of
+ * its pieces. */
 enum { BOX_KEPT = -2, BOX_DYNAMIC = -1, BOX_WANTED = 0 };
 
 static int box_kind(const tides_renderer *renderer, int object, int kept) {

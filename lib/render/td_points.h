@@ -51,7 +51,7 @@ typedef struct td_points_group {
     int seen_count;
 } td_points_group;
 
-/* What is behind everything: luminance, or red, green and blue where light isn't linear in these (td_point_backdrop). */
+/* The backdrop: its luminance, or its red, green and blue where light isn't linear in these (td_point_backdrop). */
 typedef struct td_points_backdrop {
     double first, first_dot, green, blue;
 } td_points_backdrop;
@@ -71,7 +71,7 @@ typedef struct td_points_batch {
     td_points_backdrop backdrop;
 } td_points_batch;
 
-/* What misfits are asked for of: paths of a level, by their first rows (count; readable for TD_PAD further ones). */
+/* A request for misfits of paths of a level, by their first rows (count; readable for TD_PAD further ones). */
 typedef struct td_points_misfits {
     td_exact *exact;
     int row_count; /* in all */

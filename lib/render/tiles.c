@@ -78,7 +78,7 @@ static void fill_empty(tides_renderer *renderer, const td_request *requests, int
     renderer->stats.tile_jobs_skipped += (uint64_t)empty_count;
 }
 
-/* The same in images. */
+/* Draws the backdrop into the images, for tiles that nothing can reach. */
 static void draw_empty(tides_renderer *renderer, const td_request *requests, int empty_count, int outputs,
                        const td_pictures *to) {
     double pixel[TD_OUT_COLOUR];

@@ -190,7 +190,7 @@ static double turn_of(const td_strays *strays, double length) {
     return most * length;
 }
 
-/* What an object's geometry makes of strays: pixels per unit at its middle, and how far its Gaussians are from each origin. */
+/* An object's geometry as strays need it: pixels per unit at its middle, and how far its Gaussians are from each origin. */
 typedef struct stray_measure {
     double origin[2][3], reach[2], px_per_unit;
 } stray_measure;

@@ -145,7 +145,7 @@ void td_rows_add(td_dynamic *dynamic, const td_dynamic_object *object, int gauss
 tides_status td_rows_end_run(td_dynamic *dynamic, const td_dynamic_object *object, int first, double time, int side,
                              tides_error *error);
 
-/* The same for a Gaussian whose row is interpolated between two cached ones, and for a run of these. */
+/* Like td_rows_add and td_rows_end_run, for Gaussians whose rows are interpolated between two cached ones. */
 void td_rows_add_between(td_dynamic *dynamic, const td_dynamic_object *object, int gaussian);
 tides_status td_rows_end_between(td_dynamic *dynamic, const td_dynamic_object *object, int first, const td_span *span,
                                  double time, tides_error *error);
