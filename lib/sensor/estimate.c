@@ -9,8 +9,8 @@
 #include <stddef.h>
 #include <string.h>
 
-/* What single precision leaves of S on its way through the renderer: an error below it is rounding, which no cut removes, and
- * divided by the slope of a pixel that hardly moves it would look like any time. */
+/* Error that single precision leaves in S on its way through the renderer. A smaller error is rounding, which no cut removes.
+ * Divided by the slope of a pixel that hardly moves, rounding would look like any time. */
 static const double noise = 1e-6;
 
 /* Additive noise brings a pixel to levels that are this many sigmas from its signal; beyond it hardly ever is. */

@@ -37,7 +37,7 @@ static double age_at(double u, double held, double length, double rate) {
     return held + (rate > 0 ? fmin(-td_log1p(-rate * (area - held)) / rate, length) : fmin(area - held, length));
 }
 
-/* Of a pixel that is reset now and then. */
+/* The steady state of a pixel that is reset now and then. */
 static td_initial steady(const td_sensor *sensor, size_t i, double L) {
     const double leak = sensor->leak[i], on = sensor->threshold_on[i], held = sensor->refractory_ns;
     const int holds = sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD;

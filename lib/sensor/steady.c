@@ -124,7 +124,7 @@ static void cross(pixel *p, double a, double b, double dt, double variance, doub
     *until = p->held < dt ? 0 : p->held;
 }
 
-/* What is beyond a level at the run's start has fired. */
+/* Fires the pixel while its signal is beyond a level at the run's start. */
 static void settle(pixel *p, double n) {
     while (p->o + n >= p->on || p->o + n <= -p->off) {
         const int up = p->o + n >= p->on;

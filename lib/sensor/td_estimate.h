@@ -15,7 +15,7 @@ typedef struct td_estimated {
     int32_t count;
 } td_estimated;
 
-/* What it looks like. */
+/* The estimate of a step. */
 typedef struct td_estimate {
     double error;     /* largest estimated error of S over the pixels that may reach a threshold [log units] */
     double seconds;   /* the largest such error divided by its pixel's slope [s] */

@@ -15,7 +15,7 @@ typedef struct td_maps {
     uint64_t checksum;    /* of all values; 0: no file */
 } td_maps;
 
-/* Of an .npy (a structured one), .npz or HDF5 file, which must have a map at least. TIDES_BAD_FILE naming map and pixel. */
+/* Reads an .npy (a structured one), .npz or HDF5 file, which must have a map at least. TIDES_BAD_FILE names map and pixel. */
 TIDES_MUST_CHECK tides_status td_maps_read(const char *path, int32_t width, int32_t height, td_maps *maps, tides_error *error);
 void td_maps_release(td_maps *maps);
 

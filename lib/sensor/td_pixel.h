@@ -7,7 +7,7 @@
 #include "sensor/response/td_response.h"
 #include "td_sensor.h"
 
-/* What the pixels of a call share. */
+/* A call's facts that its pixels share. */
 typedef struct td_pixel_job {
     td_sensor *sensor;
     const td_step *step;

@@ -19,7 +19,8 @@
 
 #include "td_sensor.h"
 
-/* Of a pixel whose noise stands at the run's start, and which has shot noise and hot events at `rate` [1/ns]. */
+/* The initial state of a pixel whose noise stands at the run's start, and which has shot noise and hot events at `rate`
+ * [1/ns]. */
 td_initial td_steady_noise(const td_sensor *sensor, size_t i, double rate);
 
 /* Fills sensor->passage. */

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* What is older has gone: e^-40 of a kick is below rounding of anything it is added to. */
+/* Lifetimes after which a kick has gone: e^-40 of it is below the rounding of anything it is added to. */
 static const double lifetimes = 40;
 
 tides_status td_kick_make(const tides_sensor *s, double start, td_kick *kick, tides_error *error) {

@@ -40,10 +40,10 @@ static const double steep = 3 * 4;
 enum { CLASSES = 14 };
 static const double panels_of[CLASSES] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128};
 
-/* One whose bound is too large is tried with twice as many, so often. */
+/* Times that a step whose bound is too large is tried again, each with twice as many panels. */
 static const int retries = 2;
 
-/* Of g: a fifth of what td_frontend_step may leave. */
+/* Tolerance of g: a fifth of the error that td_frontend_step may leave. */
 static const double tolerance = 0.1 * TD_FRONTEND_TOLERANCE;
 
 /* The equation's numbers [1/s], per ampere where they go with the light. */
@@ -57,7 +57,7 @@ typedef struct low_pass {
     double kept, of[ORDER + 1];
 } low_pass;
 
-/* What the pixels of a panel share. */
+/* A panel's numbers that all its pixels share. */
 typedef struct panel {
     circuit law;
     double a, b, c;                /* A, B, C in the panel's time */

@@ -28,7 +28,7 @@
  * that an image makes need 1 to 10). */
 enum { SWEEPS = 8, TRIED_MAX = 1 << 14, NODES = 4, BETWEEN = 3 };
 
-/* Of the tolerance: what a sweep may still change when it is the last. The rest is for what the cubic misses. */
+/* Share of the tolerance that the last sweep may still change. The rest is for the error of the cubic. */
 static const double settled = 0.25;
 
 static const double node[NODES + BETWEEN] = {0, 1.0 / 3, 2.0 / 3, 1, 1.0 / 6, 1.0 / 2, 5.0 / 6};
@@ -137,7 +137,7 @@ static double substitute(attempt *at, const td_poles *stage, td_model *input) {
     return worst;
 }
 
-/* What follows the photoreceptor, and the state at the substep's end. */
+/* Computes the filters behind the photoreceptor, and the state at the substep's end. */
 static void finish(const attempt *at, const td_poles *stage, const td_model *input, double state[TD_FRONTEND_STATE],
                    td_response *response) {
     const td_frontend *f = at->frontend;
@@ -197,7 +197,7 @@ static int can_map(const td_filter_input *source, const td_model *input) {
     return source->frontend->kind == TD_FRONTEND_INTENSITY && least >= source->dark_L && most < TD_LIGHT_MOST;
 }
 
-/* The same substep in its own time: S within the error returned. Where the light rests, that is the substep's. */
+/* Solves a substep in its own time: S within the error returned. Where the light rests, its own time is the step's. */
 static double solve_mapped(const td_substeps *substeps, const td_model *input, double to, td_time_map *map,
                            double state[TD_FRONTEND_STATE], td_response *response) {
     const td_filter_input *source = substeps->source;

@@ -73,13 +73,13 @@ void td_frontend_step(const td_frontend *frontend, double h, const td_model *inp
 void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, const double *const control[4], const double *S,
                            double *after, double *low, double *high);
 
-/* The same of TD_FRONTEND_INTENSITY alone, where after[i] is within TD_FRONTEND_TOLERANCE of the solution, however many steps
- * there were. Pixels whose step isn't solved have NaN as bounds, and nothing in `after` that is of use: they need
- * td_frontend_step, too. What becomes of a pixel depends on no other. */
+/* td_frontend_step_many for TD_FRONTEND_INTENSITY alone. after[i] is within TD_FRONTEND_TOLERANCE of the solution, however many
+ * steps there were. Pixels whose step isn't solved have NaN as bounds, and nothing of use in `after`: they need
+ * td_frontend_step, too. A pixel's result depends on no other pixel. */
 void td_frontend_step_light(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
                             const double *S, double *after, double *low, double *high);
 
-/* What of that is solved without substeps, its error proven; the others have NaN as bounds. */
+/* The pixels of td_frontend_step_light that are solved without substeps, their error proven; the others have NaN as bounds. */
 void td_light_whole(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
                     const double *S, double *after, double *low, double *high);
 

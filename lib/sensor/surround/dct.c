@@ -153,7 +153,8 @@ static void transform_y(const td_dct *c, double *const by[2], const double *from
     }
 }
 
-/* Sums of what is on both sides of the middle, then differences, of rows; and of columns. */
+/* Folds rows: sums of the two rows at equal distance from the middle, then their differences. fold_columns does so with
+ * columns. */
 static void fold_rows(const td_dct *c, const double *from, double *to) {
     const int h = c->height, w = c->width, sums = modes_of(h, 0);
     for (int n = 0; n < sums; n++) {
@@ -181,7 +182,7 @@ static void fold_columns(const td_dct *c, const double *from, double *to) {
     }
 }
 
-/* What even and odd modes make of both sides. */
+/* Rows on both sides of the middle: sums of even and odd modes, and their differences. */
 static void unfold_rows(const td_dct *c, const double *from, double *to) {
     const int h = c->height, w = c->width, sums = modes_of(h, 0);
     for (int n = 0; n < sums; n++) {
