@@ -1,4 +1,4 @@
-/* The options of tides_metrics_compare: defaults, and checks. */
+/* The options of tides_metrics_compare: their defaults, and the checks that refuse bad ones before two streams are compared. */
 #include "td_metrics.h"
 
 #include <math.h>
