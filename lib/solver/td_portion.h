@@ -9,7 +9,7 @@
 #include "td_solve.h"
 #include "td_timing.h"
 
-/* Of accepted steps (tides_stats). */
+/* Counts of accepted steps (tides_stats). */
 typedef struct td_step_counts {
     uint64_t steps, probed, at_minimum, at_rounding;
     double worst_error, worst_deviation;
@@ -24,7 +24,7 @@ typedef struct td_portion {
     tides_error error;   /* and why */
 } td_portion;
 
-/* Those of work that is under way, kept for what they have reserved. */
+/* Portions of the work that is under way, kept for the memory that they have reserved. */
 typedef struct td_sharing {
     td_pool *pool; /* NULL: nothing is shared out */
     td_portion *portion;

@@ -22,9 +22,9 @@ uint32_t td_probe_place(uint64_t macro, uint32_t from, uint32_t to);
 void td_probe_deviation(double h, double theta, const td_signals *ends, const double *S, const double *S_dot, int32_t count,
                         double *deviation);
 
-/* What is reported as left of a deviation in the parts of a step: a law, for one number doesn't say what a part is off by.
- * Shares of the deviation that the cubic of a part may be off by in its middle, and how likely each is. Weights are whole
- * numbers of 64ths: their sums are exact in any order.
+/* The error that is reported as left in the parts of a step, from its deviation: a law, since one number doesn't tell the error
+ * of a part. It has shares of the deviation that the cubic of a part may be off by in its middle, and the probability of each.
+ * Weights are whole numbers of 64ths: their sums are exact in any order.
  *
  * Where the signal is smooth the cubic's error is its fourth derivative times h^4 / 384 in the middle: a deviation is that of
  * the step, and its parts have a sixteenth each, less towards their ends as 16 s^2 (1 - s)^2. The deviation itself has then
@@ -70,21 +70,21 @@ static inline td_probe_law td_probe_left(uint8_t fall) {
     return smooth;
 }
 
-/* Of the deviation: what the error of a part is hardly ever above, for "may it be an event". */
+/* Share of the deviation that the error of a part hardly ever exceeds, for "may it be an event". */
 #define TD_PROBE_LEFT_MOST 0.5
 
-/* The same where an event may still be looked for: a part in which a kink is has the whole deviation left, and one that fell by
- * more than a sixteenth was small by chance, so that of what a sixteenth had been as much. Of 1.4 million events of the scenes
- * of tides bench accuracy with twelve thresholds each 4 were lost with it when it was chosen, 13 with half the deviation (and
- * 8 with twice: what is lost then is lost after a look), for 2.4 % more looks. */
+/* Bound of a part's error where an event may still be looked for. A part with a kink in it keeps the whole deviation. A
+ * deviation that fell to less than a sixteenth was small by chance, and counts as a sixteenth of the one before. Of 1.4 million
+ * events of the scenes of tides bench accuracy with twelve thresholds each, 4 were lost with it when it was chosen, for 2.4 %
+ * more looks. With half the deviation 13 were lost, and with twice 8: these are lost after a look. */
 static inline double td_probe_most(double deviation, uint8_t fall) {
     const double sixteenth = (double)TD_PROBE_FALLS / 16;
     return fall > 0 && fall < sixteenth ? deviation * (sixteenth / fall) : deviation;
 }
 
-/* Of that, what a look in a smooth part may not see: a sixteenth is left where the signal is as smooth as it looks, and a look
- * that finds less found it by chance. (The bench's fan lost an event 1.2e-4 of a threshold beyond its level, after a look that
- * found a sixtieth. It costs one look in ten thousand.) */
+/* Share of td_probe_most that a look in a smooth part may not see. A sixteenth is left where the signal is as smooth as it
+ * looks; a look that finds less found it by chance. (The bench's fan lost an event 1.2e-4 of a threshold beyond its level,
+ * after a look that found a sixtieth. It costs one look in ten thousand.) */
 #define TD_PROBE_SMOOTH_UNSEEN (1.0 / 16)
 
 #endif

@@ -5,7 +5,7 @@
 
 #include "td_simulator.h"
 
-/* What a change is worth: slope and curvature there towards its polarity, per step, and what the signal may be off by. */
+/* The worth of a change: slope and curvature there towards its polarity, per step, and the signal's error. */
 typedef struct td_worth {
     double slope, bend, error;
 } td_worth;

@@ -108,7 +108,7 @@ static double beyond_at(const td_visit *v, int k, double s) {
     return beyond > known + v->model.floor ? beyond : INFINITY; /* what rests on a level to the last bit is on either side */
 }
 
-/* Of a signal that has a kink and is straight beside it, that is where the tangents at the piece's ends meet. */
+/* Looks at a kink beside which the signal is straight: it is where the tangents at the piece's ends meet. */
 static void look_at_kink(const td_visit *v, int k, td_approach *worst) {
     const td_pieces *pieces = &v->model.pieces;
     const double *b = pieces->model[k].control, first = 3 * (b[1] - b[0]), last = 3 * (b[3] - b[2]);
@@ -123,8 +123,8 @@ static void look_at_kink(const td_visit *v, int k, td_approach *worst) {
     take_worse(v, &at, worst);
 }
 
-/* Of a swap that lasts `wide` to either side what the signal does is a step of a quarter of that: a piece of less than this
- * share of it shows it. */
+/* A piece shorter than this share of a swap's `wide` shows the swap. Where a swap lasts `wide` to either side, the signal makes
+ * a step within a quarter of that. */
 static const double shows_swap = 0.5;
 
 /* Has the pixel been looked at in both halves of a swap? */

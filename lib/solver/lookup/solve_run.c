@@ -17,12 +17,12 @@ static const double enough_of_threshold = 1e-7;
 
 /* -- the step -------------------------------------------------------------------------------------------------------------- */
 
-/* Of ideal pixels counts are all: the rest follows from them. */
+/* The pixel's state as one number. An ideal pixel's counts are enough: the rest follows from them. */
 static uint64_t state_of(const td_visit *v) {
     return v->state.words <= 2 ? v->state.word[0] : td_hash_words(0, v->state.word, (size_t)v->state.words * sizeof(uint64_t));
 }
 
-/* What was found for another state is forgotten. */
+/* Enters a step. Nodes that were found for another state are dropped. */
 static void enter(td_visit *v, td_looked *looked, int32_t number) {
     const td_sensor *sensor = &v->s->sensor;
     v->number = number;
@@ -54,7 +54,7 @@ static void take_nodes(td_visit *v) {
     td_pieces_make(&v->model.pieces, &v->looked->ends, v->node, v->nodes);
 }
 
-/* What else the model is off by. */
+/* Adds the errors of the model beside its pieces: of samples at the step's ends, and of rounding. */
 static void take_rounding(td_visit *v) {
     const tides_simulator *s = v->s;
     const double samples = s->solve.samples;
@@ -195,8 +195,8 @@ static tides_status advance(td_visit *v, tides_error *error) {
     return td_sensor_advance(&v->s->sensor, &single, &v->portion->solve.ahead, error);
 }
 
-/* Of an event that waited for its pixel to become visible coverage decides when, which the comparator takes to be linear: by
- * how much its rates at the ends say that it bows [steps]; 0 of others. */
+/* Lateness of an event that waited for its pixel to become visible [steps]; 0 for other events. Coverage decides when, and the
+ * comparator takes coverage to be linear. The lateness is by how much coverage bows, from its rates at the ends. */
 static double waited(const td_visit *v, const td_change *change) {
     const td_coverage *at = &v->now->coverage, *rate = &v->now->alpha_dot;
     const int32_t i = v->pixel->local;
@@ -210,7 +210,7 @@ static double waited(const td_visit *v, const td_change *change) {
 
 static int ends_run(const td_visit *v) { return td_refine_ends_run(v->s, &v->s->refine.step[v->looked->step]); }
 
-/* What the leak has added to the signal at s. */
+/* The leak's ramp at s, which is part of the model. */
 static double ramp_at(const td_visit *v, double s) {
     const td_sensor *sensor = &v->s->sensor;
     const td_step *span = &v->now->span;
@@ -218,7 +218,7 @@ static double ramp_at(const td_visit *v, double s) {
     return sensor->leak[v->at] * (td_sensor_time(sensor, span->start_ns, span->start_fraction) + s * span->length_ns);
 }
 
-/* An event, for what is measured of the run's. */
+/* Offers an event to the sample that is measured at the macro step's end. */
 static tides_status sample(const td_visit *v, int n, double late, tides_error *error) {
     const td_tile *tile = &v->s->layout.tile[v->pixel->tile];
     const td_change *change = &v->changes.change[n];
@@ -234,7 +234,7 @@ static tides_status sample(const td_visit *v, int n, double late, tides_error *e
     return td_solve_sample(v->s, &v->portion->solve, &one, error);
 }
 
-/* May an event be undone for what is left there? */
+/* 1 where an error of the model may undo the event. */
 static int is_uncertain(const td_visit *v, int n) {
     int touches;
     const td_worth *at = &v->worth[n];
@@ -243,7 +243,8 @@ static int is_uncertain(const td_visit *v, int n) {
     return touches || (ends_run(v) && reach >= 1 - v->changes.change[n].s);
 }
 
-/* What the events of a settled step are worth. Noise has times of its own. */
+/* Notes the events of a settled step: how many are uncertain, and candidates for the sample. Events of noise have times of
+ * their own, and aren't noted. */
 static tides_status note_events(td_visit *v, int doubts, tides_error *error) {
     td_portion *portion = v->portion;
     tides_status status = TIDES_OK;

@@ -53,7 +53,7 @@ static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
     return status == TIDES_OK ? td_compare_still(s, &step, error) : status;
 }
 
-/* What happens after a step was compared: it is reached, and its events go through the readout. */
+/* Ends a step that was compared: the simulator has reached its end, and its events go through the readout. */
 static tides_status reach(tides_simulator *s, tides_error *error) {
     s->step++;
     s->stats.tile_steps_still += (uint64_t)(s->layout.image_tiles - s->moving.tiles);
@@ -161,7 +161,7 @@ static tides_status refine(tides_simulator *s, double start, double stop, tides_
     return status;
 }
 
-/* What fires in tiles where nothing moves, over the macro step as a whole. */
+/* Fires events in tiles where nothing moves, over the macro step as a whole. */
 static tides_status compare_still(tides_simulator *s, double start, double stop, tides_error *error) {
     td_step whole;
     double begun = td_now();
@@ -172,7 +172,7 @@ static tides_status compare_still(tides_simulator *s, double start, double stop,
     return status;
 }
 
-/* What the events' times are off by. The pixels have reached the step's end. */
+/* Measures the errors of the events' times. The pixels have reached the step's end. */
 static tides_status measure(tides_simulator *s, tides_error *error) {
     const double begun = td_now();
     const tides_status status = td_solve_measure(s, error);

@@ -7,7 +7,7 @@
 
 #include <stdlib.h>
 
-/* What an accepted step adds to the statistics. */
+/* Adds an accepted step to the statistics. */
 static void note_step(const tides_simulator *s, td_step_counts *steps, const td_refine_step *step) {
     int controls = s->given.mode == TIDES_STEPPING_ERROR, above = step->excess > 1;
     steps->steps++;

@@ -158,7 +158,7 @@ void td_stats_put(tides_simulator *s, const tides_stats *stats) {
     }
 }
 
-/* What this simulator has counted, and the settings that it has found. */
+/* Collects this simulator's counts, and the settings that it has found. */
 static void collect(const tides_simulator *s, tides_stats *stats) {
     td_stats_take(s, stats);
     tides_renderer_stats(s->renderer, &stats->render);

@@ -5,7 +5,7 @@
  * of an ideal pixel are copied for each step, a thousandth of what it takes to render them. For run.c. */
 #include "solver/td_simulator.h"
 
-/* Of the first step's launches nothing is known. */
+/* Launches that the first step is assumed to take; later steps take the number of the step before. */
 static const int64_t usual_at_first = 16;
 
 /* -- asking ---------------------------------------------------------------------------------------------------------------- */

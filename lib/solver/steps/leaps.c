@@ -26,7 +26,7 @@ static tides_status add_time(times *to, double time, tides_error *error) {
     return status;
 }
 
-/* What goes on between two samples. */
+/* The way between two samples. */
 typedef struct way {
     double seconds, distance, turn; /* turn: 1 - cos of half of it */
 } way;

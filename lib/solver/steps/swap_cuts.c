@@ -79,7 +79,7 @@ uint32_t td_refine_swap(const tides_simulator *s, const td_refine_step *step, in
 
 /* -- looking at them ------------------------------------------------------------------------------------------------------- */
 
-/* Those of the block that a pixel of a unit is in. */
+/* Swaps of the block that a pixel of a unit is in. */
 static const td_swap *swaps_of(const tides_simulator *s, const td_refine_step *step, int32_t local, int *count) {
     const td_tile *unit = &s->layout.tile[step->tile];
     const int across = TD_TILE / TD_BLOCK, x = local % unit->width / TD_BLOCK, y = local / unit->width / TD_BLOCK;

@@ -1,4 +1,4 @@
-/* What came of a portion of the work is joined to the run's: who may do something, what is asked for, what was settled. For
+/* Joins the results of a portion of the work to the run's: pixels that may do something, requested points, settled events. For
  * share_out.c. */
 #include "solver/td_simulator.h"
 
