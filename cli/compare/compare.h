@@ -17,7 +17,7 @@ enum { COMPARE_METHODS_MAX = 8, COMPARE_PATH = 4200 /* of files in the directory
 /* Parameters of a method that are searched at most, and a setting's length. */
 enum { COMPARE_SEARCHED = 6, COMPARE_SETTING = 80 };
 
-/* One method, and what became of it. */
+/* One method and its results. */
 typedef struct compare_row {
     const char *name;
     tides_error error; /* status TIDES_OK where it ran */
@@ -107,7 +107,7 @@ tides_status compare_floors(comparison *c, tides_error *error);
 
 /* compare_exact.c: c->exact, the stream that all are measured against. */
 tides_status compare_exact(comparison *c, tides_error *error);
-/* In words what it is, and its name: "exact", or of frames "lines". */
+/* The exact stream in words, and its name: "exact", or "lines" where the light is frames. */
 const char *compare_exact_what(const comparison *c);
 const char *compare_exact_name(const comparison *c);
 

@@ -74,7 +74,7 @@ static tides_status set_asked(comparison *c, tides_error *error) {
                      1e-9 * (double)f->start_ns, 1e-9 * (double)f->stop_ns, c->session.values.start, c->session.values.stop);
 }
 
-/* Before bursts and hot pixels are looked for: the mask. */
+/* Removes events of masked pixels, before bursts and hot pixels are looked for. */
 static void leave_masked(comparison *c) {
     cli_window *w = &c->recording;
     size_t kept = 0;

@@ -71,7 +71,7 @@ static tides_status begin(search *s, tides_error *error) {
     return attempt(s, s->values, &s->best, error);
 }
 
-/* One parameter up, or else down; 1 in *better where that is nearer. */
+/* Tries a parameter moved up, else moved down; *better is 1 where that is nearer. */
 static tides_status move(search *s, int32_t which, double factor, int32_t *better, tides_error *error) {
     tides_status status = TIDES_OK;
     for (int32_t way = 0; way < 2 && s->runs < s->c->search && status == TIDES_OK; way++) {

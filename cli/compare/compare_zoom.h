@@ -11,7 +11,7 @@ typedef struct compare_index {
     int64_t *times;
     int32_t width;
 } compare_index;
-/* To be freed either way; zero it before. */
+/* Makes the index. Zero it before, and free it also after a failure. */
 tides_status compare_index_make(const comparison *c, compare_index *index, tides_error *error);
 void compare_index_free(compare_index *index);
 /* How much later an event is than the nearest exact one of its pixel and polarity; infinite where there is none. */
