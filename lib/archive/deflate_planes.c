@@ -228,7 +228,7 @@ static void put_either(bits *b, const plane *p) {
     for (; i < p->count; i++) put_bits(b, p->bytes[i] == p->often ? CODE_OFTEN : CODE_SELDOM, p->bytes[i] == p->often ? 1 : 2);
 }
 
-/* Both bytes by codes, and no distance. */
+/* Writes a plane of two values by codes for both, without a distance. */
 static size_t put_two(const plane *p, int last, unsigned char *to, size_t room) {
     const unsigned low = p->often < p->seldom ? p->often : p->seldom, high = p->often ^ p->seldom ^ low;
     bits b = bits_into(to, room);
@@ -244,7 +244,7 @@ static size_t put_two(const plane *p, int last, unsigned char *to, size_t room) 
     return put_end(&b, last);
 }
 
-/* With blocks of 2048 codes, smaller than those of 16384 make it, and faster. */
+/* Writes a plane by runs. Blocks of 2048 codes make it smaller than blocks of 16384, and are faster. */
 static size_t put_runs(const plane *p, int last, unsigned char *to, size_t room) {
     enum { LEVEL = 1, RAW = -15, MEMORY = 5 };
     z_stream stream = {0};

@@ -9,13 +9,13 @@
 #include <string.h>
 #include <unistd.h>
 
-/* At an address of the file. */
+/* Reads `count` bytes at an address of the file; 0 where it can't. */
 static int take(const td_h5_disk *disk, uint64_t address, void *out, size_t count) {
     if (address > disk->size - disk->base || count > disk->size - disk->base - address) return 0;
     return pread(disk->descriptor, out, count, (off_t)(disk->base + address)) == (ssize_t)count;
 }
 
-/* It lies at the beginning, or at 512, 1024, 2048 ... behind what a user put there. */
+/* Checks the superblock. It lies at the file's beginning, or at 512, 1024, 2048 ... behind a user's own bytes. */
 int td_h5_check_superblock(td_h5_disk *disk) {
     unsigned char p[16];
     disk->base = 0;

@@ -73,8 +73,8 @@ static int compare_files(const H5FD_t *one, const H5FD_t *two) {
     return 0;
 }
 
-/* As HDF5's own driver, so that the files are the same, but for its accumulator (H5FD_FEAT_ACCUMULATE_METADATA): it only
- * gathers what is read and written, and copies out of its end where a size is damaged. */
+/* Features of HDF5's own driver, so that files are the same, without its accumulator (H5FD_FEAT_ACCUMULATE_METADATA). That one
+ * only gathers reads and writes, and copies beyond its end where a size is damaged. */
 static herr_t query(const H5FD_t *file, unsigned long *flags) {
     (void)file;
     *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_DATA_SIEVE | H5FD_FEAT_AGGREGATE_SMALLDATA |
