@@ -133,7 +133,7 @@ static void parse_field(const char *c, const char *end, td_column *column) {
 
 /* -- the line ------------------------------------------------------------------------------------------------------------ */
 
-/* Behind a quoted field's end; its quotes may hold separators. */
+/* The place behind a quoted field's end; its quotes may hold separators. */
 static const char *skip_quotes(const char *c) {
     const char quote = *c++;
     while (!ends_line(*c) && *c != quote) c++;
@@ -181,7 +181,7 @@ static const char *skip_front(const char *c) {
     }
 }
 
-/* Behind "Format:" and the like, which say what follows. */
+/* The place behind "Format:" and the like, labels in front of the names. */
 static const char *skip_label(const char *c) {
     const char *end = c;
     while (is_word(small(*end))) end++;
