@@ -239,7 +239,7 @@ static td_front given_front(td_calibration *c) {
     return front;
 }
 
-/* On half of the pixels, roughly: which kind of front end it is. */
+/* A rough fit on half of the pixels, to choose the kind of front end. */
 static void rough(td_calibration *c, td_fit *fit, int32_t free) {
     const td_part half = {.what = TD_RANDOM_HALF, .seed = c->options->seed};
     td_refine(&c->light, &c->pairs, fit, free, c->longest_refractory_s, &half);

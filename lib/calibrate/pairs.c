@@ -41,7 +41,8 @@ void td_pairs_free(td_pairs *pairs) {
     memset(pairs, 0, sizeof *pairs);
 }
 
-/* One in a thousand may be noise, which a refractory period holds up as well, or two pixels' events on one address. */
+/* Shortest interval but for one in a thousand, which may be noise, since a refractory period holds up noise as well, or two
+ * pixels' events on one address. */
 double td_shortest_interval(const td_pairs *pairs) {
     for (size_t i = 0; i < pairs->count; i++) pairs->room[i] = pairs->list[i].to - pairs->list[i].from;
     qsort(pairs->room, pairs->count, sizeof *pairs->room, td_ascending);

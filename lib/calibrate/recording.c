@@ -87,7 +87,7 @@ static size_t busiest(const counter *k, size_t length, uint64_t *events) {
     return at;
 }
 
-/* Where nobody says when: the busiest second, or less where that has more events than there is room for. */
+/* Chooses the stretch where no time is given: the busiest second, or less where that has more events than there is room for. */
 static void choose_stretch(counter *k) {
     td_taken *t = &k->c->taken;
     const double bin_ns = TD_BIN_S * 1e9;

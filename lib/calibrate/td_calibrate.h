@@ -140,7 +140,7 @@ tides_status td_doubt(td_calibration *c, tides_calibration *found, tides_error *
 /* verdict.c: what is wrong with it, and which values are known. */
 tides_status td_verdict(td_calibration *c, tides_calibration *found, tides_error *error);
 
-/* Where it is: TIDES_CANCELLED where nobody wants it any more. */
+/* Reports the calibration's progress; TIDES_CANCELLED where the caller stops it. */
 tides_status td_calibrate_told(const td_calibration *c, double fraction, const char *stage, tides_error *error);
 
 #endif
