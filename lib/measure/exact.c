@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Nothing moves: the unit that events are counted in. */
+/* Shift of event times that counts as none [us]: the unit in which they are counted. */
 #define SETTLED_US 1e-3
 /* No level after one that took so many full renders: it would take twice that. Renders, not seconds, so that the exact stream
  * doesn't depend on what else the machine does. */

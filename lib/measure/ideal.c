@@ -30,7 +30,7 @@ typedef struct settings {
     size_t count;
 } settings;
 
-/* One that doesn't fit is counted: tides_ideal_settings refuses then. */
+/* Adds a setting. One without room is counted, and tides_ideal_settings then refuses. */
 static void put(settings *s, const char *key, const char *value) {
     if (s->count < SETTINGS_MAX) snprintf(s->texts[s->count], SETTING_BYTES, "%s=%s", key, value);
     s->count++;
