@@ -167,7 +167,8 @@ static tides_status find_touches(td_candidates *candidates, const td_store *stor
 /* Each object's share of a tile's list begins at a multiple of TD_PAD. */
 static int padded(int end) { return (end + TD_PAD - 1) / TD_PAD * TD_PAD; }
 
-/* Where boxes begin and end, to `edges`: sums over rows and columns are how many there are. And which tiles are theirs. */
+/* Marks begins and ends of boxes in `edges`, whose sums over rows and columns count the boxes of each tile. Also finds the
+ * range of tiles. */
 static void mark_edges(td_candidates *candidates, struct td_touching *touching) {
     const int stride = candidates->tiles_x + 1;
     int *edges = candidates->edges;

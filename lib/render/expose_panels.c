@@ -423,7 +423,8 @@ static void note_brightest(const expose_job *job, const node *n, const double *l
         }
 }
 
-/* Where something may be shorter than panels nobody knows what light is between looks: all that there was, and in doubt. */
+/* Doubts pixels in which something may be shorter than panels. Their light between looks isn't known, so all that it has been
+ * counts as doubtful. */
 static tides_status doubt_unknown(expose_job *job, tides_error *error) {
     float *brightest = td_alloc((size_t)job->tile_count * TD_TILE_PIXELS, sizeof *brightest, error);
     if (!brightest) return TIDES_NO_MEMORY;

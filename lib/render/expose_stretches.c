@@ -38,7 +38,7 @@ static int finest_path(const tides_renderer *r) {
     return finest;
 }
 
-/* By what the sweep found rough; of a colour filter's channels the roughest. */
+/* Pieces by the roughness that the sweep found; with a colour filter, that of its roughest channel. */
 static double rough_pieces(const tides_renderer *r, int gaussian) {
     double most = 0;
     for (; r; r = r->beside) most = td_greater(most, 2 * (double)r->travel[gaussian]);
@@ -102,7 +102,7 @@ static double most_asked(const tides_renderer *r, const td_expose_band *band) {
     return most;
 }
 
-/* May something in a part be too short for its sweep? */
+/* 1 in *is where a part may hold something too short for its sweep. */
 static tides_status is_long(tides_renderer *r, td_row_window part, int *is, tides_error *error) {
     double shortest = INFINITY;
     const tides_status status = td_dynamic_shortest(&r->dynamic, part.start, part.stop, &shortest, error);
@@ -132,7 +132,7 @@ static tides_status expose_halves(tides_renderer *r, const tides_trajectory *cam
     return status == TIDES_OK ? expose_part(r, camera, band, (td_row_window){middle, part.stop}, depth + 1, error) : status;
 }
 
-/* One stretch, or two halves of it. */
+/* Exposes a stretch, or its two halves. */
 static tides_status expose_part(tides_renderer *r, const tides_trajectory *camera, td_expose_band *band, td_row_window part,
                                 int depth, tides_error *error) {
     tides_status status = td_renderer_heed(r, 0, error);

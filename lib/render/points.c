@@ -47,7 +47,7 @@ struct td_points {
     double *values;
 };
 
-/* Whatever came of it is nobody's. */
+/* Ends the launch that is under way; its results are dropped. */
 static void drop_launch(td_points *p) {
     if (p->away.count == 0) return;
     tides_status ignored = p->engine->type->finish(p->engine, NULL);
@@ -417,7 +417,7 @@ int td_renderer_points_go_on(const tides_renderer *renderer) {
     return p && !renderer->colour_filter && p->engine->goes_on && p->parts.count <= 1;
 }
 
-/* Where all is then: open paths may forget it before the instant's rows are asked for. */
+/* Keeps the objects' views at the instant: open paths may forget it before its rows are asked for. */
 static tides_status keep_views(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, tides_error *error) {
     const size_t objects = (size_t)renderer->store.objects;
     tides_status status = td_renderer_views(renderer, camera, renderer->swept, 1, error);

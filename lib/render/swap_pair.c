@@ -106,8 +106,8 @@ static void add_swap(td_swap_tile *tile, const td_swap *swap) {
     if (tile->status == TIDES_OK) swaps->swap[swaps->count++] = *swap;
 }
 
-/* At s of part k of the samples', `wide` of it to either side: a swap of each block that sees both. Through a lens the
- * places of splats aren't worked out. */
+/* Notes a swap at s of part k of the samples, `wide` parts to either side, for each block that sees both splats. Through a lens
+ * the places of splats aren't computed. */
 static void note_time(const pair *of, int k, double s, double wide) {
     form f, g;
     const td_swap_samples *at = of->tile->at;

@@ -106,7 +106,7 @@ static tides_status find_views(tides_renderer *renderer, const tides_trajectory 
     return td_renderer_views(renderer, camera, time, parts + 1, error);
 }
 
-/* By how much the row that makes depths turns in a part at most. */
+/* Largest turn in a part of the row of a view that makes depths. */
 static double most_turned(const tides_renderer *renderer, int parts) {
     static const double nothing[3] = {0, 0, 0};
     const size_t objects = (size_t)renderer->store.objects;
@@ -295,8 +295,8 @@ static void look_across(td_swap_tile *of, const td_swap_splat *all, int count, d
     }
 }
 
-/* Is there no short swap of two splats of one object? Their depths' difference strays from going straight by their distance
- * times what the depth of a unit does: they are out of reach throughout, or within it for long. */
+/* 1 where two splats of one object have no short swap. Their depths' difference strays from a straight line by their distance
+ * times the stray of the depth of a unit. So they are out of reach throughout, or within it for long. */
 static int is_none(const td_swap_tile *of, const td_swap_splat *a, const td_swap_splat *b, double near, double slow) {
     const double from = b->z[0] - a->z[0], to = b->z[of->at->parts] - a->z[of->at->parts];
     const double within = near * td_greater(fabs(a->z[0]), fabs(a->z[of->at->parts]));

@@ -136,7 +136,7 @@ tides_status td_renderer_sweep_alone(tides_renderer *renderer, const tides_traje
     if (status == TIDES_OK) status = sweep_moved(renderer, camera, start, stop, error);
     double begun = td_now();
     renderer->candidates.instant = !(start < stop);
-    /* Where nothing moves, and nothing did, lists hold on as boxes do. */
+    /* Lists stay valid as boxes do, where nothing moves and nothing did. */
     if (status == TIDES_OK && !renderer->listed) status = make_lists(renderer, error);
     renderer->stats.time_sweep_s += td_now() - begun;
     return status;

@@ -16,7 +16,8 @@ typedef struct td_cluster {
     double opacity; /* the largest */
 } td_cluster;
 
-/* May be seen; may not, and has boxes of when it was; may not, and has none. */
+/* States of a cluster. SEEN: it may be in view. LEFT: it is out of view, and has boxes of when it was in view. GONE: it is out
+ * of view, and has none. */
 enum { TD_CLUSTER_SEEN, TD_CLUSTER_LEFT, TD_CLUSTER_GONE };
 
 typedef struct td_clusters {

@@ -34,8 +34,8 @@ tides_status td_renderer_interpolate(tides_renderer *renderer, double tolerance,
 
 /* -- stopping -------------------------------------------------------------------------------------------------------------- */
 
-/* From now on `heed` (NULL: nobody) is asked before each launch of tiles or points. Where it says other than 0, what is under
- * way ends with TIDES_CANCELLED: nothing that came of it is to be used, and the renderer is as good as before. */
+/* From now on `heed` (NULL: none) is asked before each launch of tiles or points. If it returns other than 0, the work under
+ * way ends with TIDES_CANCELLED: its results must not be used, and the renderer is as good as before. */
 typedef int (*td_heed)(void *user);
 void td_renderer_set_heed(tides_renderer *renderer, td_heed heed, void *user);
 
@@ -144,16 +144,16 @@ tides_status td_renderer_points_end(tides_renderer *renderer, tides_error *error
 void td_renderer_points_drop(tides_renderer *renderer);
 int td_renderer_points_go_on(const tides_renderer *renderer);
 
-/* Before any point is asked for: the renderer gets what works them out, one by one, in double precision whatever it computes
- * in itself, with every splat (no stop rule), on the image that record paths make of the interval swept last
- * (kernels/points.h). TIDES_UNSUPPORTED, saying why, where that can't be had. */
+/* To be called before any point is asked for. The renderer then computes points one by one, in double precision whatever its
+ * own is, with every splat (no stop rule). Points see the image that record paths make of the interval swept last
+ * (kernels/points.h). TIDES_UNSUPPORTED, with the reason, where that can't be had. */
 tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *error);
 
-/* For tests of a renderer that has that: so few Gaussians (not more than by default) get paths together, where points ask for
- * them, and so many of all are looked at before. */
+/* For tests of a renderer with exact points: `group` Gaussians (not more than by default) get paths together, and `some` of all
+ * are looked at before. */
 void td_renderer_points_groups(tides_renderer *renderer, int group, int some);
 
-/* Why they can't, which doesn't depend on the device; NULL: they can. */
+/* The reason why exact points can't be had, which doesn't depend on the device; NULL: they can. */
 const char *td_renderer_lacks_exact_points(const tides_renderer *renderer);
 
 /* Keeps the instant swept last, for exact points. td_renderer_kept_points then answers at its time, whatever has been swept and

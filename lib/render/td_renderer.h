@@ -259,9 +259,9 @@ tides_status td_renderer_rows_at(tides_renderer *renderer, const int *gaussians,
 tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
                                      double *planes, tides_error *error);
 
-/* Likewise, whatever comes out; td_renderer_sharp_tiles then refuses what isn't finite, naming pixel, time and splat
- * (nonfinite.c). To planes, or (not NULL) to whole images of one time, by a backend that draws: without the tiles in between,
- * which were a third of a large frame (1280x720) that is cheap to render. */
+/* Renders tiles without PSF and without checks; td_renderer_sharp_tiles then refuses values that aren't finite, naming pixel,
+ * time and splat (nonfinite.c). Results go to planes, or (not NULL) to whole images of one time, by a backend that draws.
+ * Images save the tiles in between, which were a third of a large frame (1280x720) that is cheap to render. */
 tides_status td_renderer_raw_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
                                    double *planes, td_pictures *pictures, tides_error *error);
 tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,

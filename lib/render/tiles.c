@@ -94,7 +94,7 @@ static void draw_empty(tides_renderer *renderer, const td_request *requests, int
     renderer->stats.tile_jobs_skipped += (uint64_t)empty_count;
 }
 
-/* With a decoder such tiles are jobs too: what it makes of nothing depends on the ray. */
+/* Runs empty tiles as jobs, as a decoder needs: its output for no splats depends on the ray. */
 static tides_status run_empty(tides_renderer *renderer, td_batch *batch, const td_request *requests, int count, double *planes,
                               tides_error *error) {
     if (count == 0) return TIDES_OK;

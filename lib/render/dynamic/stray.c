@@ -102,7 +102,8 @@ static tides_status add_knots(td_strays *strays, const seen_path *seen, const ti
     return status;
 }
 
-/* Both ends, all samples of the paths, and points in between, in order; and what is seen there. */
+/* Collects the places of samples, in order: both ends, all samples of the paths, and points in between; then the views
+ * there. */
 static tides_status find_samples(td_strays *strays, const seen_path *path, tides_error *error) {
     strays->samples = 0;
     tides_status status = add_share(strays, 0, error);

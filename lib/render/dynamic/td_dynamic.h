@@ -160,7 +160,7 @@ void td_dynamic_rows_open(td_dynamic *dynamic);
 tides_status td_dynamic_rows_ask(td_dynamic *dynamic, const int *gaussians, int count, double time, int side, int *rows,
                                  tides_error *error);
 
-/* All of that for one time. */
+/* Opens a batch, asks for the rows of Gaussians at one time, and sends it. */
 tides_status td_dynamic_rows_at(td_dynamic *dynamic, td_backend *backend, const int *gaussians, int count, double time,
                                 int side, int *rows, tides_error *error);
 
