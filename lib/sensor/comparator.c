@@ -418,7 +418,7 @@ tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_til
 
 /* -- one pixel ------------------------------------------------------------------------------------------------------------- */
 
-/* With blocks. */
+/* Advances a pixel of a sensor with blocks. */
 static tides_status advance_pixel(const td_pixel_job *pixel, const td_sensor_single *single, td_sensor_counts *counts) {
     const td_ends *ends = single->ends;
     const td_tile tile = {single->x, single->y, 1, 1};

@@ -77,7 +77,7 @@ static double kick_at(const walk *w, double s) { return w->job->sensor->kick.on 
 
 /* -- additive noise -------------------------------------------------------------------------------------------------------- */
 
-/* On to the segment that begins at s, or holds it. */
+/* Goes on to the segment of noise that begins at s, or holds it. */
 static void seek_segment(walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
     if (w->segment_until > s) return;
@@ -282,7 +282,7 @@ static void consume(walk *w, double until) {
     }
 }
 
-/* From where the walk stands to the end of the refractory period, or of the step. */
+/* Passes over the rest of the refractory period, or of the step. */
 static void pass_held(walk *w) {
     double end = fmax(place_of(w, *held_until(w)), w->s);
     int law = w->job->sensor->sensor.refractory_law;
@@ -299,7 +299,7 @@ static void pass_held(walk *w) {
 
 static int is_masked(const walk *w) { return w->s < w->pixel->visible_from || w->s > w->pixel->visible_to; }
 
-/* To where the pixel becomes visible, or the step's end. */
+/* Passes over the part in which the pixel isn't visible, or the rest of the step. */
 static void pass_masked(walk *w) {
     double end = w->s < w->pixel->visible_from ? w->pixel->visible_from : 2;
     lose_noise(w, end, &w->job->counts.suppressed);

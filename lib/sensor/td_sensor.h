@@ -204,7 +204,7 @@ typedef struct td_change {
     int8_t fired;     /* the crossing is an event, the last one in the buffer by then */
 } td_change;
 
-/* In time order. What finds no room is lost, and counted: of that many the times are the model's. */
+/* Changes in order of time. A change without room is lost, and counted; its time is the model's. */
 enum { TD_CHANGES_MAX = 96 };
 typedef struct td_changes {
     int count, lost;
@@ -305,7 +305,7 @@ td_noise_segment td_sensor_noise_segment(const td_sensor *sensor, size_t pixel);
 /* The additive noise and the kicks at a time [ns since the run's start] that isn't before the time reached; 0 without. */
 double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time);
 
-/* After the state of pixels was put there from outside: what follows from it. */
+/* Computes the rest of the state, after the carried state of pixels was set from outside. */
 void td_sensor_resume(td_sensor *sensor);
 
 /* The time of the pixel's next wake-up, after any of its parts changed. */

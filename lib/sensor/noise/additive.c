@@ -199,7 +199,7 @@ static int64_t begin_lanes(const td_additive_noise *noise, double start_ns, doub
     return most;
 }
 
-/* On by the lanes' normals n(point + after), where they are of their segments. */
+/* Advances the lanes by the normals n(point + after), where these belong to their segments. */
 static inline void advance(const td_additive_noise *noise, double after, const double *restrict normal, lanes *restrict l) {
     for (int i = 0; i < TD_RANDOM_LANES; i++) {
         const double point = l->point[i] + after, next = noise->rho * l->x[i] + noise->change * normal[i];

@@ -33,10 +33,11 @@ enum { ORDER = 16, TERMS = 8, BLOCK = 64, LANES = 32, STATES = TD_FRONTEND_STATE
 /* A panel's length times the sum of the equation's rates: longer ones need more than ORDER terms. */
 static const double longest = 2;
 
-/* So much of it is what L changes by, three times between two of the step's control values. */
+/* Weight of the change of L in the number of panels: its slope is three times the difference of two neighbouring control
+ * values. */
 static const double steep = 3 * 4;
 
-/* Numbers of panels that there are: steps that need more are left. */
+/* Numbers of panels to choose from; steps that need more have no answer here. */
 enum { CLASSES = 14 };
 static const double panels_of[CLASSES] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128};
 
@@ -203,7 +204,7 @@ static inline void take_series(const panel *p, const block *of, int first, int c
     }
 }
 
-/* To the panel's end. */
+/* Takes the pixels to the panel's end. */
 static inline void finish(const panel *p, block *restrict of, int first, int count, const lanes *at) {
     double y[LANES], v[LANES], z[LANES], S[LANES], up[LANES], down[LANES], left[LANES];
     for (int i = 0; i < count; i++) {

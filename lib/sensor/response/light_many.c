@@ -36,9 +36,9 @@ typedef struct shared {
 
 TD_WITHIN double choose(double yes, double a, double b) { return yes > 0 ? a : b; }
 
-/* One substep of each tried. A pixel that is lost stays where it was. Bounds: S(s) - S(0) is 1 - e^(-rate s) times an
- * average of L less S(0), and that factor is at most the rate. S below all of L rises, and where it ends below it, too, it
- * has never met it. */
+/* Tries one substep of each pixel. A pixel that is lost stays where it was. Bounds: S(s) - S(0) is 1 - e^(-rate s) times an
+ * average of L less S(0), and that factor is at most the rate. S below all of L rises; if it also ends below L, it has never
+ * met it. */
 TD_WIDE static void go_on(const shared *by, walk *at) {
     const td_light_law law = by->law;
     const double dark_L = by->dark_L, seconds = by->seconds, tolerance = by->tolerance;

@@ -187,7 +187,7 @@ static double solve_frozen(const td_substeps *substeps, const td_model *substep,
     return error;
 }
 
-/* Where Y isn't cut off at 0. */
+/* 1 where the step can be solved in the filter's own time: Y isn't cut off at 0. */
 static int can_map(const td_filter_input *source, const td_model *input) {
     double least = INFINITY, most = -INFINITY;
     for (int i = 0; i < 4; i++) {
