@@ -26,17 +26,19 @@ void td_probe_deviation(double h, double theta, const td_signals *ends, const do
  * of a part. It has shares of the deviation that the cubic of a part may be off by in its middle, and the probability of each.
  * Weights are whole numbers of 64ths: their sums are exact in any order.
  *
- * Where the signal is smooth the cubic's error is its fourth derivative times h^4 / 384 in the middle: a deviation is that of
- * the step, and its parts have a sixteenth each, less towards their ends as 16 s^2 (1 - s)^2. The deviation itself has then
- * fallen to about a sixteenth since the cut before, which tells these pixels, or to a little more where the step was long for
- * the signal, and goes on as it fell. A kink of the slope at a place that is drawn leaves the part that it is in with 2.3 / 16
- * of the deviation in the median, 9 / 16 in a tenth and 18 / 16 in a hundredth, one of the curvature with 1.8, 4 and 8.5, and
- * anywhere in it; the deviation has fallen to about a half or a quarter. It may also be small by chance, where the terms of an
- * error cancel: then the fall is too deep, and what is left is rough.
+ * Smooth signals. The cubic's error in the middle is the fourth derivative times h^4 / 384. The deviation is the step's error,
+ * and each part has a sixteenth of it, less towards its ends as 16 s^2 (1 - s)^2. Since the cut before, the deviation has
+ * fallen to about a sixteenth, which tells these pixels. If the step was long for the signal, it has fallen to a little more,
+ * and goes on as it fell.
  *
- * Measured on the events of 200 random scenes (grazing_world.h), 90, 95, 99 % of them are below so many sixteenths: smooth 1.4,
- * 1.9, 4.3; rough 2, 3, 11; of a kink of the slope 3, 4, 14. The weights of the tails are higher than that: a run has few
- * places where its signals bend, and all the pixels there share one chance. */
+ * Kinks. A kink of the slope at a drawn place leaves its part with 2.3 / 16 of the deviation in the median, 9 / 16 in a tenth,
+ * and 18 / 16 in a hundredth of cases. A kink of the curvature leaves 1.8, 4 and 8.5 sixteenths. The error may be anywhere in
+ * the part, and the deviation has fallen to about a half or a quarter. A deviation may also be small by chance, where the terms
+ * of an error cancel: then the fall is too deep, and the rest is rough.
+ *
+ * Measured on the events of 200 random scenes (grazing_world.h), 90, 95, 99 % of the errors are below so many sixteenths:
+ * smooth 1.4, 1.9, 4.3; rough 2, 3, 11; kink of the slope 3, 4, 14. The weights of the tails are higher than that: a run has
+ * few places where its signals bend, and all the pixels there share one chance. */
 typedef struct td_probe_law {
     int is_smooth;
     double share[3], weight[3];

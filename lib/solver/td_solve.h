@@ -156,18 +156,18 @@ TIDES_MUST_CHECK tides_status td_solve_choose(tides_simulator *s, const tides_se
 TIDES_MUST_CHECK tides_status td_solve_create(tides_simulator *s, tides_error *error);
 void td_solve_release(td_solve *solve);
 
-/* Before a macro step is swept: behind the first, the run's start is swept, and kept for references (solve_rest.c), lists and
- * views: paths need not know it from then on. */
+/* To be called before a macro step is swept. Behind the first, it sweeps the run's start, and keeps its lists and views for
+ * references (solve_rest.c): paths need not know the start from then on. */
 TIDES_MUST_CHECK tides_status td_solve_keep_start(tides_simulator *s, tides_error *error);
 
-/* The comparator over the accepted steps of the tiles that move, those that nothing open is before (settle.c). */
+/* Runs the comparator over the accepted steps of the tiles that move, as far as no open step is before them (settle.c). */
 TIDES_MUST_CHECK tides_status td_solve_steps(tides_simulator *s, tides_error *error);
 
-/* Before tiles at rest are compared over a macro step that begins at `start`: what may do something there gets its signal and
- * its reference from what is looked up, so that slow ramps meet the levels where references say (solve_rest.c). */
+/* To be called before tiles at rest are compared over a macro step that begins at `start`. Pixels that may do something there
+ * get their signals and references from look-ups, so that slow ramps meet the levels where references say (solve_rest.c). */
 TIDES_MUST_CHECK tides_status td_solve_still(tides_simulator *s, const td_step *span, double start, tides_error *error);
 
-/* At the end of a macro step: what its events' times are off by, as a sample of them says (solve_sample.c). */
+/* Estimates at the end of a macro step the errors of its events' times, from a sample of them (solve_sample.c). */
 TIDES_MUST_CHECK tides_status td_solve_measure(tides_simulator *s, tides_error *error);
 
 /* -- parts of it ---------------------------------------------------------------------------------------------------------- */

@@ -9,7 +9,7 @@
 /* Steps of a macro step are too many for caches, and are asked for so many pixels ahead. */
 enum { AHEAD = 6 };
 
-/* That are worth a thread's while. */
+/* Fewest points and pixels that are worth a thread of their own. */
 enum { FEWEST_POINTS = 512, FEWEST_PIXELS = 64 };
 
 /* -- what comes back ------------------------------------------------------------------------------------------------------- */

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-/* Is a refractory period on at s, behind n changes? */
+/* 1 where a refractory period is on at s, after n changes. */
 static int is_held_at(const td_visit *v, int n, double s) {
     const td_sensor *sensor = &v->s->sensor;
     const td_step *span = &v->now->span;
@@ -22,7 +22,7 @@ double td_left_at(const td_visit *v, int n, double s, double S) {
     return is_held_at(v, n, s) ? INFINITY : td_lesser(on - residual, residual + off);
 }
 
-/* By how much doubt is more than what is left. */
+/* Excess of an approach's doubt over the distance to the level. */
 static double excess_of(const td_visit *v, const td_approach *at) { return at->doubt + v->model.floor - at->left; }
 
 /* The polarity of the change behind n of them, if it is in piece k still, or 0. */
@@ -31,7 +31,8 @@ static int next_polarity(const td_visit *v, int k, int n) {
     return n < v->changes.count && next->s <= v->model.pieces.from[k + 1] ? next->polarity : 0;
 }
 
-/* At u of piece k. A level that the model reaches next in the piece counts for nothing: when it does, is looked up. */
+/* The approach at u of piece k. A level that the model reaches next in the piece doesn't count: the time at which it does is
+ * looked up. */
 static td_approach approach_at(const td_visit *v, int k, double u) {
     const td_sensor *sensor = &v->s->sensor;
     const td_pieces *pieces = &v->model.pieces;
@@ -48,8 +49,8 @@ static td_approach approach_at(const td_visit *v, int k, double u) {
     return at;
 }
 
-/* May a level be within reach anywhere in piece k, for all that its control values and its doubt say? Most have none, and
- * places in them needn't be gone through. */
+/* 1 where a level may be within reach anywhere in piece k, by its control values and its doubt. Most pieces have none, and
+ * places in them needn't be visited. */
 static int may_reach(const td_visit *v, int k) {
     const td_sensor *sensor = &v->s->sensor;
     const double *b = v->model.pieces.model[k].control, doubt = td_trusted_doubt(&v->model, k, 0.5);
@@ -86,8 +87,7 @@ static void look_between(const td_visit *v, int k, td_approach *worst) {
     }
 }
 
-/* Behind what happens at change n or later: how far S is from the levels there, or from that of change n, which is in the
- * piece. */
+/* Distance of S from the levels behind its last change, or from the level of that change, where the change is in the piece. */
 static double left_beside(const td_visit *v, int k, double u) {
     const td_pieces *pieces = &v->model.pieces;
     const double s = pieces->from[k] + u * (pieces->from[k + 1] - pieces->from[k]), S = td_model_value(&pieces->model[k], u);
@@ -127,7 +127,7 @@ static void look_at_kink(const td_visit *v, int k, td_approach *worst) {
  * a step within a quarter of that. */
 static const double shows_swap = 0.5;
 
-/* Has the pixel been looked at in both halves of a swap? */
+/* 1 where the pixel has been looked at in both halves of a swap. */
 static int is_swap_seen(const td_visit *v, const td_swap_place *swap) {
     int before = swap->s <= 0.5 * swap->wide, after = swap->s >= 1 - 0.5 * swap->wide; /* the step's ends show it */
     for (int i = 0; i < v->nodes; i++) {
@@ -139,7 +139,7 @@ static int is_swap_seen(const td_visit *v, const td_swap_place *swap) {
     return before && after;
 }
 
-/* May a swap of depth decide whether a level is reached? */
+/* 1 where a swap of depth may decide whether a level is reached. */
 static int may_swap_decide(const td_visit *v, const td_swap_place *swap) {
     const td_pieces *pieces = &v->model.pieces;
     for (int side = -2; side <= 2; side++) {

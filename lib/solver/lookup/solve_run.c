@@ -37,7 +37,7 @@ static void enter(td_visit *v, td_looked *looked, int32_t number) {
     v->looked->nodes = v->looked->looks = 0;
 }
 
-/* With nothing found and nothing near, the pixel is at the step's end. */
+/* 1 where the pixel may do something in the step. A pixel with nothing found and nothing near goes to the step's end. */
 static int may_act(const td_visit *v) {
     static const td_tile one = {0, 0, 1, 1};
     const td_ends *at = &v->looked->ends;
@@ -87,7 +87,7 @@ static void weigh(td_visit *v) {
     }
 }
 
-/* Is what happens at change n as good as asked for? */
+/* 1 where change n is as good as asked for. */
 static int is_good(const td_visit *v, int n) {
     int touches;
     const td_change *change = &v->changes.change[n];

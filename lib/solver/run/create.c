@@ -112,7 +112,7 @@ static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *err
     return ok ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
-/* Where all pixels have their steps in common, blocks would only be more of the same work. */
+/* The unit of steps. If all pixels have their steps in common, it is the tile, since blocks would only add work. */
 static int unit_of(const tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping) {
     const int own = stepping->mode != TIDES_STEPPING_FIXED && stepping->local && sensor->surround_lambda_px == 0;
     if (!own) return TIDES_UNIT_TILE;

@@ -169,7 +169,7 @@ static void collect(const tides_simulator *s, tides_stats *stats) {
     stats->tolerance = s->given.tolerance;
 }
 
-/* And what was counted before a restore. */
+/* Joins the counts from before a restore. */
 static void join(tides_stats *stats, const tides_stats *before) {
     for (size_t i = 0; i < ROWS; i++) {
         const tides_stat *row = &table[i].stat;

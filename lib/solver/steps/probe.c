@@ -9,9 +9,9 @@
  * longer part's error falls with the fourth power of its length. */
 static const double nearest = 0.01, furthest = 0.02;
 
-/* Where the signal is smooth the rate is nearly right at the middle, and adds little. It shows what the value alone may hide:
- * of a kink that leaves the middle's value right where it is a quarter of the step away. With this weight what the cubics of
- * both parts are off by is 1.4 times the sum at most, wherever a kink is (tests/unit/test_probe.c). */
+/* Weight of the rate in a deviation. For a smooth signal the rate is nearly right at the middle, and adds little. It shows a
+ * kink that the value alone may hide: one a quarter of the step away leaves the middle's value right. With this weight the
+ * errors of both parts' cubics are 1.4 times the sum at most, wherever a kink is (tests/unit/test_probe.c). */
 static const double rate_weight = 0.5;
 
 /* splitmix64 (S. Vigna, public domain): all bits of the key in all bits of the number. */

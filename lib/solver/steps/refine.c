@@ -104,7 +104,7 @@ static void note_falls(td_refine *r, int32_t before, int32_t sample, int32_t cou
     for (int32_t i = 0; i < count; i++) fall[i] = td_probe_fall(deviation[i], last[i]);
 }
 
-/* Where a step is cut. */
+/* The place where a step is cut. */
 static uint32_t place_of(const tides_simulator *s, const td_refine_step *step) {
     return step->swap ? step->swap : td_probe_place(s->refine.macro, step->from, step->to);
 }

@@ -234,7 +234,8 @@ static void filter_turn(const td_timed *timed, int n, some *of) {
     of->rounding[n] = td_timing_together(of->rounding[n], timed->adds * timed->filter_error[i] * td_exponential(-rate * s));
 }
 
-/* To the step's end: with the share of most steps, for what is carried is a sum over many. */
+/* Carries the filter's errors to the step's end. It takes the share of most steps, since the carried error is a sum over
+ * many. */
 static void carry_errors(const td_timed *timed) {
     for (int32_t i = 0; i < timed->tile->count; i++) {
         const td_probe_law law = law_of(timed, i);

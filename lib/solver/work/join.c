@@ -43,7 +43,8 @@ static tides_status append(void **list, size_t *count, size_t *capacity, const v
     return TIDES_OK;
 }
 
-/* Where a portion has listed who may do something, its numbers count from there. */
+/* Joins a portion's requests. A portion numbers the pixels that may do something by its own list, which begins at `from` in the
+ * run's. */
 static tides_status join_asks(td_solve_batch *to, const td_solve_batch *asks, int32_t from, tides_error *error) {
     const size_t pixels = to->pixels, points = to->points;
     size_t asked = points;
