@@ -136,7 +136,7 @@ tides_status compare_write_latex(const comparison *c, const cJSON *report, tides
 void compare_print_meanings(int32_t reference);
 void compare_put_meanings(FILE *file, int32_t reference);
 
-/* compare_print.c: all of it on the terminal. What was left out of a recording, as a sentence. */
+/* compare_print.c: all of it on the terminal. Puts the parts of a recording that were left out into a sentence. */
 void compare_print(const comparison *c, const cJSON *report);
 enum { COMPARE_SENTENCE = 400 };
 const char *compare_left_out(const comparison *c, char text[COMPARE_SENTENCE]);
