@@ -127,8 +127,8 @@ static inline void put_bits(bits *b, uint64_t value, unsigned count) {
         if (b->at < b->room) b->to[b->at] = (unsigned char)b->held;
 }
 
-/* Codes, as RFC 1951 has them, the first bit the lowest. Those of lengths of codes: 0 is 00, 3 to 10 times 0 is 01, 11 to 138
- * times 0 is 10, 1 is 110, 2 is 111. Those of bytes: what there is most of is 0, the other byte 10, the end 11. */
+/* Codes, as RFC 1951 has them, the first bit the lowest. Codes of lengths: 0 is 00, 3 to 10 times 0 is 01, 11 to 138 times 0 is
+ * 10, 1 is 110, 2 is 111. Codes of bytes: the more frequent byte is 0, the other one 10, the end 11. */
 enum { LENGTH_NONE = 0, LENGTH_FEW = 2, LENGTH_MANY = 1, LENGTH_ONE = 3, LENGTH_TWO = 7 };
 enum { CODE_OFTEN = 0, CODE_SELDOM = 1, CODE_END = 3 };
 enum { END = 256, LONGEST = 285, LONGEST_BYTES = 258 }; /* symbols after the bytes; what the last stands for */
@@ -168,8 +168,8 @@ static size_t put_end(bits *b, int last) {
 
 /* -- coders ---------------------------------------------------------------------------------------------------------------- */
 
-/* Each appends blocks of a deflate stream that end with a whole byte, the `last` of it or not: their bytes, 0 if it can't. Of
- * planes one after the other that are of a kind, the first is given, with the bytes of all. */
+/* Each appends blocks of a deflate stream that end with a whole byte, the `last` of it or not: their bytes, 0 if it can't.
+ * Neighbouring planes of one kind are given as the first one, with the bytes of all. */
 
 static size_t put_noise(const plane *p, int last, unsigned char *to, size_t room) {
     enum { MOST = 65535, HEAD = 5 };

@@ -53,8 +53,8 @@ int td_h5_check_heap(const td_h5_disk *disk, const unsigned char *bytes, size_t 
 
 /* ---- trees: the links of a group, the chunks of a dataset ---- */
 
-/* Bytes of a key; 0 where it can't be told. Those of chunks have as many offsets as the dataset has dimensions, which the node
- * doesn't say: only its size does, with the number of children that nodes have room for. */
+/* Bytes of a key; 0 where it can't be told. A chunk's key has as many offsets as the dataset has dimensions. The node doesn't
+ * tell their number: it follows from its size, and from the number of children that nodes have room for. */
 static size_t key_bytes(int chunks, size_t count) {
     enum { HEAD = 24, ADDRESS = 8, GROUP_KEY = 8, CHILDREN = 64 /* HDF5's default, which nothing changes */ };
     if (!chunks) return GROUP_KEY;
@@ -118,8 +118,8 @@ static int check_messages(const unsigned char *bytes, size_t count, size_t at) {
     return 1;
 }
 
-/* Version 2 has a checksum, so that damage by chance is told; what was made to do harm has the right one. What continues such
- * a header (OCHK) doesn't say how long its messages' heads are. */
+/* Version 2 has a checksum, so that damage by chance is told; what was made to do harm has the right one. A block that
+ * continues such a header (OCHK) doesn't tell the length of its messages' heads. */
 static int check_header_2(const unsigned char *bytes, size_t count) {
     enum { FLAGS = 5, PREFIX = 6, TIMES = 16, PHASES = 4, ORDER = 2 };
     if (count < PREFIX || bytes[4] != 2) return 1;

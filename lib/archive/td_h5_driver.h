@@ -1,7 +1,7 @@
 /* Internal: how HDF5 files are read from the disk and written to it.
  *
  * HDF5 1.10 can neither close nor forget a file whose writing failed: it tries again when the process ends, and crashes. So it
- * isn't told: this driver keeps the first failure for us, and lets HDF5 believe that all went well. Who writes with it asks for
+ * isn't told: this driver keeps the first failure for us, and lets HDF5 believe that all went well. Callers that write ask for
  * the failure after each flush, and after the file is closed.
  *
  * Read so, a file has no bytes beyond its end (HDF5's own driver gives zeros), and HDF5 doesn't gather neighbouring metadata in
