@@ -188,7 +188,7 @@ static int sync_folder_of(const char *path) {
     return failed == EACCES || failed == EPERM ? 0 : failed;
 }
 
-/* 0 or errno. What came to be at the target since the work began is looked at again: hours may lie between. */
+/* 0 or errno. The target is checked again for a file that appeared since the work began: hours may lie between. */
 static int put_in_place(const char *part, const char *target) {
     struct stat there;
     if (lstat(target, &there) == 0 && !S_ISREG(there.st_mode)) return S_ISDIR(there.st_mode) ? EISDIR : EEXIST;

@@ -1,8 +1,8 @@
 /* Internal: the state of a run's parts as a table, for whoever saves it and puts it back (lib/checkpoint).
  *
  * Each part that has a state gives one function that adds its rows: what the file calls an array, what it holds, and where it
- * stands in the part's own memory. A new array of state is one row beside the code that owns it. What isn't an array of numbers
- * (the readout's queues) packs itself. The table borrows: it lasts as long as the arrays stay where they are. */
+ * stands in the part's own memory. A new array of state is one row beside the code that owns it. State that isn't an array of
+ * numbers (the readout's queues) packs itself. The table borrows: it lasts as long as the arrays stay where they are. */
 #ifndef TD_STATE_H
 #define TD_STATE_H
 
