@@ -1,5 +1,5 @@
-/* Removes the bias of the calibration's method. The same light goes through TIDES's own pixels with the values found, and their
- * events are measured in the same way. The difference is the method's own doing, and is subtracted. */
+/* Removes the bias of the calibration's method. The recording's light goes through TIDES's own pixels with the values found,
+ * and their events are measured in the same way. The difference is the method's own doing, and is subtracted. */
 #include "td_calibrate.h"
 
 #include <math.h>

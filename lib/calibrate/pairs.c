@@ -1,4 +1,4 @@
-/* Successive events of a pixel. Those with an end in a burst are left out, and so are pixels that fire all the time. */
+/* Successive events of a pixel. Pairs with an end in a burst are left out, and so are pixels that fire all the time. */
 #include "td_calibrate.h"
 #include "td_sort.h"
 
