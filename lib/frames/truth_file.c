@@ -1,5 +1,5 @@
-/* Ground truth out of the files that data sets have it in, as named planes (tides/truth.h says which). What lib/dataset writes
- * comes back as it was, but for what its integers have no room for. */
+/* Ground truth out of the files that data sets have it in, as named planes (tides/truth.h says which). Values that lib/dataset
+ * writes come back as they were, but for the rounding of its integers. */
 #include "archive/td_npy.h"
 #include "image/td_exr.h"
 #include "td_folder.h"
