@@ -2,9 +2,9 @@
  * parameters come. For exact streams and comparisons.
  *
  * An ideal pixel fires where the logarithm has moved by the threshold since its last event, and does nothing else: no noise, no
- * spread, no latency, no low-pass, no refractory period. What is left of a method then is how it sees the image and where it
- * puts events in time. What has only one ideal value says so in the parameter table (td_param.ideal); here is what depends on
- * the run. */
+ * spread, no latency, no low-pass, no refractory period. The rest of a method is how it sees the image, and where it puts
+ * events in time. Parameters with one ideal value have it in the parameter table (td_param.ideal); those that depend on the run
+ * are here. */
 #include "run/td_params.h"
 #include "td_base.h"
 #include "tides/measure.h"
