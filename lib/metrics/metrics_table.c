@@ -1,6 +1,6 @@
-/* The table of metrics: every value of a comparison once, with its family, its unit, which way is better and a sentence. What
- * is NaN until it is computed, the tool's JSON, table and --only, and Python's list are made of it: a new metric is a file of
- * its own, a field of tides_metrics with its definition, and its rows here. */
+/* The table of metrics: every value of a comparison once, with its family, its unit, which way is better and a sentence. The
+ * values that begin as NaN, the tool's JSON, table and --only, and Python's list are made of it. A new metric is a file of its
+ * own, a field of tides_metrics with its definition, and its rows here. */
 #include "td_metrics.h"
 
 #define ROW(of, label, family, kind, often, field, span, units, way, text) \
