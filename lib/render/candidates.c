@@ -1,7 +1,7 @@
 /* Tile candidate lists: for each 16x16 tile the Gaussians whose swept box touches it, in index order. A counting sort, object
  * by object: one pass over the boxes finds who touches any tile, and how long lists will be; one over those puts them there.
- * Who touches what is looked at in vectors, and a box of up to 2x2 tiles goes to its lists without a question, since how many
- * tiles a box has is hard to guess. */
+ * Touches are tested in vectors. A box of up to 2x2 tiles goes to its lists without a branch, since the number of tiles of a
+ * box is hard to predict. */
 #include "td_renderer.h"
 #include "td_wide.h"
 

@@ -253,7 +253,7 @@ static void look_of(const expose_job *job, const panel *p, row_look looks[TD_TIL
 /* The error of a panel's halves in a pixel of a plane. Where all of it is exposed that is half of what they say against the
  * whole; but a kink a quarter in leaves both with the same integral, and the middle's value right: a quarter of how far value
  * and slope are off there is half more than what a kink anywhere costs the halves. In part, down to an instant, cubics that
- * cross say nothing, and a kink costs up to half of that. Of smooth signals the quarter is what half of the other is. */
+ * cross say nothing, and a kink costs up to half of that. For smooth signals the quarter equals half of the other. */
 static double error_of(const expose_job *job, const panel *p, const row_look *look, double span, int plane, int pixel) {
     const double bend = look->share * bend_of(job, p, span, plane, pixel);
     if (look->in_part) return 0.5 * bend;

@@ -10,7 +10,7 @@
 
 /* A stretch is halved, down to nanoseconds, while some tile asks for more panels than it may begin with; so many stretches at
  * most, each a sweep. A sweep sees what takes a 4096th of it, and as it is of all Gaussians, an exposure is cut for that into
- * fewer. What takes more is not looked for, and what may be in it counts as unknown. */
+ * fewer. An exposure that takes more sweeps isn't searched, and its possible events count as unknown. */
 enum { STRETCHES_MAX = 2048, DEEPEST = 20, SWEEPS_MAX = 64, SEEN_MOST = 1 << (TD_STRAY_LEVELS - 1) };
 
 /* A path that strays by more than this from the cubics of so many pieces [px] does something in them that looks may miss; what

@@ -1,7 +1,7 @@
 /* Record paths in double precision for single pixels: pieces of the interval; every listed Gaussian projected at their ends
  * and in their middles (point_rows.c); by what the middles show each gets as many nodes as it needs.
  *
- * What a Gaussian needs is told by itself, so that it doesn't matter with which others it is made, nor when. Into which pieces
+ * A Gaussian's nodes depend on it alone, so they are the same whenever it is made, and with whichever others. Into which pieces
  * an interval is cut is told by all that is in a list, or by every so manieth of that. */
 #include "camera/td_trajectory.h"
 #include "td_point_nodes.h"
@@ -444,9 +444,9 @@ int td_point_nodes_expected(const td_point_nodes *nodes) {
     return all < (double)MOST_CURVES ? (int)all : (int)MOST_CURVES;
 }
 
-/* Tests take a splat to go straight on in a slice, and cost as much again with each: how splats bend curves tell. Of 10 ms of
- * the demo, 5 curves a splat, a point costs 2.9, 1.8, 1.5 us with 1, 2, 4 slices, of 3 ms 1.2 with any; and a trained object's
- * lists, 1300 long, cost more than their points with 4. */
+/* Tests take a splat to go straight on in a slice, and cost as much again with each: how splats bend curves tell. On 10 ms of
+ * the demo, 5 curves a splat, a point costs 2.9, 1.8, 1.5 us with 1, 2, 4 slices; on 3 ms it costs 1.2 with any. With 4 a
+ * trained object's lists, 1300 long, cost more than their points. */
 td_points_slices td_point_nodes_slices(const td_point_nodes *nodes) {
     int split = 0;
     if (nodes->pieces > 1) {

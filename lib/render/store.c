@@ -75,8 +75,8 @@ static tides_status order_part(const tides_gaussians *gaussians, const uint8_t *
     return TIDES_OK;
 }
 
-/* One part's Gaussians into the store. Coefficients of a lower degree than the scene's are padded with zeros. Those that move
- * stay invisible here. */
+/* One part's Gaussians into the store. Coefficients of a lower degree than the scene's are padded with zeros. Gaussians that
+ * move stay invisible here. */
 static void add_part_rows(const tides_gaussians *gaussians, const int64_t *order, const store_part *part, int number,
                           td_store *store) {
     int own = 3 * (gaussians->sh_degree + 1) * (gaussians->sh_degree + 1), g = part->first;

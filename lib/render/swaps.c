@@ -5,7 +5,7 @@
  * the turn is slow and the splats are small: what takes more than a share of the interval shows in its samples. One that is
  * shorter needs splats so large that the turn takes their depths past each other fast, and one that comes back within the
  * interval needs depths that stray by the reach from going straight. Splats of different bodies are looked at wherever their
- * depths meet. What motion models move isn't looked for: of it nobody knows a path. */
+ * depths meet. Splats that motion models move aren't searched, since their paths aren't known. */
 #include "scene/td_scene.h"
 #include "td_extremes.h"
 #include "td_math.h"
@@ -22,8 +22,8 @@ static const double steady = 0.2;
 /* Reach of a splat in standard deviations of its ellipsoid: out to there a splat of opacity 1 has 1/255 left. */
 static const double sigmas = 3.4;
 
-/* Pairs of a tile that are looked at, of bodies and within them: 10 ms of a processor each. What a denser tile has beyond isn't
- * looked for. */
+/* Pairs of a tile that are looked at, of bodies and within them: 10 ms of a processor each. Further pairs of a denser tile
+ * aren't searched. */
 enum { MOST_PAIRS = 1 << 20 };
 
 /* Centres of splats that overlap in the image at one depth are apart by the sum of their extents, and by more off the axis. */

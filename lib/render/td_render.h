@@ -166,7 +166,7 @@ tides_status td_renderer_kept_points(tides_renderer *renderer, const tides_traje
 int td_renderer_points_rounded(const tides_renderer *renderer);
 
 /* Exact points of the interval swept last on no record path: all that each may see is projected at its own time, at ten times
- * the cost. What record paths are off by is the difference. */
+ * the cost. The difference is the error of record paths. */
 tides_status td_renderer_direct_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
                                        size_t count, td_point_value *values, tides_error *error);
 

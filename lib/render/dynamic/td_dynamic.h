@@ -1,11 +1,11 @@
 /* Internal to lib/render: dynamic Gaussians, those that a motion model moves within their object.
  *
- * A Gaussian at rest has one row of geometry in the store, for good; a dynamic one is elsewhere at each time, so that a row
- * of it is worked out (by the backend's kernels, or on the host for callbacks) for each time that something asks for: three
- * for a sweep, one for each sample of a tile. This folder decides which rows those are, has them worked out in as few
- * launches as it can, keeps what is asked for again, and interpolates between rows where a model is expensive. What a row
- * costs, and the arithmetic of a model, is the backend's and lib/motion's; what moves as a whole (camera, objects on paths)
- * needs no rows. Compiled in double. */
+ * A Gaussian at rest has one row of geometry in the store, for good; a dynamic one is elsewhere at each time, so that a row of
+ * it is worked out (by the backend's kernels, or on the host for callbacks) for each time that something asks for: three for a
+ * sweep, one for each sample of a tile. This folder decides which rows those are, has them worked out in as few launches as it
+ * can, keeps what is asked for again, and interpolates between rows where a model is expensive. The cost of a row is the
+ * backend's, and a model's arithmetic is lib/motion's. Objects that move as a whole, and the camera, need no rows. Compiled in
+ * double. */
 #ifndef TD_DYNAMIC_H
 #define TD_DYNAMIC_H
 
