@@ -1,9 +1,9 @@
 /* Ideal pixels together. Which levels a pixel goes through in a step can be told from its values where the model turns, without
- * solving an equation. Those of a block that need anything are gathered, and their models, turns and numbers of levels are made
- * in loops that vectorise; the levels are listed, their places are found all at once (signal/crossing_list.c), and then the
- * events are written. How many levels a pixel has nothing can foretell, so that no branch asks where most of them pass. Pixels
- * with anything out of the ordinary (signals that aren't finite, or beyond a level at the step's start; more events than a step
- * may have; an end that asks for more than the model fired) go through td_ideal.h. */
+ * solving an equation. Pixels of a block that need anything are gathered. Loops that vectorise make their models, turns and
+ * numbers of levels. The levels are listed, their places are found all at once (signal/crossing_list.c), and then the events
+ * are written. How many levels a pixel has nothing can foretell, so that no branch asks where most of them pass. Pixels with
+ * anything out of the ordinary (signals that aren't finite, or beyond a level at the step's start; more events than a step may
+ * have; an end that asks for more than the model fired) go through td_ideal.h. */
 #include "td_ideal_block.h"
 
 #include "signal/td_crossing_list.h"

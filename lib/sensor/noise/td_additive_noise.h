@@ -4,9 +4,8 @@
  *
  *   x(k + 1) = rho x(k) + noise_rms sqrt(1 - rho^2) n(k + 1),  rho = exp(-d / tau),  n standard normal
  *
- * is the process itself at these points, stationary from the first. What it does between them, td_noise_bridge.h says. Here
- * only bounds of that matter: a segment is the stretch between two points, and on it the noise stays within `reach` of their
- * range.
+ * is the process itself at these points, stationary from the first. td_noise_bridge.h has the process between them. Here only
+ * bounds of that matter: a segment is the stretch between two points, and on it the noise stays within `reach` of their range.
  *
  * Normals are a function of (seed, pixel, k): not of steps, tiles, or where a run is cut. A pixel's state is k and x(k).
  *

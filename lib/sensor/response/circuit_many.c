@@ -3,8 +3,8 @@
  *
  * With d = L - y, v = y' and the light's current I the photoreceptor is v' = A I d - (B + C I) v. A step is cut into panels of
  * equal length, on which x goes from 0 to 1. There L is a cubic, I the Taylor series of e^L (E' = L' E) with TERMS terms, and y
- * the Taylor series that follows from them, with ORDER terms, from the panel's begin on, where value and slope are known. What
- * comes after y are low-passes with constant rates, whose answers to x^n are numbers (`passed`), the same for all pixels.
+ * the Taylor series that follows from them, with ORDER terms, from the panel's begin on, where value and slope are known. The
+ * filters after y are low-passes with constant rates, whose answers to x^n are numbers (`passed`) that all pixels share.
  *
  * The error. y so cut off is, exactly, the answer to the input L + g, where A I g is what the cut leaves of the equation: all
  * products of orders from ORDER - 1 on. With w = A d - C v and T_j for the sum of |I_k| from k = j on, that is at most

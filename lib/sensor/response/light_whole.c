@@ -18,7 +18,7 @@
  * least R / (1 + R), of the tolerance: then no sum of steps is off by more than that.
  *
  * Bounds of S on the step come from its ends: at a maximum between them S is L, so at most L's largest; and from there it falls
- * no faster than towards L's least, so that it is at most S(1) + (S(1) - least) (e^R - 1). The same of a minimum. */
+ * no faster than towards L's least, so that it is at most S(1) + (S(1) - least) (e^R - 1). A minimum is bounded likewise. */
 #include "td_exponential.h"
 #include "td_extremes.h"
 #include "td_frontend.h"

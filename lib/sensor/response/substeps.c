@@ -10,8 +10,8 @@
  *   A2 y'' + A1 y' + y = L + g,   g = e (L - y - k y')      A at J_m; k = output_s / (A_loop + 1), first order: A2 = 0, k = 0
  *
  * so that a substep is the constant filter's exact response to L + g. g is taken as the cubic through its values at 0, 1/3, 2/3
- * and 1, found by repeated substitution: e is small and so is the lag. What the cubic misses of g, seen between its nodes, is
- * an error of the input; a substep is cut shorter until it is within frontend->tolerance. Errors don't add up from substep to
+ * and 1, found by repeated substitution: e is small and so is the lag. The cubic's error of g, seen between its nodes, is an
+ * error of the input; a substep is cut shorter until it is within frontend->tolerance. Errors don't add up from substep to
  * substep: the response to an input error is bound by the largest one, times coth(pi z / (2 sqrt(1 - z^2))) for a swing of
  * damping z (3.5 for the defaults in full light) should the error swing along with it. It changes sign at four places of each
  * substep instead, and measured against integration S stays within half of TD_FRONTEND_TOLERANCE (property tests). */

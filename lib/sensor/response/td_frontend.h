@@ -66,10 +66,10 @@ double td_frontend_rest(const td_frontend *frontend, double L, double log_eps, d
 void td_frontend_step(const td_frontend *frontend, double h, const td_model *input, double log_eps,
                       double state[TD_FRONTEND_STATE], td_response *response);
 
-/* TD_FRONTEND_CONSTANT alone: the steps of many pixels without their responses, in a loop that compilers vectorise. Of pixel i,
- * control[k][i] are the input's control values, S[i] its state[0], and after[i] becomes what td_frontend_step makes of that, to
- * the bit. `low` and `high` get bounds of the response and its values, rounding included: pixels that could reach a level need
- * their response, from S[i]. Those of an input that isn't finite are NaN. */
+/* TD_FRONTEND_CONSTANT alone: the steps of many pixels without their responses, in a loop that compilers vectorise. For pixel
+ * i, control[k][i] are the input's control values, and S[i] is its state[0]. after[i] becomes the result of td_frontend_step,
+ * to the bit. `low` and `high` get bounds of the response and its values, rounding included: pixels that could reach a level
+ * need their response, from S[i]. For an input that isn't finite they are NaN. */
 void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, const double *const control[4], const double *S,
                            double *after, double *low, double *high);
 
@@ -85,7 +85,7 @@ void td_light_whole(const td_frontend *frontend, double h, double log_eps, size_
 
 /* TD_FRONTEND_CIRCUIT alone: of pixel i state[k][i] becomes after[k][i], each within a tenth of the error of the input that
  * td_frontend_step may leave, proven (circuit_many.c), and bounds of S on the step are in `low` and `high`. Pixels without an
- * answer have NaN there: they need td_frontend_step. What becomes of a pixel depends on no other. */
+ * answer have NaN there: they need td_frontend_step. A pixel's result depends on no other pixel. */
 void td_circuit_step_many(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
                           const double *const state[TD_FRONTEND_STATE], double *const after[TD_FRONTEND_STATE], double *low,
                           double *high);

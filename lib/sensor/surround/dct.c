@@ -88,8 +88,8 @@ static void pack(matrix b, int inner, int columns, int column, double *panel) {
             panel[k * COLUMNS + j] = column + j < columns ? b.at[(size_t)k * b.apart + column + j] : 0;
 }
 
-/* ROWS of a times so many rows of a panel, added to the sums, each in k's order. What vectorises whole is a long loop over
- * columns. */
+/* ROWS of a times so many rows of a panel, added to the sums, each in k's order. A long loop over columns vectorises as a
+ * whole. */
 TD_WIDE static void add_four(const double *const a[ROWS], const double *restrict b, double (*restrict sum)[COLUMNS]) {
     const double *b0 = b, *b1 = b + COLUMNS, *b2 = b + 2 * COLUMNS, *b3 = b + 3 * COLUMNS;
     double *s0 = sum[0], *s1 = sum[1], *s2 = sum[2], *s3 = sum[3];
