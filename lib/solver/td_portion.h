@@ -1,6 +1,6 @@
-/* Internal: a portion of a run's work: some of its units, worked on by one thread. What comes of it stays in it until it is
- * joined to the run's (td_simulator.done), portion after portion in the order of units: the run is the same however many there
- * were, and whoever worked on them. A run that isn't shared out is one portion, the run's own. */
+/* Internal: a portion of a run's work: some of its units, worked on by one thread. Its results stay in it until they are joined
+ * to the run's (td_simulator.done), portion after portion in the order of units. So the run is the same for any number of
+ * portions and threads. A run that isn't shared out is one portion, the run's own. */
 #ifndef TD_PORTION_H
 #define TD_PORTION_H
 

@@ -76,9 +76,9 @@ static inline td_probe_law td_probe_left(uint8_t fall) {
 #define TD_PROBE_LEFT_MOST 0.5
 
 /* Bound of a part's error where an event may still be looked for. A part with a kink in it keeps the whole deviation. A
- * deviation that fell to less than a sixteenth was small by chance, and counts as a sixteenth of the one before. Of 1.4 million
- * events of the scenes of tides bench accuracy with twelve thresholds each, 4 were lost with it when it was chosen, for 2.4 %
- * more looks. With half the deviation 13 were lost, and with twice 8: these are lost after a look. */
+ * deviation that fell to less than a sixteenth was small by chance, and counts as a sixteenth of the one before. When it was
+ * chosen, it lost 4 of 1.4 million events of the scenes of tides bench accuracy with twelve thresholds each, for 2.4 % more
+ * looks. With half the deviation 13 were lost, and with twice 8: these are lost after a look. */
 static inline double td_probe_most(double deviation, uint8_t fall) {
     const double sixteenth = (double)TD_PROBE_FALLS / 16;
     return fall > 0 && fall < sixteenth ? deviation * (sixteenth / fall) : deviation;

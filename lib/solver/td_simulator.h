@@ -169,7 +169,7 @@ static inline int td_fixed_outputs(const tides_simulator *simulator) {
 }
 
 /* A step of a tile between two samples of it: sample_planes pointers each; `light` as td_seen has it. The sensor over it
- * (tile_step.c). Of the simulator nothing changes but the tile's pixels. */
+ * (tile_step.c). Only the tile's pixels change in the simulator. */
 typedef struct td_compared {
     int tile;
     const td_step *step;

@@ -1,15 +1,15 @@
 /* Internal: events on the image itself. Before accepted steps count as compared, the places where their pixels' comparators do
  * something (events, ends of holds, noise), and those where the signal turns so near a level that the model's error decides,
  * are looked up in the image: single pixels at single times (td_renderer_points), in batches for many tiles: what one needs is
- * found out, and what comes of it is gone on with, while the device is at the next (solve_batches.c). What is found become
- * nodes of that pixel's model in that step (signal/td_pieces.h), and the comparator goes over the pixel again, until no
- * place is off by more than the time asked for, or than rounding.
+ * found out, and what comes of it is gone on with, while the device is at the next (solve_batches.c). The values found become
+ * nodes of that pixel's model in that step (signal/td_pieces.h). The comparator then goes over the pixel again, until no place
+ * is off by more than the time asked for, or than rounding.
  *
  * A piece that begins at a node is right there in value and rate, so that at a distance d from it little of the model's error
  * is left: one look nearly always settles an event.
  *
- * Samples at the ends of steps decide nothing either: one so near a level that its own error decides is looked up. What an
- * occluder has passed is where it was before, on a level to the last bit, and fires when the occluder's edge ends.
+ * Samples at the ends of steps decide nothing either: one so near a level that its own error decides is looked up. A pixel that
+ * an occluder has passed is where it was before, on a level to the last bit, and fires when the occluder's edge ends.
  *
  * Pixels begin the run with references in the precision of samples. One that may act for the first time, for all that its
  * reference may be off by, has it looked up then, at the run's start; one that never does, never.

@@ -1,6 +1,6 @@
 /* Events on the image itself: which pixels may do something, then what isn't settled is looked up in batches, until all is. For
- * settle.c. What a pixel needs is solve_run.c's to say, what was found solve_nodes.c's to keep, and batches are
- * solve_batches.c's. */
+ * settle.c. solve_run.c decides what a pixel needs, solve_nodes.c keeps the values found, and solve_batches.c has the
+ * batches. */
 #include "td_extremes.h"
 #include "solver/td_probe.h"
 #include "signal/td_model_error.h"

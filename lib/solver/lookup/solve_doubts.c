@@ -70,8 +70,9 @@ static void take_worse(const td_visit *v, const td_approach *at, td_approach *wo
     if (excess_of(v, at) > excess_of(v, worst)) *worst = *at;
 }
 
-/* The worst of places between turns, for the signal may turn where the model doesn't. What the step's ends are off by counts
- * for nothing there: they are looked up as such, and a signal that rests on a level would else be found there and beside it. */
+/* The worst of places between turns, for the signal may turn where the model doesn't. Errors of the step's ends don't count
+ * there, since ends are looked up by themselves. Otherwise a signal that rests on a level would be found at the end and beside
+ * it. */
 static void look_between(const td_visit *v, int k, td_approach *worst) {
     enum { EIGHTHS = 8 };
     const td_pieces *pieces = &v->model.pieces;
@@ -98,7 +99,7 @@ static double left_beside(const td_visit *v, int k, double u) {
 }
 
 /* How far beyond the level that the piece went through last its turn at s is: where the model is off by more, the signal may
- * have turned before the level. Of a kink a cubic makes such turns, whose crossings are sharp, and not there. */
+ * have turned before the level. A cubic over a kink makes such turns, whose crossings are sharp, and elsewhere. */
 static double beyond_at(const td_visit *v, int k, double s) {
     const td_pieces *pieces = &v->model.pieces;
     const int n = td_changes_until(v, s);

@@ -9,7 +9,7 @@
 #include <math.h>
 
 /* Rounds of looking up that a pixel may take in a step: each squares what is left of a smooth signal's error, and halves what a
- * kink may be in. What isn't settled then is reported as it stands. */
+ * kink may be in. A pixel that isn't settled then is reported as it stands. */
 enum { MOST_LOOKS = 10, FIND_BY_PLACE = 2 };
 
 /* References that are taken from the signal: so good that no event which follows feels it [thresholds]. */
@@ -97,8 +97,8 @@ static int is_good(const td_visit *v, int n) {
     return td_timing_reach(at->slope, at->bend, at->error, &touches) * v->now->span.length_s <= v->s->solve.target_s;
 }
 
-/* How far the signal is from its levels at s, an end of the step, and from its reference; a held one has none. What it does at
- * the very start comes of that. */
+/* How far the signal is from its levels at s, an end of the step, and from its reference; a held one has none. Changes at the
+ * very start follow from that. */
 static double left_at(const td_visit *v, double s, double *residual) {
     const td_pieces *pieces = &v->model.pieces;
     const double at = s > 0 ? s : -1; /* before what it does there */
@@ -115,9 +115,9 @@ static int is_in_doubt(const td_visit *v, double s, double error) {
     return left_at(v, s, &residual) <= error || (s > 0 && v->changes.count > 0 && fabs(residual) <= error);
 }
 
-/* Asks for the ends of the step where samples are too near a level. What is run ahead may ask in vain, and samples would depend
- * on how far that goes. A macro step begins with what the one before it ended with, be it a sample or not: its own record paths
- * begin elsewhere by what paths may be off by, and the pixel might be found beyond a level. */
+/* Asks for the ends of the step where samples are too near a level. A pixel that is run ahead may ask in vain, and samples
+ * would depend on how far it is run. A macro step begins with what the one before it ended with, be it a sample or not: its own
+ * record paths begin elsewhere by what paths may be off by, and the pixel might be found beyond a level. */
 static tides_status ask_ends(const td_visit *v, tides_error *error) {
     const int begins = v->s->refine.step[v->looked->step].from == 0;
     tides_status status = TIDES_OK;

@@ -15,7 +15,7 @@
  * comparator on a model whose nodes are what was looked up there, until the time moves no more.
  *
  * Fixed steps skip what is between. Times count from the run's start; steps lie on the grid k step_s, joined by the knots of
- * motions (grid.c). What each stage does is in its own file; here is their order, and what becomes of a failure. */
+ * motions (grid.c). Each stage has a file of its own; here are their order, and the handling of failures. */
 #include "camera/td_trajectory.h"
 #include "signal/td_event_sort.h"
 #include "solver/td_reached.h"

@@ -1,6 +1,6 @@
-/* Accepted steps: the comparator over them, what they say of the run's accuracy, and their samples given back. For run.c at
- * the end of a macro step, and before that for window.c, where memory is short. What an event time is worth timing.c estimates;
- * sorting events and handing them out are run.c's. */
+/* Accepted steps: the comparator over them, what they say of the run's accuracy, and their samples given back. For run.c at the
+ * end of a macro step, and before that for window.c, where memory is short. timing.c estimates the errors of event times; run.c
+ * sorts events and hands them out. */
 #include "td_extremes.h"
 #include "solver/td_probe.h"
 #include "solver/td_simulator.h"

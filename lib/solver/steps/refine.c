@@ -187,7 +187,7 @@ static tides_status lay_parts(td_refine *r, tides_error *error) {
     return TIDES_OK;
 }
 
-/* Cuts a pending step where `sample` is. What follows is as good as it was. */
+/* Cuts a pending step where `sample` is. Steps that follow keep their measures. */
 static void cut_pending(tides_simulator *s, size_t number, int32_t sample) {
     td_refine *r = &s->refine;
     const int32_t left = r->pending[number], right = r->part[number];

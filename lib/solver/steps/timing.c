@@ -1,6 +1,6 @@
 /* Estimated errors of event times, event by event, for the statistics that the simulator reports (error_p50_s and so on) and
- * for what counts as uncertain. For settle.c. What is wrong with S it is told: by probes, and by
- * the embedded estimate (signal/td_model_error.h); it changes no step and no event. */
+ * for what counts as uncertain. For settle.c. Errors of S come from probes, and from the embedded estimate
+ * (signal/td_model_error.h). The estimates of times change no step and no event. */
 #include "solver/td_timing.h"
 #include "render/td_render.h"
 #include "signal/td_model_error.h"
@@ -203,7 +203,7 @@ TD_WIDE static void find_turns(const td_timing *timing, const td_timed *timed, s
 /* -- behind a first-order low-pass ---------------------------------------------------------------------------------------- */
 
 /* S' = rate (L - S) takes an error of L in, too: S is off by what of the step's error, which bows between its ends, has come
- * through so far, and by what is left of the steps before. Those errors have signs of their own, and add up as squares. */
+ * through so far, and by what is left of the steps before. The two errors have independent signs, and add up as squares. */
 
 /* The integral of the bow of share_of, from 0 to s. */
 static inline double bow_until(int is_smooth, double s) {
@@ -335,8 +335,8 @@ typedef struct marks {
 } marks;
 
 /* Marks the pixels whose control values both rise and fall and come so near a level that an error may decide whether they reach
- * it, and those that end so near one. What is off by `rounding` at most, twice what else it may be, and what is lost here. As
- * doubles, by one comparison at a time, so that the loop vectorises (lib/sensor/comparator.c). */
+ * it, and those that end so near one. Margins cover `rounding` at most, twice the other errors, and the rounding of this test.
+ * As doubles, by one comparison at a time, so that the loop vectorises (lib/sensor/comparator.c). */
 static inline void mark(int own, const td_timed *timed, double rounding, const double *leak, marks *restrict to) {
     const td_signals at = *timed->signals;
     const td_levels levels = timed->levels;
