@@ -1,4 +1,4 @@
-/* Internal: how HDF5 files are read from the disk and written to it.
+/* Internal: the driver that reads HDF5 files from the disk and writes them to it.
  *
  * HDF5 1.10 can neither close nor forget a file whose writing failed: it tries again when the process ends, and crashes. So it
  * isn't told: this driver keeps the first failure for us, and lets HDF5 believe that all went well. Callers that write ask for
