@@ -1,4 +1,4 @@
-/* Where files are written, and how they come into their place: the rules are in tides/base.h. */
+/* Writes output files beside their place, and moves them there: the rules are in tides/base.h. */
 #include "td_base.h"
 #include "td_folder.h"
 

@@ -1,5 +1,5 @@
-/* Internal: what a folder holds, for readers of event files, frames and paths that come as folders; making them; and the folder
- * and the name that a path is made of. */
+/* Internal: contents of folders, for readers of event files, frames and paths that come as folders; making folders; and the
+ * folder and the name in a path. */
 #ifndef TD_FOLDER_H
 #define TD_FOLDER_H
 
