@@ -1,4 +1,4 @@
-/* How fast the image moves, for samplers that bound its displacement between two renders (ESIM's by motion). */
+/* Speed of the image, for samplers that bound its displacement between two renders (ESIM's by motion). */
 #include "camera/td_trajectory.h"
 #include "td_renderer.h"
 

@@ -1,4 +1,4 @@
-/* Which Gaussians points ask for (td_points_wanted.h): of the lists of the tiles that they are in, what touches their pixels.
+/* Finds the Gaussians that points ask for (td_points_wanted.h): in the lists of their tiles, the ones that touch their pixels.
  * Rows, curves and tests cost what tens of looks at them do, and of the splats in view few may be seen by points: of half a
  * million before 2 500 of them, 12 000. */
 #include "td_points_wanted.h"

@@ -1,5 +1,5 @@
-/* Internal: what a device does for the renderer. Three classes: OpenCL kernels, the double-precision reference, and the
- * reference in single precision; all run the same functions of kernels/ in the same stages.
+/* Internal: backends, the work of a device for the renderer. Three classes: OpenCL kernels, the double-precision reference, and
+ * the reference in single precision; all run the same functions of kernels/ in the same stages.
  *
  * Numbers pass as doubles in the layouts of kernels/layout.h whatever the class computes in, because a file is compiled in one
  * precision only: td_view is TD_VIEW_REALS reals, td_backdrop TD_BACKDROP_REALS, td_image and td_mover reals first and then

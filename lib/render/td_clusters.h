@@ -1,5 +1,6 @@
-/* Internal: what of a scene is in view. Neighbours in the store make a cluster; one that nothing can be seen of in an interval
- * is neither swept nor listed, so that a camera within millions of Gaussians pays for what it sees. Compiled in double. */
+/* Internal: clusters, which tell the part of a scene that is in view. Neighbours in the store make a cluster; one that nothing
+ * can be seen of in an interval is neither swept nor listed, so that a camera within millions of Gaussians pays for what it
+ * sees. Compiled in double. */
 #ifndef TD_CLUSTERS_H
 #define TD_CLUSTERS_H
 

@@ -1,6 +1,7 @@
-/* How far the view of each object strays within an interval from the cubic through its ends, and the same with the interval cut
- * into 2, 4, 8 .. pieces: found by looking at the paths where they may bend, at their samples and in between. The renderer's
- * sweep widens boxes by it and cuts into as many pieces as it asks for; the kernels turn it into pixels (kernels/stray.h).
+/* Finds strays: how far the view of each object strays within an interval from the cubic through its ends, also with the
+ * interval cut into 2, 4, 8 .. pieces. It looks at the paths where they may bend, at their samples and in between. The
+ * renderer's sweep widens boxes by it and cuts into as many pieces as it asks for; the kernels turn it into pixels
+ * (kernels/stray.h).
  *
  * A point p of the object is off by |(dt + dR o) + dR (p - o)| for any origin o: by |dt + dR o| + |dR| |p - o| at most. Seen
  * by a camera that shakes dR is large, and dt + dR o is 0 with the camera's centre for o; for an object that shakes it is so
