@@ -1,4 +1,4 @@
-/* Where pixels stand when a run begins, by sensor.initial.
+/* The state of pixels when a run begins, by sensor.initial.
  *
  * STEADY is a renewal process. At rest a pixel is reset by what comes first of the leak, C+ / r after the reset, and of noise
  * events, at the rate n (both shot noises as its light thins them, and a hot pixel's own), which none come of for a time D, the

@@ -1,4 +1,4 @@
-/* Where pixels with additive noise stand when a run begins at rest: slow events by their rates, then the noise's own path. */
+/* State of pixels with additive noise when a run begins at rest: slow events by their rates, then the noise's own path. */
 #include "td_steady.h"
 #include "td_math.h"
 #include "sensor/noise/td_noise_bridge.h"

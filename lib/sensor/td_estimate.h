@@ -1,5 +1,5 @@
-/* Internal: how wrong the local model may be on a tile's step, over the pixels that may fire in it: the sensor knows which
- * these are, and what an error is worth to each. For step control, which says what is too much. */
+/* Internal: the error of the local model on a tile's step, over the pixels that may fire in it. The sensor knows these pixels,
+ * and the weight of an error for each. For step control, which says what is too much. */
 #ifndef TD_ESTIMATE_H
 #define TD_ESTIMATE_H
 

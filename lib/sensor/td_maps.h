@@ -1,5 +1,5 @@
-/* Internal: what single pixels of a sensor have, from a file: arrays of the image's size by name, of which any may be missing,
- * and any pixel may be NaN: then it is drawn as if there were no file. */
+/* Internal: maps of a sensor's pixels from a file: arrays of the image's size, by name. Any map may be missing, and any pixel
+ * may be NaN: it is then drawn as if there were no file. */
 #ifndef TD_MAPS_H
 #define TD_MAPS_H
 

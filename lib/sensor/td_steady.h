@@ -1,4 +1,4 @@
-/* Internal: where a pixel with additive noise stands after a long time at rest (sensor.initial STEADY).
+/* Internal: the state of a pixel with additive noise after a long time at rest (sensor.initial STEADY).
  *
  * Noise of correlation time tau wanders about the mean, which stands `o` above the reference. The mean leaves its place slowly:
  * by the leak's drift and by events, which come with the hazards of one level each,

@@ -1,5 +1,5 @@
-/* Internal: what the photoreceptor makes of a pixel's log-luminance L on a step: exact for a cubic input, so that nothing
- * depends on how long steps are. The filter's state is TD_FRONTEND_STATE doubles per pixel, S the first of them.
+/* Internal: the photoreceptor's response to a pixel's log-luminance L on a step. It is exact for a cubic input, so that nothing
+ * depends on the length of steps. The filter's state is TD_FRONTEND_STATE doubles per pixel, S the first of them.
  *
  *   first order, constant   S' = rate (L - S), rate = 2 pi cutoff
  *   first order, intensity  the same, rate = 2 pi cutoff (255 Y + 20) / 275, Y = max(e^L - log_eps, 0)
