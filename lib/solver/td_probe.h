@@ -1,12 +1,12 @@
-/* Internal: what an evaluation inside a step says of its model.
+/* Internal: probes, which test a step's model by a render inside the step.
  *
- * Two renders at a step's ends can't tell how wrong the cubic between them is: any difference of what they hold is 0 for some
- * signal, and for signals that people have. (S1 + S0_dot = S0 + S1_dot = 0 for whatever is even about the step's middle; a lamp
- * of period h returns to where it was.) So each macro step in which something moves is cut once whatever its ends say, and each
- * cut is a probe: a third evaluation, compared with the cubic in value and in rate.
+ * Two renders at a step's ends can't tell the error of the cubic between them: any difference of their values is 0 for some
+ * signal, and for common ones. (S1 + S0_dot = S0 + S1_dot = 0 for a signal that is even about the step's middle; a lamp of
+ * period h returns to where it was.) So each macro step in which something moves is cut once, whatever its ends say. Each cut
+ * is a probe: a third evaluation, compared with the cubic in value and in rate.
  *
- * Where: not in the middle, nor at the same place of every step, or what is even about that place or repeats with the steps
- * would pass again. The place is drawn for each interval, the same in all tiles, so that tiles share render times. */
+ * The place is neither the middle nor the same in every step: a signal that is even about that place, or repeats with the
+ * steps, would pass again. It is drawn for each interval, the same in all tiles, so that tiles share render times. */
 #ifndef TD_PROBE_H
 #define TD_PROBE_H
 

@@ -1,22 +1,22 @@
-/* Internal: events on the image itself. Before accepted steps count as compared, the places where their pixels' comparators do
- * something (events, ends of holds, noise), and those where the signal turns so near a level that the model's error decides,
- * are looked up in the image: single pixels at single times (td_renderer_points), in batches for many tiles: what one needs is
- * found out, and what comes of it is gone on with, while the device is at the next (solve_batches.c). The values found become
- * nodes of that pixel's model in that step (signal/td_pieces.h). The comparator then goes over the pixel again, until no place
- * is off by more than the time asked for, or than rounding.
+/* Internal: events on the image itself. Before accepted steps count as compared, two kinds of places are looked up in the
+ * image. At the first a pixel's comparator does something (events, ends of holds, noise). At the second the signal turns so
+ * near a level that the model's error decides. Look-ups are single pixels at single times (td_renderer_points), in batches for
+ * many tiles. While the device computes one batch, the host goes on with the values of the one before, and fills the next
+ * (solve_batches.c). The values found become nodes of that pixel's model in that step (signal/td_pieces.h). The comparator then
+ * goes over the pixel again, until no place is off by more than the time asked for, or than rounding.
  *
  * A piece that begins at a node is right there in value and rate, so that at a distance d from it little of the model's error
  * is left: one look nearly always settles an event.
  *
- * Samples at the ends of steps decide nothing either: one so near a level that its own error decides is looked up. A pixel that
+ * Samples at the ends of steps don't decide either: one so near a level that its own error decides is looked up. A pixel that
  * an occluder has passed is where it was before, on a level to the last bit, and fires when the occluder's edge ends.
  *
- * Pixels begin the run with references in the precision of samples. One that may act for the first time, for all that its
- * reference may be off by, has it looked up then, at the run's start; one that never does, never.
+ * Pixels begin the run with references in the precision of samples. A pixel that may act for the first time, by the error of
+ * its reference, has the reference looked up then, at the run's start. A pixel that never acts has none looked up.
  *
  * Events don't depend on batches, windows or cuts: the nodes of a pixel in a step are those that follow from its samples and
- * from the state that it begins the step with. Pixels are run ahead of that, for longer batches; where the state turns out to
- * be another one, the nodes are found anew. */
+ * from the state that it begins the step with. Pixels are run ahead of that state, for longer batches; where the state turns
+ * out to be another one, the nodes are found anew. */
 #ifndef TD_SOLVE_H
 #define TD_SOLVE_H
 

@@ -1,4 +1,4 @@
-/* Internal: what a run can say of its own event times. */
+/* Internal: a run's estimates of the errors of its own event times. */
 #ifndef TD_TIMING_H
 #define TD_TIMING_H
 

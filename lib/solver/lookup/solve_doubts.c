@@ -1,5 +1,5 @@
-/* Where a pixel's model isn't good enough to say whether a level is reached: near turns, between them, at kinks, within swaps
- * of depth. For solve_run.c, which has it looked at. */
+/* Finds doubts: places where a pixel's model doesn't decide whether a level is reached. They are near turns, between them, at
+ * kinks, and within swaps of depth. For solve_run.c, which has it looked at. */
 #include "td_extremes.h"
 #include "td_math.h"
 #include "solver/td_visit.h"

@@ -1,5 +1,5 @@
-/* Where steps are cut because of swaps of depth (td_renderer_swaps): what is accepted otherwise, and has one within it that
- * is too short to show in its samples, is cut where that begins and ends, and looked into between. */
+/* Cuts of steps because of swaps of depth (td_renderer_swaps). A step that is accepted otherwise may hold a swap too short to
+ * show in its samples. It is cut where the swap begins and ends, and refined between. */
 #include "td_extremes.h"
 #include "td_math.h"
 #include "solver/td_simulator.h"

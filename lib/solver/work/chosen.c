@@ -1,5 +1,5 @@
-/* Which events of a macro step are measured (solve_sample.c): the first in a random order of pixels and times, which
- * follows from the events alone, whoever comes upon them first. */
+/* Chooses the events of a macro step that are measured (solve_sample.c): the first in a random order of pixels and times. The
+ * order follows from the events alone, whichever thread finds them first. */
 #include "td_random.h"
 #include "solver/td_simulator.h"
 
