@@ -1,4 +1,4 @@
-/* What was found as JSON, and as a table on a terminal. */
+/* The result of a calibration as JSON, and as a table on a terminal. */
 #include "calibrate_report.h"
 
 #include <math.h>

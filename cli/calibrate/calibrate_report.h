@@ -1,4 +1,4 @@
-/* What tides calibrate found, as JSON, as text, and as a page with pictures. */
+/* The result of tides calibrate as JSON, as text, and as a page with pictures. */
 #ifndef CLI_CALIBRATE_REPORT_H
 #define CLI_CALIBRATE_REPORT_H
 

@@ -10,14 +10,14 @@
 #include "session.h"
 #include "stream.h"
 
-/* What the methods' streams are held against. */
+/* The streams that methods are compared with. */
 enum { COMPARE_EXACT = 0, COMPARE_RECORDING = 1, COMPARE_REFERENCES = 2 };
 
 enum { COMPARE_METHODS_MAX = 8, COMPARE_PATH = 4200 /* of files in the directory */ };
 /* Parameters of a method that are searched at most, and a setting's length. */
 enum { COMPARE_SEARCHED = 6, COMPARE_SETTING = 80 };
 
-/* One method, and what became of it. */
+/* One method and its results. */
 typedef struct compare_row {
     const char *name;
     tides_error error; /* status TIDES_OK where it ran */
@@ -30,7 +30,7 @@ typedef struct compare_row {
     cJSON *against[COMPARE_REFERENCES]; /* cli_metrics_json; NULL where there is none */
 } compare_row;
 
-/* What of recording and streams is compared: the same time, the same pixels. */
+/* The part of recording and streams that is compared: one stretch of time and one set of pixels for both. */
 typedef struct compare_fair {
     const char *start, *stop, *mask_file; /* of the options; NULL where not given */
     cli_reading reading;
@@ -80,7 +80,7 @@ const char *compare_number(double value, char text[32]);
 void compare_interval(const comparison *c, int32_t reference, int64_t *start_ns, int64_t *stop_ns);
 /* Reads the recording and leaves out what no simulation makes. */
 tides_status compare_read(comparison *c, tides_error *error);
-/* What of a stream is held against the recording, in `kept`, which the caller frees. */
+/* Copies the part of a stream that is compared with the recording to `kept`, which the caller frees. */
 tides_status compare_fair_events(const comparison *c, const cli_stream *stream, cli_stream *kept, tides_error *error);
 /* compare_mask.c: fair->mask of its file. */
 tides_status compare_mask_read(compare_fair *fair, int32_t width, int32_t height, tides_error *error);
@@ -89,7 +89,7 @@ tides_status compare_mask_read(compare_fair *fair, int32_t width, int32_t height
 const char *compare_method(size_t index);
 /* 1 where it makes no sense for frames: another method is the same there. */
 int32_t compare_scenes_only(const char *method);
-/* What of a method may be searched: keys, ended by NULL. */
+/* Keys of a method that may be searched, ended by NULL. */
 const char *const *compare_searched(const char *method);
 /* The session of a method, ideal (TIDES_IDEAL_*), with `more` on top (nullable), on what c->open has open; with `row` its
  * settings are told. The caller closes it. */
@@ -107,7 +107,7 @@ tides_status compare_floors(comparison *c, tides_error *error);
 
 /* compare_exact.c: c->exact, the stream that all are measured against. */
 tides_status compare_exact(comparison *c, tides_error *error);
-/* In words what it is, and its name: "exact", or of frames "lines". */
+/* The exact stream in words, and its name: "exact", or "lines" where the light is frames. */
 const char *compare_exact_what(const comparison *c);
 const char *compare_exact_name(const comparison *c);
 
@@ -136,7 +136,7 @@ tides_status compare_write_latex(const comparison *c, const cJSON *report, tides
 void compare_print_meanings(int32_t reference);
 void compare_put_meanings(FILE *file, int32_t reference);
 
-/* compare_print.c: all of it on the terminal. What was left out of a recording, as a sentence. */
+/* compare_print.c: all of it on the terminal. Puts the parts of a recording that were left out into a sentence. */
 void compare_print(const comparison *c, const cJSON *report);
 enum { COMPARE_SENTENCE = 400 };
 const char *compare_left_out(const comparison *c, char text[COMPARE_SENTENCE]);

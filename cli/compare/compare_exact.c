@@ -1,10 +1,10 @@
 /* The exact stream of a comparison: the ideal pixel with the run's thresholds (tides_session_exact).
  *
- * Of a scene: the cubic under error control, refined until halving the steps moves nothing any more, or until single precision
- * or a level of 500 full renders end it; what the last halving moved is told with the results. Rounding to single precision
+ * On a scene it is the cubic under error control. It is refined until halving the steps moves nothing any more, or until single
+ * precision or a level of 500 full renders end it. The results report what the last halving moved. Rounding to single precision
  * moves events of slow pixels by a fraction of a microsecond, in methods and exact stream alike: --double takes the reference
- * for the latter. Of frames: nobody knows what happened between them, so that exact are the crossings of straight lines in log
- * luminance from frame to frame, in double precision. */
+ * for the latter. On frames it is the crossings of straight lines in log luminance from frame to frame, in double precision,
+ * since the light between frames isn't known. */
 #include "compare.h"
 
 const char *compare_exact_what(const comparison *c) {

@@ -1,5 +1,5 @@
-/* What of a recording and of the streams is compared: the time that both have, or that was asked for; pixels that aren't masked
- * or hot; and what isn't a burst that the readout of frames makes. */
+/* Chooses the part of a recording and of the streams that is compared. Time: the stretch that both have, or the one that was
+ * asked for. Pixels: neither masked nor hot. Events: none in bursts that the readout of frames makes. */
 #include "compare.h"
 
 #include <stdlib.h>
@@ -74,7 +74,7 @@ static tides_status set_asked(comparison *c, tides_error *error) {
                      1e-9 * (double)f->start_ns, 1e-9 * (double)f->stop_ns, c->session.values.start, c->session.values.stop);
 }
 
-/* Before bursts and hot pixels are looked for: the mask. */
+/* Removes events of masked pixels, before bursts and hot pixels are looked for. */
 static void leave_masked(comparison *c) {
     cli_window *w = &c->recording;
     size_t kept = 0;

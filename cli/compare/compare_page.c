@@ -42,7 +42,7 @@ static void put_links(FILE *file, const comparison *c) {
     fputs("</p>\n", file);
 }
 
-/* What it was told, or why it failed. */
+/* A method's row: its parameters, or the error with which it failed. */
 static void put_method(FILE *file, const comparison *c, const cJSON *row) {
     const cJSON *failed = compare_find(row, "error");
     fputs("<tr><td class=text>", file);

@@ -16,7 +16,7 @@ static int32_t is_replaced(const cJSON *setting) {
     return 0;
 }
 
-/* Where the sensor was put into a method's own parameters all of these are told. */
+/* Prints a row's parameters. If the sensor was translated into the method's own parameters, all of these are printed. */
 void compare_put_parameters(const comparison *c, const cJSON *row, void (*put)(FILE *file, const char *text), FILE *file) {
     const cJSON *one, *settings = compare_find(row, "settings");
     const char *between = "";

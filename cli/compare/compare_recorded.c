@@ -49,7 +49,7 @@ static int32_t in_burst(const comparison *c, int64_t from, int64_t to) {
     return 0;
 }
 
-/* In the middle of each quarter, or as soon after as no burst is cut out. */
+/* Chooses frames in the middle of each quarter, or as soon after as no burst is cut out. */
 static void choose_frames(figure *f) {
     const compare_fair *fair = &f->c->fair;
     const double span = (double)(fair->stop_ns - fair->start_ns);

@@ -43,7 +43,7 @@ static int32_t add_row(cJSON *list, const compare_row *row) {
     return ok;
 }
 
-/* What of the recording was compared, and how near to it a stream can be. */
+/* Adds the part of the recording that was compared, and the floors: how near to it a stream can be. */
 static int32_t add_recording(cJSON *root, const comparison *c) {
     static const char *const names[COMPARE_FLOORS] = {"seeds", "pixels"};
     const compare_fair *f = &c->fair;

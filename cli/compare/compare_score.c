@@ -74,8 +74,8 @@ static tides_status of_seeds(comparison *c, const compare_row *row, tides_error 
     return status;
 }
 
-/* Even columns and odd ones see nearly the same light: the recording against itself. What is told of pixels one by one isn't a
- * floor there, since neighbours see an edge at different times; distributions, counts and rates are. */
+/* Even columns and odd ones see nearly the same light: the recording against itself. Scores by single pixels are no floor
+ * there, since neighbours see an edge at different times; distributions, counts and rates are. */
 static tides_status of_pixels(comparison *c, tides_error *error) {
     const cli_window *w = &c->recording;
     cli_stream halves[2] = {{.events = malloc((w->count + 1) * sizeof *w->events)},

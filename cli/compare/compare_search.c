@@ -28,7 +28,7 @@ static void write_found(search *s, const double *values) {
     }
 }
 
-/* What values come to; infinite where the method refuses them. */
+/* The score of some values of the searched keys; infinite where the method refuses them. */
 static tides_status attempt(search *s, const double *values, double *score, tides_error *error) {
     comparison *c = s->c;
     tides_session *session = NULL;
@@ -71,7 +71,7 @@ static tides_status begin(search *s, tides_error *error) {
     return attempt(s, s->values, &s->best, error);
 }
 
-/* One parameter up, or else down; 1 in *better where that is nearer. */
+/* Tries a parameter moved up, else moved down; *better is 1 where that is nearer. */
 static tides_status move(search *s, int32_t which, double factor, int32_t *better, tides_error *error) {
     tides_status status = TIDES_OK;
     for (int32_t way = 0; way < 2 && s->runs < s->c->search && status == TIDES_OK; way++) {

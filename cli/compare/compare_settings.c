@@ -56,7 +56,7 @@ int32_t compare_ideal(const comparison *c) {
 
 /* -- a run of one's own -------------------------------------------------------------------------------------------------- */
 
-/* What the results say of the row's run; 0: out of memory. */
+/* Fills the settings and parameters that the results report of the row's run; 0: out of memory. */
 static int32_t tell(compare_row *row, const char *const *texts, size_t count, const struct method *m,
                     const tides_session_facts *session) {
     row->settings = cJSON_CreateArray();

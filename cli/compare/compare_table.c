@@ -127,7 +127,7 @@ void compare_print_table(const cJSON *report, int32_t reference) {
 
 /* -- what it means -------------------------------------------------------------------------------------------------------- */
 
-/* What a column means, and which way is better; NULL for one of a stream alone. */
+/* The meaning of a column, and which way is better; NULL for a column of a stream by itself. */
 static const char *meaning_of(const column *k, char text[CLI_MEANING]) {
     static const char part[] = "comparison.";
     const size_t prefix = sizeof part - 1;

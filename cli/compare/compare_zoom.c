@@ -1,5 +1,5 @@
-/* What methods do differently, seen closely: a stretch of one row of pixels where most happens, each event beside the exact one
- * that is nearest. */
+/* Close view of how methods differ: a stretch of one row of pixels, where most happens. Each event stands beside the nearest
+ * exact one. */
 #include "compare_zoom.h"
 
 #include <math.h>

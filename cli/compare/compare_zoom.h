@@ -1,4 +1,4 @@
-/* What compare's picture looks at closely. */
+/* The close view in compare's picture: the part of a row and the time that it shows, and how far events are from exact ones. */
 #ifndef CLI_COMPARE_ZOOM_H
 #define CLI_COMPARE_ZOOM_H
 
@@ -11,7 +11,7 @@ typedef struct compare_index {
     int64_t *times;
     int32_t width;
 } compare_index;
-/* To be freed either way; zero it before. */
+/* Makes the index. Zero it before, and free it also after a failure. */
 tides_status compare_index_make(const comparison *c, compare_index *index, tides_error *error);
 void compare_index_free(compare_index *index);
 /* How much later an event is than the nearest exact one of its pixel and polarity; infinite where there is none. */

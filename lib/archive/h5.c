@@ -53,7 +53,7 @@ herr_t td_h5_forbid_evictions(hid_t file) {
     return H5Fset_mdc_config(file, &config);
 }
 
-/* Of `size` bytes, or H5T_VARIABLE. */
+/* A UTF-8 string type of `size` bytes, or H5T_VARIABLE. */
 static hid_t text_type(size_t size) {
     hid_t type = H5Tcopy(H5T_C_S1);
     if (type < 0) return type;

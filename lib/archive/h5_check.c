@@ -9,13 +9,13 @@
 #include <string.h>
 #include <unistd.h>
 
-/* At an address of the file. */
+/* Reads `count` bytes at an address of the file; 0 where it can't. */
 static int take(const td_h5_disk *disk, uint64_t address, void *out, size_t count) {
     if (address > disk->size - disk->base || count > disk->size - disk->base - address) return 0;
     return pread(disk->descriptor, out, count, (off_t)(disk->base + address)) == (ssize_t)count;
 }
 
-/* It lies at the beginning, or at 512, 1024, 2048 ... behind what a user put there. */
+/* Checks the superblock. It lies at the file's beginning, or at 512, 1024, 2048 ... behind a user's own bytes. */
 int td_h5_check_superblock(td_h5_disk *disk) {
     unsigned char p[16];
     disk->base = 0;
@@ -53,8 +53,8 @@ int td_h5_check_heap(const td_h5_disk *disk, const unsigned char *bytes, size_t 
 
 /* ---- trees: the links of a group, the chunks of a dataset ---- */
 
-/* Bytes of a key; 0 where it can't be told. Those of chunks have as many offsets as the dataset has dimensions, which the node
- * doesn't say: only its size does, with the number of children that nodes have room for. */
+/* Bytes of a key; 0 where it can't be told. A chunk's key has as many offsets as the dataset has dimensions. The node doesn't
+ * tell their number: it follows from its size, and from the number of children that nodes have room for. */
 static size_t key_bytes(int chunks, size_t count) {
     enum { HEAD = 24, ADDRESS = 8, GROUP_KEY = 8, CHILDREN = 64 /* HDF5's default, which nothing changes */ };
     if (!chunks) return GROUP_KEY;
@@ -118,8 +118,8 @@ static int check_messages(const unsigned char *bytes, size_t count, size_t at) {
     return 1;
 }
 
-/* Version 2 has a checksum, so that damage by chance is told; what was made to do harm has the right one. What continues such
- * a header (OCHK) doesn't say how long its messages' heads are. */
+/* Version 2 has a checksum, so that damage by chance is told; what was made to do harm has the right one. A block that
+ * continues such a header (OCHK) doesn't tell the length of its messages' heads. */
 static int check_header_2(const unsigned char *bytes, size_t count) {
     enum { FLAGS = 5, PREFIX = 6, TIMES = 16, PHASES = 4, ORDER = 2 };
     if (count < PREFIX || bytes[4] != 2) return 1;
@@ -140,9 +140,9 @@ static int check_header_2(const unsigned char *bytes, size_t count) {
     return 1;
 }
 
-/* Of version 1. What continues a header has messages only; where it begins with a dataspace, that
- * looks like a header but for the dataspace's version, 1 or 2, in place of a size in eights. HDF5 reads further than a header
- * goes: what lies there is something else's. */
+/* Checks an object header of version 1, and leaves one of version 2 to check_header_2. A block that continues a header has
+ * messages only. Where such a block begins with a dataspace it looks like a header, but for the dataspace's version, 1 or 2, in
+ * place of a size in eights. HDF5 reads further than a header goes: bytes behind it belong to something else. */
 int td_h5_check_header(const unsigned char *bytes, size_t count) {
     enum { PREFIX = 16, SIZE = 8 };
     if (count >= 4 && memcmp(bytes, "OHDR", 4) == 0) return check_header_2(bytes, count);

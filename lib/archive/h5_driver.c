@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* What HDF5 calls handle begins with the descriptor, as that of its own driver. */
+/* An open file. The handle that HDF5 asks for points to the descriptor, as that of HDF5's own driver does. */
 typedef struct disk_file {
     H5FD_t head; /* HDF5's */
     int descriptor;
@@ -73,8 +73,8 @@ static int compare_files(const H5FD_t *one, const H5FD_t *two) {
     return 0;
 }
 
-/* As HDF5's own driver, so that the files are the same, but for its accumulator (H5FD_FEAT_ACCUMULATE_METADATA): it only
- * gathers what is read and written, and copies out of its end where a size is damaged. */
+/* Features of HDF5's own driver, so that files are the same, without its accumulator (H5FD_FEAT_ACCUMULATE_METADATA). That one
+ * only gathers reads and writes, and copies beyond its end where a size is damaged. */
 static herr_t query(const H5FD_t *file, unsigned long *flags) {
     (void)file;
     *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_DATA_SIEVE | H5FD_FEAT_AGGREGATE_SMALLDATA |

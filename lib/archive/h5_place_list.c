@@ -1,4 +1,4 @@
-/* What there is at a place of an HDF5 file, where that isn't known beforehand. */
+/* Lists the contents of a place in an HDF5 file, where they aren't known beforehand. */
 #include "td_base.h"
 #include "td_h5_place.h"
 

@@ -113,8 +113,8 @@ static unsigned char *number(unsigned char *out, uint64_t value, int bytes) {
     return out;
 }
 
-/* What local and central records share, from "version needed" to the lengths: 26 bytes. Stored; dated 1980-01-01, the
- * format's first day, so that equal arrays give equal files. */
+/* The 26 bytes that local and central records share, from "version needed" to the lengths. Members are stored, and dated
+ * 1980-01-01, the format's first day, so that equal arrays give equal files. */
 static unsigned char *member_facts(unsigned char *out, const member *m) {
     out = number(out, 20, 2);
     out = number(out, 0, 4); /* flags, method */

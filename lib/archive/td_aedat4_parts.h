@@ -1,4 +1,5 @@
-/* Internal: what readers of AEDAT 4 share: flatbuffers, the description of the streams, and the compressions of packets. */
+/* Internal: shared parts of the readers of AEDAT 4: flatbuffers, the description of the streams, and the compressions of
+ * packets. */
 #ifndef TD_AEDAT4_PARTS_H
 #define TD_AEDAT4_PARTS_H
 

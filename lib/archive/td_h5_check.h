@@ -19,7 +19,7 @@ int td_h5_check_superblock(td_h5_disk *disk);
 /* `bytes` were read at `at` as a local heap or as a node of a B-tree. 0: damaged. */
 int td_h5_check_heap(const td_h5_disk *disk, const unsigned char *bytes, size_t count);
 int td_h5_check_tree(const td_h5_disk *disk, const unsigned char *bytes, size_t count);
-/* As an object header, or part of one. */
+/* Checks bytes that were read as an object header, or as a part of one. 0: damaged. */
 int td_h5_check_header(const unsigned char *bytes, size_t count);
 
 #endif

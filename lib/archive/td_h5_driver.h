@@ -1,7 +1,7 @@
-/* Internal: how HDF5 files are read from the disk and written to it.
+/* Internal: the driver that reads HDF5 files from the disk and writes them to it.
  *
  * HDF5 1.10 can neither close nor forget a file whose writing failed: it tries again when the process ends, and crashes. So it
- * isn't told: this driver keeps the first failure for us, and lets HDF5 believe that all went well. Who writes with it asks for
+ * isn't told: this driver keeps the first failure for us, and lets HDF5 believe that all went well. Callers that write ask for
  * the failure after each flush, and after the file is closed.
  *
  * Read so, a file has no bytes beyond its end (HDF5's own driver gives zeros), and HDF5 doesn't gather neighbouring metadata in
@@ -22,7 +22,7 @@
  * failure. */
 hid_t td_h5_write_access(int *failed);
 
-/* The same for files that are read. */
+/* Access properties for files that are read: this driver, too. Negative on failure. */
 hid_t td_h5_read_access(void);
 
 /* Opens a file for reading; negative on failure. */

@@ -7,7 +7,7 @@
 
 #include "tides/base.h"
 
-/* What readers here make sense of; numpy itself allows 32 dimensions (64 from version 2 on). */
+/* Limits of the readers here; numpy itself allows 32 dimensions (64 from version 2 on). */
 enum { TD_NPY_DIMENSIONS_MAX = 8, TD_NPY_FIELDS_MAX = 32, TD_NPY_NAME_MAX = 64 };
 
 /* One number of an element: the whole of a plain one, or a named field of a structured one. */
@@ -35,7 +35,7 @@ typedef struct td_npz td_npz;
  * TIDES_FILE_NOT_FOUND, TIDES_BAD_FILE, TIDES_UNSUPPORTED, TIDES_NO_MEMORY. */
 tides_status td_npz_open(const char *path, td_npz **npz, tides_error *error);
 
-/* The same from memory that outlives the td_npz; `path` is for messages only. */
+/* Opens an .npz or .npy in memory, which must outlive the td_npz; `path` is for messages only. Otherwise like td_npz_open. */
 tides_status td_npz_parse(const char *path, const void *bytes, size_t size, td_npz **npz, tides_error *error);
 void td_npz_close(td_npz *npz); /* NULL is fine */
 
@@ -46,8 +46,8 @@ const char *td_npz_name(const td_npz *npz, size_t index);
 /* One array, read when first asked for; lives as long as `npz`. TIDES_BAD_FILE where there is none of that name. */
 tides_status td_npz_get(td_npz *npz, const char *name, const td_npy_array **array, tides_error *error);
 
-/* The same as floats in C order, all finite, `ndim` extents as in `shape` (-1: any): `*values` is the caller's to free.
- * TIDES_BAD_FILE names the array and what is wrong with it. */
+/* One array as floats in C order, all finite, `ndim` extents as in `shape` (-1: any); `*values` is the caller's to free.
+ * TIDES_BAD_FILE names the array and its fault. */
 tides_status td_npz_floats(td_npz *npz, const char *name, int ndim, const int64_t *shape, float **values, tides_error *error);
 
 /* A structured array's field by name, NULL where there is none; NULL or "" is the one of a plain dtype. */

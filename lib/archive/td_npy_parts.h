@@ -1,4 +1,5 @@
-/* Internal: what the two files of the numpy reader share: npy.c reads an array's header and elements, npy_dtype.c its type. */
+/* Internal: declarations that the two files of the numpy reader share: npy.c reads an array's header and elements, npy_dtype.c
+ * its type. */
 #ifndef TD_NPY_PARTS_H
 #define TD_NPY_PARTS_H
 

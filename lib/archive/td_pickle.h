@@ -1,6 +1,6 @@
-/* Internal: what torch.save writes (.pth, .pt: a ZIP of a pickle of protocol 2 and raw storages; torch >= 1.6) as a tree of
- * plain values. Nothing is executed or looked up: a pickle is a list of instructions for a small stack machine, and the
- * ones that would call a function are obeyed for the few that only put data together:
+/* Internal: files of torch.save as a tree of plain values (.pth, .pt: a ZIP of a pickle of protocol 2 and raw storages;
+ * torch >= 1.6). Nothing is executed or looked up: a pickle is a list of instructions for a small stack machine. Instructions
+ * that would call a function are obeyed only for the few functions that put data together:
  *     collections.OrderedDict, torch._utils._rebuild_tensor_v2, torch._utils._rebuild_parameter,
  *     torch.*Storage, torch.Size, numpy scalars (numpy.core.multiarray.scalar, numpy.dtype, _codecs.encode)
  * Any other global is refused by its name, any other instruction by its number. A parameter is its tensor; a dict's
@@ -15,7 +15,7 @@
  * before torch 1.6, other globals, big-endian storages, other dtypes); TIDES_NO_MEMORY. */
 tides_status td_torch_open(const char *path, td_tree **tree, tides_error *error);
 
-/* The same from memory that outlives the tree; `path` is for messages only. */
+/* Reads a file in memory, which must outlive the tree; `path` is for messages only. Otherwise like td_torch_open. */
 tides_status td_torch_parse(const char *path, const void *bytes, size_t size, td_tree **tree, tides_error *error);
 
 #endif

@@ -1,4 +1,4 @@
-/* Internal: what the files of the pickle reader share. */
+/* Internal: declarations that the files of the pickle reader share. */
 #ifndef TD_PICKLE_PARTS_H
 #define TD_PICKLE_PARTS_H
 

@@ -1,6 +1,6 @@
 /* Internal: plain values as a pickle, which is what numpy's object arrays are in .npy and .npz files: dicts, lists, text,
- * numbers, and arrays of numbers. What is inside is put between begin and end; in a dict each value follows its key. Protocol 5
- * (Python 3.8 on), whose byte arrays make numpy's arrays writable. */
+ * numbers, and arrays of numbers. The contents of a container are put between begin and end; in a dict each value follows its
+ * key. Protocol 5 (Python 3.8 on), whose byte arrays make numpy's arrays writable. */
 #ifndef TD_PICKLER_H
 #define TD_PICKLER_H
 

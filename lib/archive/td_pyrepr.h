@@ -11,7 +11,7 @@
  * TIDES_NO_MEMORY. */
 tides_status td_pyrepr_open(const char *path, td_tree **tree, tides_error *error);
 
-/* The same from memory, which is not needed afterwards; `path` is for messages only. */
+/* Reads a text in memory, which isn't needed afterwards; `path` is for messages only. Otherwise like td_pyrepr_open. */
 tides_status td_pyrepr_parse(const char *path, const char *text, size_t size, td_tree **tree, tides_error *error);
 
 #endif

@@ -1,5 +1,5 @@
-/* Internal: how the readers of td_pickle.h and td_pyrepr.h build a tree of values. All memory comes from the tree, and goes
- * with it; looking things up is in value.c. */
+/* Internal: the builder of trees of values, for the readers of td_pickle.h and td_pyrepr.h. All memory comes from the tree, and
+ * goes with it; looking things up is in value.c. */
 #ifndef TD_TREE_H
 #define TD_TREE_H
 

@@ -6,7 +6,7 @@
 #include <lz4frame.h>
 #include <zstd.h>
 
-/* By which the output grows: four of the smallest blocks of LZ4, one of Zstandard's and more. */
+/* Bytes by which the output grows: four of the smallest blocks of LZ4, one of Zstandard's and more. */
 enum { PIECE = 1 << 18 };
 
 /* Room behind what was made: a piece, or up to `most`. */

@@ -1,5 +1,5 @@
-/* Looking things up in the trees of values that pickles and Python literals become, for the readers of trained models: a
- * key's value, an item, a number. What is missing or of another kind is NULL or 0; what that means is the reader's to say. */
+/* Looking things up in the trees of values that pickles and Python literals become, for the readers of trained models: a key's
+ * value, an item, a number. A value that is missing or of another kind is NULL or 0; the reader decides what that means. */
 #include "archive/td_value.h"
 
 #include <string.h>

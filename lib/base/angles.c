@@ -72,7 +72,8 @@ static folded fold_large(double x) {
 
 /* -- sine and cosine ------------------------------------------------------------------------------------------------------- */
 
-/* Of x >= 0. Up to 2^20 by pi/2 in three parts (Cody and Waite): k times the first and the second are exact. */
+/* Splits x >= 0 into quarter turns and a rest. Up to 2^20 it subtracts pi/2 in three parts (Cody and Waite): k times the first
+ * and the second are exact. */
 static folded fold(double x) {
     if (x <= 0.785) return (folded){0, {x, 0}};
     if (x >= 0x1p20) return fold_large(x);
@@ -81,7 +82,7 @@ static folded fold(double x) {
     return (folded){(unsigned)k & 3, td_two_sum(rest.high, rest.low - k * 0x1.3198a2e037073p-69)};
 }
 
-/* Of |r| < 0.79, by Taylor's series; the first terms left out are below 1e-19 and 2e-18. */
+/* Sine of |r| < 0.79 by Taylor's series. The first terms left out, of sine and cosine, are below 1e-19 and 2e-18. */
 static double sine_of(td_two r) {
     const double z = r.high * r.high;
     double sum = 1 / 355687428096000.0; /* 1 / 17! */

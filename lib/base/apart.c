@@ -45,7 +45,7 @@ static tides_status find_place(place *p, tides_error *error) {
     return TIDES_OK;
 }
 
-/* Of `path`, or with `part` of the file that is written first. */
+/* The place of `path`, or with `part` of the .part file that is written first. */
 static tides_status place_of(const char *path, int part, place *p, tides_error *error) {
     *p = (place){.rest = ""};
     if (!path || strcmp(path, "-") == 0) return TIDES_OK;

@@ -5,8 +5,8 @@
 #include <stddef.h>
 #include <string.h>
 
-/* What files write for a unit. Beyond a name's last '_' or within brackets all of these count; glued to a name ("timestampus")
- * those of two letters and more do. */
+/* Words that files write for a unit. Behind a name's last '_' or within brackets every word counts. Glued to a name
+ * ("timestampus") only words of two letters and more count. */
 static const struct {
     const char *word, *unit;
     int digits;
@@ -133,7 +133,7 @@ static void parse_field(const char *c, const char *end, td_column *column) {
 
 /* -- the line ------------------------------------------------------------------------------------------------------------ */
 
-/* Behind a quoted field's end; its quotes may hold separators. */
+/* The place behind a quoted field's end; its quotes may hold separators. */
 static const char *skip_quotes(const char *c) {
     const char quote = *c++;
     while (!ends_line(*c) && *c != quote) c++;
@@ -181,7 +181,7 @@ static const char *skip_front(const char *c) {
     }
 }
 
-/* Behind "Format:" and the like, which say what follows. */
+/* The place behind "Format:" and the like, labels in front of the names. */
 static const char *skip_label(const char *c) {
     const char *end = c;
     while (is_word(small(*end))) end++;
@@ -221,7 +221,8 @@ static int has_name(const char *name, const char *wanted, size_t length) {
     return own >= front + back && memcmp(name, wanted, front) == 0 && memcmp(name + own - back, star + 1, back) == 0;
 }
 
-/* The same, with a unit's word of two letters and more behind it: its digits; -1 otherwise. */
+/* The unit's digits where the name is the `length` letters at `wanted` with a unit's word of two letters and more behind;
+ * otherwise -1. */
 static int has_name_and_unit(const char *name, const char *wanted, size_t length) {
     if (memchr(wanted, '*', length) || strncmp(name, wanted, length) != 0 || strlen(name) < length + 2) return -1;
     return td_unit_digits(name + length);

@@ -95,7 +95,7 @@ static const char *const wishes[TD_WANTS] = {[TD_WANTS_SCENE] = "a scene of spla
                                              [TD_WANTS_TEXT] = "a text file",
                                              [TD_WANTS_ANY] = "read here"};
 
-/* What each reader takes itself: of that it has more to say. */
+/* 1 where the reader takes this family itself: its own message says more than a hint from here. */
 static int is_wanted(int family, int wanted) {
     switch (wanted) {
         case TD_WANTS_SCENE: return family == HDF5;

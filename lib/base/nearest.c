@@ -1,5 +1,5 @@
-/* The name that a misspelt one was meant to be, for errors of the library, the tool and the package: one measure of how far,
- * so that all of them suggest the same. What is said with it is the caller's. */
+/* The name that a misspelt one was meant to be, for errors of the library, the tool and the package: one measure of how far, so
+ * that all of them suggest the same. The words around a suggestion are the caller's. */
 #include "td_base.h"
 
 #include <string.h>

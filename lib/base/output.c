@@ -1,4 +1,4 @@
-/* Where files are written, and how they come into their place: the rules are in tides/base.h. */
+/* Writes output files beside their place, and moves them there: the rules are in tides/base.h. */
 #include "td_base.h"
 #include "td_folder.h"
 
@@ -14,7 +14,7 @@ static const char ending[] = ".part";
 
 /* ---- names ---- */
 
-/* What the link `path` says, as seen from here. */
+/* The target of the link `path`, as a path from here. */
 static tides_status read_link(const char *path, char **target, tides_error *error) {
     char text[4096]; /* PATH_MAX of Linux: no link holds more */
     ssize_t length = readlink(path, text, sizeof text);
@@ -44,8 +44,8 @@ tides_status td_follow_links(const char *path, char **target, tides_error *error
     return status;
 }
 
-/* What makes a file that is there another's, which isn't written; NULL: it is a file of ours alone, such as a run left that was
- * stopped. In a folder that others may write anybody can put a link to a file of ours where the .part will be. */
+/* The reason why an existing file counts as another's, and isn't written. NULL: it is a file of ours alone, for example left by
+ * a stopped run. In a folder that others may write anybody can put a link to a file of ours in the place of the .part. */
 static const char *foreign(const struct stat *there) {
     if (S_ISLNK(there->st_mode)) return "is a link";
     if (!S_ISREG(there->st_mode)) return "isn't a file";
@@ -188,7 +188,7 @@ static int sync_folder_of(const char *path) {
     return failed == EACCES || failed == EPERM ? 0 : failed;
 }
 
-/* 0 or errno. What came to be at the target since the work began is looked at again: hours may lie between. */
+/* 0 or errno. The target is checked again for a file that appeared since the work began: hours may lie between. */
 static int put_in_place(const char *part, const char *target) {
     struct stat there;
     if (lstat(target, &there) == 0 && !S_ISREG(there.st_mode)) return S_ISDIR(there.st_mode) ? EISDIR : EEXIST;

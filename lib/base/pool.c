@@ -1,4 +1,4 @@
-/* Threads that share out work. What is shared between them is guarded by one lock: parts are coarse, a few for each thread. */
+/* Threads that share out work. One lock guards all that they share: parts are coarse, a few for each thread. */
 #define _GNU_SOURCE /* sched_getaffinity: a container's or taskset's processors are fewer than the machine's */
 #include "td_pool.h"
 
@@ -104,7 +104,7 @@ static void *work(void *of) {
     return NULL;
 }
 
-/* Signals are the caller's. What can't be started is missing: the work is done all the same. */
+/* Signals are the caller's. If a thread can't be started, the others do its work. */
 static void start(td_pool *pool) {
     sigset_t all, before;
     pool->tried = 1;

@@ -43,7 +43,7 @@ void *td_alloc(size_t count, size_t size, tides_error *error);
 /* Grows `*array` (elements of `size` bytes, `*capacity` of them) to hold at least `needed`; contents kept. */
 tides_status td_reserve(void **array, size_t *capacity, size_t needed, size_t size, tides_error *error);
 
-/* The same where the contents are done with: they are lost where it grows, and where it can't. */
+/* Like td_reserve, but contents are lost where the array grows, and where it can't. */
 tides_status td_renew(void **array, size_t *capacity, size_t needed, size_t size, tides_error *error);
 
 char *td_strdup(const char *text, tides_error *error);

@@ -7,7 +7,7 @@
 
 enum { TD_COLUMNS_MAX = 64, TD_COLUMN_NAME = 64, TD_COLUMN_UNIT = 16 };
 
-/* What td_columns_find answers in place of a column. */
+/* Answers of td_columns_find in place of a column. */
 enum { TD_COLUMN_NONE = -1, TD_COLUMN_TWICE = -2 };
 
 typedef struct td_column {
@@ -31,8 +31,8 @@ int td_columns_parse(const char *line, td_columns *columns);
  * TD_COLUMN_NONE where none has, TD_COLUMN_TWICE where two have the same. */
 int td_columns_find(const td_columns *columns, const char *names);
 
-/* The same of a column of times; units may be in its name, too ("timestampus"). `*digits`: the decimal digits from its unit to
- * nanoseconds, -1 where no unit is said. TD_COLUMN_NONE with *digits -1 also where its unit is none of time's. */
+/* Finds a column of times as td_columns_find does; units may be in its name, too ("timestampus"). `*digits`: the decimal digits
+ * from its unit to nanoseconds, -1 where no unit is said. A unit that isn't one of time gives TD_COLUMN_NONE and *digits -1. */
 int td_columns_time(const td_columns *columns, const char *names, int *digits);
 
 /* Decimal digits from a unit of td_column to nanoseconds: 9 of "s", 6, 3, 0; -1: no unit of time. */

@@ -13,7 +13,7 @@ static inline uint16_t td_le16(const unsigned char *p) { return (uint16_t)(p[0] 
 static inline uint32_t td_le32(const unsigned char *p) { return td_le16(p) | (uint32_t)td_le16(p + 2) << 16; }
 static inline uint64_t td_le64(const unsigned char *p) { return td_le32(p) | (uint64_t)td_le32(p + 4) << 32; }
 
-/* Of `bytes` <= 8 bytes. */
+/* The little-endian number of `bytes` <= 8 bytes. */
 static inline uint64_t td_le_number(const unsigned char *p, size_t bytes) {
     uint64_t value = 0;
     for (size_t i = bytes; i-- > 0;) value = value << 8 | p[i];

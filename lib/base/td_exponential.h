@@ -41,8 +41,8 @@ TD_WITHIN double td_exponential_cubes(double r) {
 }
 TD_WITHIN double td_exponential_squares(double r) { return td_exponential_cubes(r) * r + 0.5; }
 
-/* Of a finite x, error < 1 ulp (tests/unit/test_exponential.c); above TD_EXPONENT_MOST it stays at its value there. With x =
- * k ln 2 + r, |r| < 0.347, it is 2^k times the series of e^r. ln 2 is in two parts, so that k times the first is exact. */
+/* e^x of a finite x, error < 1 ulp (tests/unit/test_exponential.c). Above TD_EXPONENT_MOST it stays at its value there. With x
+ * = k ln 2 + r, |r| < 0.347, it is 2^k times the series of e^r. ln 2 is in two parts, so that k times the first is exact. */
 TD_WITHIN double td_exponential(double x) {
     static const double rounds = 0x1.8p52, per_ln2 = 1.44269504088896340736, ln2 = 0x1.62e42feep-1,
                         more = 0x1.a39ef35793c76p-33;

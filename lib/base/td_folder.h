@@ -1,5 +1,5 @@
-/* Internal: what a folder holds, for readers of event files, frames and paths that come as folders; making them; and the folder
- * and the name that a path is made of. */
+/* Internal: contents of folders, for readers of event files, frames and paths that come as folders; making folders; and the
+ * folder and the name in a path. */
 #ifndef TD_FOLDER_H
 #define TD_FOLDER_H
 
@@ -21,7 +21,7 @@ tides_status td_folder_add(td_folder *folder, const char *path, const char *name
 /* 1 where the name is longer than `ending` and ends in it, whatever its case. */
 int td_ends_in(const char *name, const char *ending);
 
-/* What follows the last slash. */
+/* The part of `path` behind its last slash. */
 const char *td_base_name(const char *path);
 
 /* `path` without the slashes that a folder's name may end in: td_base_name has its name then. Allocated. */

@@ -1,5 +1,5 @@
 /* Internal: FNV-1a of 64 bits (Fowler, Noll and Vo; the offset and the prime are theirs), the one hash of the library: for what
- * changed, mix-ups and damage, no defence against malice. What it makes is stored (seals of checkpoints, fingerprints and names
+ * changed, mix-ups and damage, no defence against malice. Files store its values (seals of checkpoints, fingerprints and names
  * of a batch's runs): neither form may change. */
 #ifndef TD_HASH_H
 #define TD_HASH_H

@@ -7,7 +7,7 @@
 
 #include <stdint.h>
 
-/* What a number is for: two uses never share one. Add at the end; the values are part of the stream's definition. */
+/* Purposes of random numbers: two uses never share one. Add at the end; the values are part of the stream's definition. */
 enum {
     TD_RANDOM_THRESHOLD = 1,
     TD_RANDOM_LEAK = 2,
@@ -61,7 +61,7 @@ double td_random_uniform(const td_random_bits *bits, int half);
 /* Two independent standard normals (Box and Muller). */
 void td_random_normals(const td_random_bits *bits, double normal[2]);
 
-/* The same of several numbers at once, to the bit, in a fraction of the time: lane i is of pixel[i] and index[i]. */
+/* Several numbers at once, with the bits of td_random in a fraction of the time: lane i is of pixel[i] and index[i]. */
 enum { TD_RANDOM_LANES = 16 };
 typedef struct td_random_lanes {
     uint32_t word[4][TD_RANDOM_LANES];

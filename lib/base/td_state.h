@@ -1,15 +1,15 @@
 /* Internal: the state of a run's parts as a table, for whoever saves it and puts it back (lib/checkpoint).
  *
  * Each part that has a state gives one function that adds its rows: what the file calls an array, what it holds, and where it
- * stands in the part's own memory. A new array of state is one row beside the code that owns it. What isn't an array of numbers
- * (the readout's queues) packs itself. The table borrows: it lasts as long as the arrays stay where they are. */
+ * stands in the part's own memory. A new array of state is one row beside the code that owns it. State that isn't an array of
+ * numbers (the readout's queues) packs itself. The table borrows: it lasts as long as the arrays stay where they are. */
 #ifndef TD_STATE_H
 #define TD_STATE_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-/* What an array holds: double, uint32_t, or int64_t. */
+/* Element types of an array: double, uint32_t, or int64_t. */
 typedef enum td_state_type { TD_STATE_REAL, TD_STATE_COUNT, TD_STATE_WHOLE } td_state_type;
 static inline size_t td_state_size(td_state_type type) {
     return type == TD_STATE_COUNT ? sizeof(uint32_t) : type == TD_STATE_WHOLE ? sizeof(int64_t) : sizeof(double);

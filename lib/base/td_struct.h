@@ -23,7 +23,7 @@
                        aligned),                \
                    1 ? (own) : (type *)NULL, 1 ? (given) : (const type *)NULL, error)
 
-/* Of `bytes` bytes and that alignment; both begin with their size. */
+/* The function behind TD_TAKE_STRUCT, for structs of `bytes` bytes and that alignment; both begin with their size. */
 tides_status td_take_struct(const char *name, size_t bytes, size_t alignment, void *own, const void *given, tides_error *error);
 
 #endif

@@ -19,8 +19,8 @@ tides_status td_text_open(td_text *text, const char *path, tides_error *error);
 /* The status of all lines so far: who doesn't look at it (and gives NULL for the error) hears it from td_text_close. */
 tides_status td_text_put(td_text *text, tides_error *error, const char *format, ...) TD_PRINTF(3, 4);
 
-/* Puts the file in place where `status` is TIDES_OK, else removes it; the status, or why it couldn't be written. Of a text that
- * isn't open it does nothing. */
+/* Puts the file in place where `status` is TIDES_OK, else removes it; the status, or why it couldn't be written. It does
+ * nothing for a text that isn't open. */
 tides_status td_text_close(td_text *text, tides_status status, tides_error *error);
 static inline void td_text_drop(td_text *text) { (void)td_text_close(text, TIDES_CANCELLED, NULL); }
 

@@ -37,7 +37,7 @@ static size_t sample_before(const td_light *light, double time) {
     return low;
 }
 
-/* At rest long enough before `from`; logarithms are taken up to `to` alone. */
+/* Starts at rest long enough before `from`; logarithms are taken up to `to` alone. */
 static walk begin(td_light *light, size_t place, const td_front *front, double from, double to) {
     walk w = {.light = light, .front = front, .L = light->line, .Y = light->Y + place * light->samples};
     const size_t last = sample_before(light, to) + 1;

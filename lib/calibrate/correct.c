@@ -1,5 +1,5 @@
-/* What the method does to a sensor that it found: the same light through TIDES's own pixels with these values, and measured in
- * the same way. What comes out different is the method's own doing, and is taken off. */
+/* Removes the bias of the calibration's method. The recording's light goes through TIDES's own pixels with the values found,
+ * and their events are measured in the same way. The difference is the method's own doing, and is subtracted. */
 #include "td_calibrate.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* How far values are to be believed: the same measured of halves of the time, of the image, and of pixels drawn by chance.
- * Random halves of n pixels scatter about the whole as whole samples do about the truth. */
+/* Error bars of the values: each is measured again on halves of the time, of the image, and of pixels drawn by chance. Random
+ * halves of n pixels scatter about the whole as whole samples do about the truth. */
 #include "td_calibrate.h"
 
 #include <math.h>

@@ -215,7 +215,7 @@ static void look_for_offset(td_calibration *c, td_fit *best) {
     }
 }
 
-/* What is given is where it is held. */
+/* The front end with every given value in place; given values aren't free in the fit. */
 static td_front given_front(td_calibration *c) {
     const double *g = c->options->given;
     td_front front = {.log_eps = 0.02, .law = TIDES_PHOTORECEPTOR_CONSTANT};
@@ -239,7 +239,7 @@ static td_front given_front(td_calibration *c) {
     return front;
 }
 
-/* On half of the pixels, roughly: which kind of front end it is. */
+/* A rough fit on half of the pixels, to choose the kind of front end. */
 static void rough(td_calibration *c, td_fit *fit, int32_t free) {
     const td_part half = {.what = TD_RANDOM_HALF, .seed = c->options->seed};
     td_refine(&c->light, &c->pairs, fit, free, c->longest_refractory_s, &half);

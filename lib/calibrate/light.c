@@ -82,7 +82,7 @@ static int32_t is_bent(const rows *r, const float *a, const float *mid, const fl
     return (double)bent > SHARE * (double)n;
 }
 
-/* What is within (t0, t1), whose ends are kept by whoever asks; b is the later end's row. */
+/* Keeps the rows within (t0, t1); the caller keeps both ends. `b` is the later end's row. */
 static tides_status between(rows *r, const float *a, double t0, const float *b, double t1, int32_t level, tides_error *error) {
     const double mid = 0.5 * (t0 + t1);
     float *row = NULL;

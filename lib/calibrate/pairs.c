@@ -1,11 +1,11 @@
-/* Successive events of a pixel. Those with an end in a burst are left out, and so are pixels that fire all the time. */
+/* Successive events of a pixel. Pairs with an end in a burst are left out, and so are pixels that fire all the time. */
 #include "td_calibrate.h"
 #include "td_sort.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* What is about one pixel, or counts where there is no room yet. */
+/* Writes one pixel's pairs to `list`, or with NULL only counts them. */
 static size_t of_pixel(const td_taken *t, size_t pixel, uint32_t place, td_pair *list) {
     size_t count = 0;
     for (size_t i = t->first[pixel] + 1; i < t->first[pixel + 1]; i++) {
@@ -41,7 +41,8 @@ void td_pairs_free(td_pairs *pairs) {
     memset(pairs, 0, sizeof *pairs);
 }
 
-/* One in a thousand may be noise, which a refractory period holds up as well, or two pixels' events on one address. */
+/* Shortest interval but for one in a thousand, which may be noise, since a refractory period holds up noise as well, or two
+ * pixels' events on one address. */
 double td_shortest_interval(const td_pairs *pairs) {
     for (size_t i = 0; i < pairs->count; i++) pairs->room[i] = pairs->list[i].to - pairs->list[i].from;
     qsort(pairs->room, pairs->count, sizeof *pairs->room, td_ascending);

@@ -42,7 +42,7 @@ static cJSON *add(cJSON *root, const char *key, cJSON *value, const char *source
     return item;
 }
 
-/* One sigma on either side of what was measured. */
+/* Adds the spread: one sigma on either side of the measured value. */
 static void add_spread(cJSON *item, double low, double high) {
     cJSON *spread = cJSON_AddArrayToObject(item, "spread");
     cJSON_AddItemToArray(spread, number(low));

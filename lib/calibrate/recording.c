@@ -87,7 +87,7 @@ static size_t busiest(const counter *k, size_t length, uint64_t *events) {
     return at;
 }
 
-/* Where nobody says when: the busiest second, or less where that has more events than there is room for. */
+/* Chooses the stretch where no time is given: the busiest second, or less where that has more events than there is room for. */
 static void choose_stretch(counter *k) {
     td_taken *t = &k->c->taken;
     const double bin_ns = TD_BIN_S * 1e9;
@@ -131,7 +131,7 @@ static int64_t clamped_ns(double seconds) {
     return ns < -9.2e18 ? -9200000000000000000LL : ns > 9.2e18 ? 9200000000000000000LL : (int64_t)llround(ns);
 }
 
-/* What light and options leave of the time; where the recording's end is open, of it, too. */
+/* The interval that light and options have in common. Where it has no end, bound_by_file takes the recording's. */
 static tides_status common_time(counter *k, double light_start, double light_stop, tides_error *error) {
     td_taken *t = &k->c->taken;
     const tides_calibrate_options *o = k->c->options;
@@ -153,7 +153,7 @@ static tides_status no_events(const counter *k, tides_error *error) {
                    k->c->options->width > 0 ? " in the region" : "", start, stop);
 }
 
-/* Of a still scene light is known for ever: the recording's own time is counted then. */
+/* Ends an interval of COUNTED_S or more with the recording's own time: a still scene's light is known for ever. */
 static tides_status bound_by_file(counter *k, tides_error *error) {
     td_taken *t = &k->c->taken;
     tides_event_reader *reader = NULL;

@@ -1,5 +1,5 @@
-/* What pairs say beyond their medians: by transition, from pixel to pixel, over the image; and pixels that don't do as light
- * does. */
+/* Spreads of the pairs beyond their medians: by transition, from pixel to pixel, over the image. Also finds pixels that don't
+ * follow the light. */
 #include "td_calibrate.h"
 #include "td_math.h"
 #include "td_sort.h"

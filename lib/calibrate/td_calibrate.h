@@ -48,7 +48,7 @@ typedef struct td_pairs {
     double *change, *room; /* (count) of td_changes; and for sorting */
 } td_pairs;
 
-/* What is between light and comparator. */
+/* The front end between light and comparator. */
 typedef struct td_front {
     double log_eps;  /* [1] */
     double pole_s;   /* [s]; with `law` 1 that at Y = 1 */
@@ -57,7 +57,7 @@ typedef struct td_front {
     int32_t law; /* TIDES_PHOTORECEPTOR_* */
 } td_front;
 
-/* What a front end makes of pairs. */
+/* The fit of a front end to the pairs. */
 typedef struct td_fit {
     td_front front;
     double on, off;   /* medians of changes [log units] */
@@ -128,7 +128,7 @@ tides_status td_search(td_calibration *c, tides_error *error); /* from nothing *
 void td_refine(td_light *light, td_pairs *pairs, td_fit *fit, int32_t free, double longest_refractory_s, const td_part *part);
 int32_t td_in_part(const td_pair *pair, uint32_t pixel, const td_part *part); /* NULL: all */
 
-/* What the parts write of a calibration; each has its own fields. */
+/* The parts that write a calibration; each has its own fields. */
 /* spread.c: transitions, mismatch, the map, hot and dead pixels. */
 tides_status td_spread(td_calibration *c, tides_calibration *found, tides_error *error);
 /* noise.c: events of pixels at rest, or of a still recording. */
@@ -140,7 +140,7 @@ tides_status td_doubt(td_calibration *c, tides_calibration *found, tides_error *
 /* verdict.c: what is wrong with it, and which values are known. */
 tides_status td_verdict(td_calibration *c, tides_calibration *found, tides_error *error);
 
-/* Where it is: TIDES_CANCELLED where nobody wants it any more. */
+/* Reports the calibration's progress; TIDES_CANCELLED where the caller stops it. */
 tides_status td_calibrate_told(const td_calibration *c, double fraction, const char *stage, tides_error *error);
 
 #endif

@@ -1,4 +1,4 @@
-/* What is wrong with a calibration, and which of its values are known. */
+/* Judges a calibration: its faults, and which of its values are known. */
 #include "td_calibrate.h"
 
 #include "td_math.h"
@@ -14,7 +14,7 @@ enum { FEW_PAIRS = 300, FEW_OF_ONE = 50, TILE = 8 };
 #define DEAD 0.2      /* of the pixels that should fire */
 #define LATE_S 3e-3   /* of clocks: beyond that it isn't the pixels' delay */
 #define FAR_APART 0.2 /* of a value, between halves */
-/* What no error is below: light goes in straight lines between samples. */
+/* Floors of the errors: light goes in straight lines between samples. */
 #define LEAST_SHARE 0.003
 #define LEAST_EPS 2e-4
 #define LEAST_S 3e-5
@@ -85,7 +85,8 @@ static int32_t is_exchanged(td_calibration *c) {
     return fit.agreement < 1 - AGREES;
 }
 
-/* What a recording that isn't of this light looks like. */
+/* Notes why a recording may not be of this light: mirrored, with exchanged polarities, on another clock, or of another
+ * scene. */
 static tides_status why_unlike(td_calibration *c, const activity *a, char **notes, tides_error *error) {
     static const char *const mirrored[] = {"", "left and right", "up and down", "both ways"};
     const double as_is = correlation(a, 0);

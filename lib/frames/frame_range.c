@@ -1,5 +1,5 @@
-/* Which stored value is light 1. What a file's type says is believed where the values fill it; where they don't, nothing is
- * guessed but what can't be anything else, and that is said. */
+/* Finds the stored value that is light 1. A file's type decides where the values fill its range. Where they don't, only a range
+ * that can't be another one is assumed, and this is reported. */
 #include "td_frames.h"
 
 #include <math.h>

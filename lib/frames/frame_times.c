@@ -18,7 +18,7 @@
 
 enum { COLUMNS = 8, WORD = 64, LINE = 1024 };
 
-/* What the lines of a list of times have, column by column. */
+/* Facts of a list of times, column by column. */
 typedef struct times_text {
     size_t rows, numbers[COLUMNS], counting[COLUMNS]; /* of the rows: those with a number there, and with the row's own */
     double first[COLUMNS];

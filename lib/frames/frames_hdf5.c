@@ -98,7 +98,7 @@ static int holds(hid_t data, const hsize_t *shape, int rank) {
     return values <= 1032.0 * stored;
 }
 
-/* What there is instead. */
+/* Fails with the names that the file has instead. */
 static tides_status refuse_names(const char *path, hid_t file, tides_error *error) {
     char list[256] = "", name[64];
     H5G_info_t info = {.nlinks = 0};

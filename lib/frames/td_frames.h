@@ -9,7 +9,7 @@
 /* A side in pixels is at most this: events have 16 bits, and cameras are smaller. */
 enum { TD_FRAME_SIDE_MAX = 16384, TD_FRAME_PLANES_MAX = 4096, TD_FRAME_DIMS_MAX = 6 };
 
-/* What stored values were, of the frames read since it was cleared. */
+/* Facts about the stored values of the frames that were read since it was cleared. */
 typedef struct td_frame_seen {
     double largest;
     int32_t whole; /* 1: all were whole numbers */
@@ -78,7 +78,7 @@ extern const char *const td_frame_arrays[], *const td_frame_time_arrays[];
 /* "(frames, height, width)" as sizes: TIDES_BAD_FILE where a side is 0 or too long. */
 tides_status td_frames_take_shape(tides_frames *frames, const char *what, size_t count, size_t height, size_t width,
                                   tides_error *error);
-/* The same from an array's `rank` dimensions, with those of its planes. */
+/* Like td_frames_take_shape, from an array's `rank` dimensions, which may include its planes. */
 tides_status td_frames_take_dims(tides_frames *frames, const char *what, const size_t *dims, int rank, tides_error *error);
 
 /* Values of one frame: planes x height x width. */

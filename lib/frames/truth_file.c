@@ -1,5 +1,5 @@
-/* Ground truth out of the files that data sets have it in, as named planes (tides/truth.h says which). What lib/dataset writes
- * comes back as it was, but for what its integers have no room for. */
+/* Ground truth out of the files that data sets have it in, as named planes (tides/truth.h says which). Values that lib/dataset
+ * writes come back as they were, but for the rounding of its integers. */
 #include "archive/td_npy.h"
 #include "image/td_exr.h"
 #include "td_folder.h"
@@ -34,7 +34,7 @@ static tides_status make_planes(int32_t width, int32_t height, const char *const
 
 /* -- pictures -------------------------------------------------------------------------------------------------------------- */
 
-/* What is stored: whole numbers. */
+/* The value as stored: a whole number. */
 static float stored(const td_picture_values *p, size_t i) {
     return (float)rint((double)p->values[i] * (p->bits == 16 ? 65535.0 : 255.0));
 }

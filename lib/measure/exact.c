@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Nothing moves: the unit that events are counted in. */
+/* Shift of event times that counts as none [us]: the unit in which they are counted. */
 #define SETTLED_US 1e-3
 /* No level after one that took so many full renders: it would take twice that. Renders, not seconds, so that the exact stream
  * doesn't depend on what else the machine does. */
@@ -75,7 +75,7 @@ static tides_status check_options(const tides_exact_options *how, tides_error *e
 
 static double or_else(double given, double otherwise) { return given > 0 ? given : otherwise; }
 
-/* What is left open depends on the run's length. */
+/* Fills options that were left open; their defaults depend on the run's length. */
 static void fill_in(job *j) {
     const double length = j->stop - j->start;
     tides_exact_options *how = &j->how;

@@ -2,9 +2,9 @@
  * parameters come. For exact streams and comparisons.
  *
  * An ideal pixel fires where the logarithm has moved by the threshold since its last event, and does nothing else: no noise, no
- * spread, no latency, no low-pass, no refractory period. What is left of a method then is how it sees the image and where it
- * puts events in time. What has only one ideal value says so in the parameter table (td_param.ideal); here is what depends on
- * the run. */
+ * spread, no latency, no low-pass, no refractory period. The rest of a method is how it sees the image, and where it puts
+ * events in time. Parameters with one ideal value have it in the parameter table (td_param.ideal); those that depend on the run
+ * are here. */
 #include "run/td_params.h"
 #include "td_base.h"
 #include "tides/measure.h"
@@ -17,7 +17,7 @@ enum { SETTINGS_MAX = 40, SETTING_BYTES = 80 };
 #define TWO_PI 6.283185307179586
 #define VOLTMETER_QUIET 1e-9 /* k6: the original gives nothing at 0 */
 
-/* What a method's settings are made from. */
+/* The pixel from which a method's settings are made. */
 typedef struct pixel {
     double on, off, log_eps;
     const tides_sensor *sensor;
@@ -30,7 +30,7 @@ typedef struct settings {
     size_t count;
 } settings;
 
-/* One that doesn't fit is counted: tides_ideal_settings refuses then. */
+/* Adds a setting. One without room is counted, and tides_ideal_settings then refuses. */
 static void put(settings *s, const char *key, const char *value) {
     if (s->count < SETTINGS_MAX) snprintf(s->texts[s->count], SETTING_BYTES, "%s=%s", key, value);
     s->count++;

@@ -19,7 +19,8 @@ static tides_status append(td_align *align, int64_t dt, tides_error *error) {
     return status;
 }
 
-/* Is pairing the k-th with the k-th best because no time has a nearer counterpart? Then every pair adds all it ever could. */
+/* 1 where pairing the k-th with the k-th is best, since no time has a nearer counterpart. Every pair then adds all that it ever
+ * could. */
 static int obvious(const int64_t *a, size_t count_a, const int64_t *b, size_t count_b, int64_t limit) {
     if (count_a != count_b) return 0;
     for (size_t i = 0; i < count_a; i++) {

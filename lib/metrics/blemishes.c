@@ -1,5 +1,5 @@
-/* What of a recording isn't of its light: bursts of the readout of frames (td_bursts.h), and hot pixels. No simulation of light
- * makes them, and a comparison leaves them out of both streams. */
+/* Finds the events of a recording that its light didn't cause: bursts of the readout of frames (td_bursts.h), and hot pixels. A
+ * simulation of light makes none of them, so a comparison leaves them out of both streams. */
 #include "td_metrics.h"
 
 #include "td_bursts.h"
@@ -78,7 +78,7 @@ static tides_status add_hot(tides_blemishes *found, size_t *capacity, int32_t x,
     return TIDES_OK;
 }
 
-/* Of the events that are left, counted by pixel. */
+/* Finds hot pixels in the counts of events outside bursts, pixel by pixel. */
 static tides_status find_hot(const uint32_t *counts, int32_t width, int32_t height, tides_blemishes *found,
                              tides_error *error) {
     size_t capacity = 0;

@@ -1,4 +1,4 @@
-/* What tides_metrics_compare may be told, its defaults, and which of it is refused. */
+/* The options of tides_metrics_compare: their defaults, and the checks that refuse bad ones before two streams are compared. */
 #include "td_metrics.h"
 
 #include <math.h>

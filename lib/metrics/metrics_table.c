@@ -1,18 +1,18 @@
-/* The table of metrics: every value of a comparison once, with its family, its unit, which way is better and a sentence. What
- * is NaN until it is computed, the tool's JSON, table and --only, and Python's list are made of it: a new metric is a file of
- * its own, a field of tides_metrics with its definition, and its rows here. */
+/* The table of metrics: every value of a comparison once, with its family, its unit, which way is better and a sentence. The
+ * values that begin as NaN, the tool's JSON, table and --only, and Python's list are made of it. A new metric is a file of its
+ * own, a field of tides_metrics with its definition, and its rows here. */
 #include "td_metrics.h"
 
 #define ROW(of, label, family, kind, often, field, span, units, way, text) \
     { label, FAMILY_##family, units, text, TIDES_BETTER_##way, TIDES_OF_##of, TIDES_REPEATS_##often, kind, field, span }
-/* Of the comparison: a number, a count, a number for each kind of pairs or for each bin. */
+/* Rows of the comparison: a number, a count, a number for each kind of pairs or for each bin. */
 #define ONCE(name, family, member, unit, way, text) \
     ROW(BOTH, name, family, 1, ONCE, offsetof(tides_metrics, member), 0, unit, way, text)
 #define COUNT(name, family, member, unit, way, text) \
     ROW(BOTH, name, family, 0, ONCE, offsetof(tides_metrics, member), 0, unit, way, text)
 #define EACH(often, name, family, member, unit, way, text) \
     ROW(BOTH, name, family, 1, often, offsetof(tides_metrics, member), sizeof(double), unit, way, text)
-/* Of each stream by itself. */
+/* Rows of each stream by itself. */
 #define STREAM(often, real, name, family, member, span, unit, text) \
     ROW(STREAM, name, family, real, often, offsetof(tides_stream_metrics, member), span, unit, NEITHER, text)
 

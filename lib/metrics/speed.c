@@ -1,5 +1,5 @@
-/* How fast the image moves, from the reference alone: the time since the latest earlier event of equal polarity on the four
- * neighbours is a pixel's crossing time; v is one pixel over the median of those up to 50 ms. */
+/* Speed of the image, from the reference alone. A pixel's crossing time is the time since the latest earlier event of equal
+ * polarity on the four neighbours. v is one pixel over the median of the crossing times up to 50 ms. */
 #include "td_metrics.h"
 
 #include <math.h>

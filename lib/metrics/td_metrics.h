@@ -1,5 +1,5 @@
-/* Internal: what the parts of tides_metrics_compare share: two streams sorted by pixel, and the options. Each part fills its
- * own numbers and knows nothing of the others. */
+/* Internal: data that the parts of tides_metrics_compare share: two streams sorted by pixel, and the options. Each part fills
+ * its own numbers and knows nothing of the others. */
 #ifndef TD_METRICS_H
 #define TD_METRICS_H
 

@@ -1,4 +1,4 @@
-/* What compares the trains of each pixel and polarity: Victor-Purpura, van Rossum, and the time to the nearest event. */
+/* Compares the trains of each pixel and polarity: Victor-Purpura, van Rossum, and the time to the nearest event. */
 #include "td_metrics.h"
 
 #include "td_math.h"

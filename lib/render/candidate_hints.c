@@ -1,7 +1,7 @@
 /* Depth order that a tile's job leaves to the next of the same sweep, whose list is nearly in that order (kernels/sort.cl). */
 #include "td_renderer.h"
 
-/* What is known of a tile's depth order in this sweep. */
+/* States of a tile's hint in this sweep: its depth order, left by one job for the next. */
 enum {
     HINT_WANTED, /* nothing yet: the next job leaves its order */
     HINT_ASKED,  /* a job at work leaves it */

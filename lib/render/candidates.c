@@ -1,7 +1,7 @@
 /* Tile candidate lists: for each 16x16 tile the Gaussians whose swept box touches it, in index order. A counting sort, object
  * by object: one pass over the boxes finds who touches any tile, and how long lists will be; one over those puts them there.
- * Who touches what is looked at in vectors, and a box of up to 2x2 tiles goes to its lists without a question, since how many
- * tiles a box has is hard to guess. */
+ * Touches are tested in vectors. A box of up to 2x2 tiles goes to its lists without a branch, since the number of tiles of a
+ * box is hard to predict. */
 #include "td_renderer.h"
 #include "td_wide.h"
 
@@ -92,7 +92,7 @@ typedef struct look {
     int32_t any[LOOK];                              /* 1 where it touches one */
 } look;
 
-/* Of `count` boxes, a whole number of groups. NaN touches nothing. */
+/* Finds the tiles that `count` boxes touch; `count` is a whole number of groups. A box with a NaN touches nothing. */
 TD_WIDE static void look_at(const float *restrict boxes, int count, int tiles_x, int tiles_y, look *restrict out) {
     const float limit_x = (float)(TD_TILE * tiles_x), limit_y = (float)(TD_TILE * tiles_y);
     for (int i = 0; i < count; i++) {
@@ -167,7 +167,8 @@ static tides_status find_touches(td_candidates *candidates, const td_store *stor
 /* Each object's share of a tile's list begins at a multiple of TD_PAD. */
 static int padded(int end) { return (end + TD_PAD - 1) / TD_PAD * TD_PAD; }
 
-/* Where boxes begin and end, to `edges`: sums over rows and columns are how many there are. And which tiles are theirs. */
+/* Marks begins and ends of boxes in `edges`, whose sums over rows and columns count the boxes of each tile. Also finds the
+ * range of tiles. */
 static void mark_edges(td_candidates *candidates, struct td_touching *touching) {
     const int stride = candidates->tiles_x + 1;
     int *edges = candidates->edges;
@@ -226,8 +227,9 @@ static inline void place(td_candidates *candidates, int tile, int there, int gau
     if (moves) candidates->travel[tile] = far > candidates->travel[tile] ? far : candidates->travel[tile];
 }
 
-/* Of one object; what moves, and how far at most, is noted on the way. Tiles that aren't there take what isn't wanted: three,
- * so that no number waits for itself more than once. */
+/* Places the Gaussians of one object in the lists of their tiles; of moving ones it notes that they move and how far at most.
+ * Entries that aren't wanted go to tiles behind the last. There are three of these, so that no counter waits for itself more
+ * than once. */
 static inline void place_each(td_candidates *candidates, const struct td_touching *touching, const float *travel, int moves) {
     const int tiles_x = candidates->tiles_x, none = tiles_x * candidates->tiles_y;
     for (size_t i = touching->begin; i < touching->end; i++) {
@@ -247,7 +249,7 @@ static inline void place_each(td_candidates *candidates, const struct td_touchin
     }
 }
 
-/* Nobody, up to where the next object's share begins. */
+/* Fills each tile's list with TD_NO_GAUSSIAN up to where the next object's share begins. */
 static void fill_up(td_candidates *candidates, const range *on) {
     for (int y = on->y0; y <= on->y1; y++)
         for (int t = y * candidates->tiles_x + on->x0; t <= y * candidates->tiles_x + on->x1; t++) {
@@ -268,7 +270,8 @@ static inline void travel_in(float *restrict blocks, int stride, const range *on
     }
 }
 
-/* An object's to the blocks that they touch: rows x stride of what moves there at most, -1 where nothing does. */
+/* Notes an object's travel in the blocks that its boxes touch. `blocks` (rows x stride) has the largest travel there, -1 where
+ * nothing moves. */
 TD_WIDE static void place_blocks(const struct td_touch *restrict touches, size_t count, const float *restrict boxes,
                                  const float *restrict travel, int last_x, int last_y, int stride, float *restrict blocks) {
     const float end_x = (float)((last_x + 1) * TD_BLOCK), end_y = (float)((last_y + 1) * TD_BLOCK);
@@ -283,7 +286,7 @@ TD_WIDE static void place_blocks(const struct td_touch *restrict touches, size_t
     }
 }
 
-/* Of all objects that move, to each tile's blocks. */
+/* Notes the travel of all objects that move, in the blocks of each tile. */
 static void find_blocks(td_candidates *candidates, const float *boxes, const float *travel, const uint8_t *object_moves) {
     enum { SIDE = TD_TILE / TD_BLOCK };
     const int stride = blocks_stride(candidates), rows = SIDE * candidates->tiles_y;

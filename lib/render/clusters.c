@@ -1,12 +1,13 @@
-/* What of a scene is in view: clusters of neighbours against the planes through the eye and the image's borders, in double on
- * the host, whatever the device.
+/* Finds the part of a scene that is in view: clusters of neighbours against the planes through the eye and the image's borders.
+ * It computes in double on the host, whatever the device.
  *
  * A mean at (x, y, z) of the camera, z > 0, is seen at u = fx x / z + cx. Its splat reaches sigmas (fx / z) s sigma further,
- * sigma its largest standard deviation and s = sqrt(1 + limit^2) what the Jacobian's slope, which is clamped, makes of it, and
- * `blur` pixels that don't depend on z. So it is right of the image where
- *   fx x - (width - cx + blur) z  >  sigmas fx s sigma,
- * a plane, and likewise on the other sides; behind the camera where z < near. What is linear in the place is at most, over a
- * cubic, what it is at the cubic's Bezier points; and over a ball, its radius times the plane's normal more. */
+ * and `blur` pixels that don't depend on z. sigma is its largest standard deviation, and s = sqrt(1 + limit^2) bounds the
+ * Jacobian, whose slope is clamped. So the splat is right of the image where
+ *   fx x - (width - cx + blur) z  >  sigmas fx s sigma.
+ * That is a plane, and there is one for each other side; a splat is behind the camera where z < near. Over a cubic a linear
+ * function of the place is at most its value at the cubic's Bezier points. Over a ball it is at most the ball's radius times
+ * the plane's normal more than at its centre. */
 #include "camera/td_rotation.h"
 #include "td_renderer.h"
 #include "td_math.h"
@@ -16,7 +17,7 @@
 
 enum { POINTS_MOST = 4, PLANES_MOST = 5 };
 
-/* Beyond, singles can't be trusted to say where a splat is, or that they can't (shape.broken). */
+/* Size above which single precision can't be trusted to tell where a splat is, nor that it can't (shape.broken). */
 static const double size_most = 1e12;
 /* Share of reaches, and of coordinates, that rounding to singles may add, with much to spare. */
 static const double more = 1.01, rounding = 1e-5;
@@ -86,7 +87,7 @@ void td_clusters_release(td_clusters *clusters) {
 
 /* -- asking ---------------------------------------------------------------------------------------------------------------- */
 
-/* Nothing is seen of a splat while n . p > spread sigmas sigma + behind, p where its mean is. */
+/* A plane of the view: a splat is out of view while n . p > spread sigmas sigma + behind, with its mean at p. */
 typedef struct plane {
     double normal[3], length; /* of the normal */
     double spread, behind;
@@ -116,7 +117,7 @@ static void set_points(const td_cluster_path *path, outlook *out) {
     out->stray = path->stray;
 }
 
-/* Of the side at which `axis` grows or falls with `sign`: `border` pixels from the principal point. */
+/* Adds the plane of the side at which `axis` grows or falls with `sign`: `border` pixels from the principal point. */
 static void add_side(outlook *out, int axis, double sign, double focal, double limit, double border) {
     plane *side = &out->plane[out->planes++];
     *side = (plane){.spread = focal * sqrt(1 + limit * limit)};

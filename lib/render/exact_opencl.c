@@ -45,7 +45,7 @@ static tides_status move(td_exact *exact, const td_moved_rows *moved, tides_erro
     return status;
 }
 
-/* So many rows, and what is beside them, which is one number where nothing is. */
+/* Makes room for so many rows, and for the values beside them: one number where an image has none. */
 static tides_status grow_rows(opencl_exact *e, int count, tides_error *error) {
     const size_t rows = (size_t)count, beside = e->is_coded ? rows * TD_BESIDE_STRIDE : 1;
     const tides_status status = td_buffer_grow(e->device, &e->rows, rows * TD_PATH_STRIDE * sizeof(double), error);

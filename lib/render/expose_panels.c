@@ -21,7 +21,7 @@ typedef struct node {
     int tile, part;
 } node;
 
-/* What lies between two nodes of a tile. */
+/* A stretch of a tile's exposure between two nodes, with one in its middle. */
 typedef struct panel {
     int tile, node[3]; /* begin, middle and end */
     int cut;           /* 1: its halves have taken its place */
@@ -61,13 +61,13 @@ static td_row_window exposure_of(const expose_job *job, int tile) {
     return td_expose_tile_row(job->band, job->renderer->image.height, job->band->first + tile / job->tiles_x);
 }
 
-/* What of a tile's exposure is in the stretch; nothing where it stops before it starts. */
+/* The part of a tile's exposure within the stretch; nothing where it stops before it starts. */
 static td_row_window window_of(const expose_job *job, int tile) {
     const td_row_window all = exposure_of(job, tile), stretch = job->band->stretch;
     return (td_row_window){td_greater(all.start, stretch.start), td_lesser(all.stop, stretch.stop)};
 }
 
-/* Is any of it in the stretch? An instant between two is the later one's. */
+/* 1 where any of a tile's exposure is in the stretch. An instant between two stretches belongs to the later one. */
 static int is_exposed(const expose_job *job, int tile) {
     const td_row_window all = exposure_of(job, tile), stretch = job->band->stretch, own = window_of(job, tile);
     if (all.stop > all.start) return own.stop > own.start;
@@ -174,7 +174,7 @@ static void cubics(double u, double out[4]) {
     out[3] = u3 - u2;
 }
 
-/* What [from, to] gives to the mean over a row's window; `last`: the piece that has its tile's last moment. */
+/* Weights of [from, to] in the mean over a row's window; `last`: the piece holds its tile's last moment. */
 static weights weights_of(td_row_window row, double from, double to, int last) {
     const double span = to - from, a = td_greater(row.start, from), b = td_lesser(row.stop, to);
     weights made = {{0, 0, 0, 0}};
@@ -204,7 +204,7 @@ static void row_weights(const expose_job *job, int from, int to, weights rows[TD
     }
 }
 
-/* What a piece gives to the mean of a pixel of a plane. */
+/* A piece's part of the mean of a pixel of a plane. */
 static inline double part_of(const expose_job *job, int from, int to, const double w[4], int plane, int pixel) {
     const size_t size = node_size(job), at = (size_t)plane * TD_TILE_PIXELS + (size_t)pixel, rate = size / 2;
     const double *a = job->lights + (size_t)from * size + at, *b = job->lights + (size_t)to * size + at;
@@ -229,7 +229,7 @@ static double bend_of(const expose_job *job, const panel *p, double span, int pl
     return fabs(value) + fabs(slope);
 }
 
-/* What a row sees of a panel. */
+/* A panel as one row sees it. */
 typedef struct row_look {
     weights whole, half[2];
     double share; /* of the row's exposure */
@@ -253,7 +253,7 @@ static void look_of(const expose_job *job, const panel *p, row_look looks[TD_TIL
 /* The error of a panel's halves in a pixel of a plane. Where all of it is exposed that is half of what they say against the
  * whole; but a kink a quarter in leaves both with the same integral, and the middle's value right: a quarter of how far value
  * and slope are off there is half more than what a kink anywhere costs the halves. In part, down to an instant, cubics that
- * cross say nothing, and a kink costs up to half of that. Of smooth signals the quarter is what half of the other is. */
+ * cross say nothing, and a kink costs up to half of that. For smooth signals the quarter equals half of the other. */
 static double error_of(const expose_job *job, const panel *p, const row_look *look, double span, int plane, int pixel) {
     const double bend = look->share * bend_of(job, p, span, plane, pixel);
     if (look->in_part) return 0.5 * bend;
@@ -423,7 +423,8 @@ static void note_brightest(const expose_job *job, const node *n, const double *l
         }
 }
 
-/* Where something may be shorter than panels nobody knows what light is between looks: all that there was, and in doubt. */
+/* Doubts pixels in which something may be shorter than panels. Their light between looks isn't known, so all that it has been
+ * counts as doubtful. */
 static tides_status doubt_unknown(expose_job *job, tides_error *error) {
     float *brightest = td_alloc((size_t)job->tile_count * TD_TILE_PIXELS, sizeof *brightest, error);
     if (!brightest) return TIDES_NO_MEMORY;

@@ -10,7 +10,7 @@
 
 /* A stretch is halved, down to nanoseconds, while some tile asks for more panels than it may begin with; so many stretches at
  * most, each a sweep. A sweep sees what takes a 4096th of it, and as it is of all Gaussians, an exposure is cut for that into
- * fewer. What takes more is not looked for, and what may be in it counts as unknown. */
+ * fewer. An exposure that takes more sweeps isn't searched, and its possible events count as unknown. */
 enum { STRETCHES_MAX = 2048, DEEPEST = 20, SWEEPS_MAX = 64, SEEN_MOST = 1 << (TD_STRAY_LEVELS - 1) };
 
 /* A path that strays by more than this from the cubics of so many pieces [px] does something in them that looks may miss; what
@@ -38,16 +38,17 @@ static int finest_path(const tides_renderer *r) {
     return finest;
 }
 
-/* By what the sweep found rough; of a colour filter's channels the roughest. */
+/* Pieces by the roughness that the sweep found; with a colour filter, that of its roughest channel. */
 static double rough_pieces(const tides_renderer *r, int gaussian) {
     double most = 0;
     for (; r; r = r->beside) most = td_greater(most, 2 * (double)r->travel[gaussian]);
     return most;
 }
 
-/* What Gaussians of an object that moves them by itself ask for: those that something shorter than the stretch may happen to.
- * Where the motion knows which of them rest, the others ask for all pieces; else what the sweep found rough does, which is by
- * how much they differ from what coarser pieces show, unless it can't have seen all. */
+/* Asks for pieces of the Gaussians whose motion model moves them, where an event shorter than the stretch may happen to them.
+ * If the motion knows which of them rest, each of the others asks for all pieces. Else a Gaussian asks for as many as the sweep
+ * found it rough: by how much it differs from the image of coarser pieces. `unknown`: the sweep may have missed something, so
+ * each asks for all. */
 static tides_status ask_for_moved(const tides_renderer *r, td_dynamic_object *object, td_expose_band *band,
                                   tides_error *error) {
     const tides_motion *motion = object->of.motion;
@@ -71,7 +72,7 @@ static tides_status ask_for_moved(const tides_renderer *r, td_dynamic_object *ob
     return status;
 }
 
-/* What each Gaussian asks for in the interval swept last. */
+/* Finds the pieces that each Gaussian asks for in the interval swept last. */
 static tides_status find_asks(tides_renderer *r, td_expose_band *band, tides_error *error) {
     const int paths = finest_path(r);
     tides_status status = TIDES_OK;
@@ -101,7 +102,7 @@ static double most_asked(const tides_renderer *r, const td_expose_band *band) {
     return most;
 }
 
-/* May something in a part be too short for its sweep? */
+/* 1 in *is where a part may hold something too short for its sweep. */
 static tides_status is_long(tides_renderer *r, td_row_window part, int *is, tides_error *error) {
     double shortest = INFINITY;
     const tides_status status = td_dynamic_shortest(&r->dynamic, part.start, part.stop, &shortest, error);
@@ -131,7 +132,7 @@ static tides_status expose_halves(tides_renderer *r, const tides_trajectory *cam
     return status == TIDES_OK ? expose_part(r, camera, band, (td_row_window){middle, part.stop}, depth + 1, error) : status;
 }
 
-/* One stretch, or two halves of it. */
+/* Exposes a stretch, or its two halves. */
 static tides_status expose_part(tides_renderer *r, const tides_trajectory *camera, td_expose_band *band, td_row_window part,
                                 int depth, tides_error *error) {
     tides_status status = td_renderer_heed(r, 0, error);

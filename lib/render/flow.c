@@ -1,4 +1,4 @@
-/* How fast the image moves, for samplers that bound its displacement between two renders (ESIM's by motion). */
+/* Speed of the image, for samplers that bound its displacement between two renders (ESIM's by motion). */
 #include "camera/td_trajectory.h"
 #include "td_renderer.h"
 
@@ -33,7 +33,7 @@ static double pixel_flow(const td_image *image, const td_view *view, int x, int 
     return td_hypot(image->fx * u, image->fy * v) / Z;
 }
 
-/* What the camera's own motion does to the image, were everything at rest; pixels without depth show nothing that moves. */
+/* Flow of the image by the camera's own motion, as if everything were at rest. Pixels without depth show nothing that moves. */
 static tides_status camera_flow(const tides_renderer *renderer, const tides_trajectory *camera, double time, const double *Z,
                                 double *fastest, tides_error *error) {
     const td_image *image = &renderer->image;
@@ -71,7 +71,7 @@ static double displacement(const td_image *image, const float *from, const float
     return 0.5 * td_hypot((double)to[0] + to[2] - from[0] - from[2], (double)to[1] + to[3] - from[1] - from[3]);
 }
 
-/* What moves by itself, with the camera's motion in it: how far splats go in a short while. */
+/* Flow of splats that move by themselves, the camera's motion included: how far they go in a short while. */
 static tides_status own_flow(tides_renderer *renderer, const tides_trajectory *camera, double time, double other,
                              double *fastest, tides_error *error) {
     const td_store *store = &renderer->store;

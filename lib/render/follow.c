@@ -73,7 +73,7 @@ static void surface_at(const moment *m, const td_view *view, const double *row, 
     td_store_surfaces(view, &m->image, &source, 0, 0, 0, &to);
 }
 
-/* What a ray shows of it; no further out than kernels do. */
+/* The Gaussian as a ray sees it; no further out than kernels go. */
 static glance glance_at(const moment *m, const td_view *view, const double *row, double x, double y) {
     double place[16], rate[16], way[3];
     td_source source;
@@ -221,8 +221,8 @@ static tides_status find_points(const tides_renderer *r, const tides_material_po
     return status;
 }
 
-/* Is a point at a depth, of a Gaussian that is `own` there, behind what its place shows? By more than both splats are deep, and
- * than soft order tells splats apart. */
+/* 1 where a point of a Gaussian, `own` there, is hidden by the Gaussian that its place shows. The point must be further behind
+ * than both splats are deep, and than soft order tells splats apart. */
 static int is_hidden(const moment *m, double depth, const glance *own, const glance *shown) {
     const double deep = 3 * (own->thickness + shown->thickness), near = TD_SOFT_REACH * m->image.soft_depth * shown->p[2];
     return depth > shown->p[2] + deep + near;

@@ -1,5 +1,5 @@
-/* What single Gaussians are at a time, on the host in double precision: rows of the store, or, of those that move by
- * themselves, as the backend works them out. */
+/* Rows of single Gaussians at a time, on the host in double precision. Gaussians that a motion moves have their rows from the
+ * backend; the others from the store. */
 #include "td_renderer.h"
 
 #include <stdlib.h>

@@ -3,7 +3,7 @@
  * A renderer with a filter is that of red, with renderers of green and blue beside it: each is a renderer as it would be alone
  * with that channel for luminance, and a pixel's planes are taken from its own channel's. So values, rates, record paths, exact
  * points and optics (which blur each channel before the filter) are what they are without a filter, to the bit, at three times
- * the cost. What the three ask of steps is asked for together: how far splats travel, what paths may be off by.
+ * the cost. The three channels' demands on steps are joined: how far splats travel, and the errors of paths.
  *
  * One renderer with three luminances for each splat would project and sort once, but every kernel that a splat's luminance goes
  * through (records, paths, points, their misfits) would be there twice, and compositing, most of a sample, is three times as

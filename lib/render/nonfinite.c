@@ -17,7 +17,7 @@ static int any_nonfinite(const double *values, size_t count) {
     return !(all == 0);
 }
 
-/* The same of the blocks of a tile that were asked for: others hold anything. */
+/* Not 0 where a value of the tile's blocks that were asked for isn't finite; other blocks hold anything. */
 static int any_nonfinite_block(const double *planes, int outputs, int blocks) {
     int found = 0;
     if (blocks == TD_ALL_BLOCKS) return any_nonfinite(planes, (size_t)outputs * TD_TILE_PIXELS);

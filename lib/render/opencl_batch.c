@@ -1,4 +1,4 @@
-/* What goes to an OpenCL device for a batch and what comes back, all at once, so that only its end is waited for. */
+/* Transfers of a batch to an OpenCL device and back, all at once, so that only their end is waited for. */
 #include "td_opencl.h"
 #include "td_wide.h"
 

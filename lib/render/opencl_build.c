@@ -21,7 +21,7 @@ enum {
 };
 
 /* Which of them a program looks at. It isn't built for others, since drivers cache builds by their text: the tests' 44 sorts
- * were one, compiled again for each degree of harmonics. What isn't listed is built for everything. */
+ * were one, compiled again for each degree of harmonics. A file that isn't listed is built for every choice. */
 static int decisions_of(const char *files) {
     static const struct {
         const char *files;

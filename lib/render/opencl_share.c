@@ -1,5 +1,5 @@
 /* Records that tiles of one time share, on an OpenCL device (kernels/share.h): which times of a batch are worth it, and making
- * them. What comes out is the same either way. */
+ * them. Sharing changes no bit of the results. */
 #include "td_opencl.h"
 
 #include <stdlib.h>

@@ -51,7 +51,7 @@ static tides_status read_groups(opencl_backend *b, const td_groups *groups, cons
     return status;
 }
 
-/* Of what was swept. */
+/* Reads back the part that was swept. */
 static tides_status read_swept(opencl_backend *b, const td_sweep_request *request, const td_buffer *far, size_t width,
                                float *to, tides_error *error) {
     const size_t each = width * sizeof *to, count = (size_t)(request->end - request->begin);

@@ -1,7 +1,7 @@
 /* Record paths in double precision for single pixels: pieces of the interval; every listed Gaussian projected at their ends
  * and in their middles (point_rows.c); by what the middles show each gets as many nodes as it needs.
  *
- * What a Gaussian needs is told by itself, so that it doesn't matter with which others it is made, nor when. Into which pieces
+ * A Gaussian's nodes depend on it alone, so they are the same whenever it is made, and with whichever others. Into which pieces
  * an interval is cut is told by all that is in a list, or by every so manieth of that. */
 #include "camera/td_trajectory.h"
 #include "td_point_nodes.h"
@@ -22,11 +22,12 @@ enum {
     SOME = 1 << 12       /* of more, so many tell what pieces all have */
 };
 
-/* What returns within the interval does so in step with its nodes: no middle shows it, but paths that are halved stray as far
- * as before. That far counts [px], where halving leaves more than half of it. */
+/* Bounds for paths that return within the interval in step with its nodes. No middle shows such a return, but halved paths
+ * stray as far as before. A stray counts from so many pixels on, where halving leaves more than half of it. */
 static const double strays_px = 1e-3, strays_share = 0.5;
 
-/* Of an interval, so that a curve's reals can be counted in 32 bits (TD_CURVE_REALS of kernels/point_lists.h). */
+/* Curves of an interval at most, so that a curve's reals can be counted in 32 bits (TD_CURVE_REALS of
+ * kernels/point_lists.h). */
 #define MOST_CURVES ((size_t)INT32_MAX / (2 * TD_PATH_STRIDE))
 
 /* Samples nearer than this to another are it [s]. */
@@ -160,7 +161,7 @@ static int first_level(const tides_renderer *renderer, const td_point_nodes *nod
     return level;
 }
 
-/* Those in a list, of which none has a path. */
+/* Lists the Gaussians that are in some list; none of them has a path yet. */
 static void find_listed(const tides_renderer *renderer, const td_point_span *lists, td_point_nodes *nodes) {
     const int end = lists->first[renderer->stats.tiles];
     for (int i = 0; i < renderer->store.count; i++) nodes->path[i] = TD_PATH_UNSEEN;
@@ -171,7 +172,7 @@ static void find_listed(const tides_renderer *renderer, const td_point_span *lis
         if (nodes->path[i] == TD_PATH_UNMADE) nodes->listed[nodes->listed_count++] = i;
 }
 
-/* Those that are to tell about all become those wanted. An instant has nothing to tell. */
+/* Chooses the Gaussians that stand for all others; they become the wanted ones. An instant needs none. */
 static void choose_some(td_point_nodes *nodes) {
     nodes->wanted_count = nodes->listed_count <= nodes->group ? nodes->listed_count : nodes->some;
     if (td_point_is_instant(nodes)) nodes->wanted_count = 0;
@@ -215,7 +216,7 @@ static const td_dynamic_object *moved_by(const tides_renderer *renderer, const t
     return td_dynamic_object_of(&renderer->dynamic, nodes->gaussians[i]);
 }
 
-/* What the rows of Gaussian i allow its paths to be good to: those that a motion model moves are in the backend's precision. */
+/* The error that the rows of Gaussian i allow its paths. Rows that a motion model moves are in the backend's precision. */
 static double target_of(const tides_renderer *renderer, const td_point_nodes *nodes, int i) {
     return moved_by(renderer, nodes, i) && !td_renderer_is_double(renderer) ? TD_POINT_PATH_MOVED : TD_POINT_PATH_TARGET;
 }
@@ -223,15 +224,16 @@ static double target_of(const tides_renderer *renderer, const td_point_nodes *no
 /* A smooth path's error falls by so much with each level. */
 static const double falls = 16;
 
-/* What costs a hundred times what a cubic does isn't worked out for each pixel that sees it: a network has kinks anywhere. */
+/* 1 where Gaussian i may be projected for each pixel that sees it. An expensive motion may not: it costs a hundred times as
+ * much as a cubic, and a network has kinks anywhere. */
 static int may_be_direct(const tides_renderer *renderer, const td_point_nodes *nodes, int i) {
     const td_dynamic_object *object = moved_by(renderer, nodes, i);
     return !object || !object->expensive;
 }
 
-/* What Gaussian i needs, whose cubics of the level before are off in the middle as the fit's number k says: its level is enough
- * where a sixteenth of the worst is; at the last it may have a kink. What can't be compared at all crosses the near plane: it
- * has faded where its curves can't be used, if they are short. */
+/* Chooses the level of Gaussian i, by the error in the middle of the cubics of the level before (number k of the fit). Its
+ * level is enough where a sixteenth of the worst error is; at the last level it may have a kink. A Gaussian whose error can't
+ * be computed at all crosses the near plane. It has faded where its curves can't be used, if they are short. */
 static tides_status choose_level(const tides_renderer *renderer, td_point_nodes *nodes, int i, int k, tides_error *error) {
     const double target = target_of(renderer, nodes, i), worst = (double)nodes->fit.worst[k] * TD_POINT_PATH_TARGET;
     const int first = first_level(renderer, nodes, nodes->gaussians[i]);
@@ -363,7 +365,7 @@ static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *
     return status;
 }
 
-/* The same of those that are to tell about all. */
+/* Makes rows, as find_rows does, for the Gaussians that stand for all others. */
 static tides_status find_some(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
                               td_point_nodes *nodes, int *bent, tides_error *error) {
     const tides_status status = measure_pieces(nodes, error);
@@ -442,9 +444,9 @@ int td_point_nodes_expected(const td_point_nodes *nodes) {
     return all < (double)MOST_CURVES ? (int)all : (int)MOST_CURVES;
 }
 
-/* Tests take a splat to go straight on in a slice, and cost as much again with each: how splats bend curves tell. Of 10 ms of
- * the demo, 5 curves a splat, a point costs 2.9, 1.8, 1.5 us with 1, 2, 4 slices, of 3 ms 1.2 with any; and a trained object's
- * lists, 1300 long, cost more than their points with 4. */
+/* Tests take a splat to go straight on in a slice, and cost as much again with each: how splats bend curves tell. On 10 ms of
+ * the demo, 5 curves a splat, a point costs 2.9, 1.8, 1.5 us with 1, 2, 4 slices; on 3 ms it costs 1.2 with any. With 4 a
+ * trained object's lists, 1300 long, cost more than their points. */
 td_points_slices td_point_nodes_slices(const td_point_nodes *nodes) {
     int split = 0;
     if (nodes->pieces > 1) {

@@ -22,7 +22,7 @@ static int longest(const td_point_place *places, int count) {
     return axis;
 }
 
-/* By one axis; what is equal there stays in its order. */
+/* Sorts places along one axis; equal places keep their order. */
 static void sort_along(int axis, td_point_place *places, td_point_place *room, int count) {
     int first[TD_PLACE_STEPS + 1] = {0};
     for (int i = 0; i < count; i++) first[places[i].at[axis] + 1]++;

@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-/* Of a job: enough for its start, few enough that threads end together. */
+/* Gaussians of a job: enough for its start, few enough that threads end together. */
 enum { JOB_GAUSSIANS = 256 };
 
 /* -- projection ------------------------------------------------------------------------------------------------------------ */
@@ -30,8 +30,8 @@ static void end_job(td_point_nodes *nodes) {
     }
 }
 
-/* Is node `node` of a level to be worked out for Gaussian i? Of one whose curves of the level before were open or not, it is
- * where it is the middle of a half of what was open. */
+/* 1 where node `node` of a level is to be computed for Gaussian i. If only some curves of the level before were open, it must
+ * be the middle of a half of an open one. */
 static int is_wanted(const td_point_nodes *nodes, int i, int level, int node) {
     if (nodes->level[i] != level) return 0;
     return nodes->open_at[i] < 0 || (node % 2 && nodes->open[nodes->open_at[i] + node / 4]);

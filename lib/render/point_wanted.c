@@ -1,4 +1,4 @@
-/* Which Gaussians points ask for (td_points_wanted.h): of the lists of the tiles that they are in, what touches their pixels.
+/* Finds the Gaussians that points ask for (td_points_wanted.h): in the lists of their tiles, the ones that touch their pixels.
  * Rows, curves and tests cost what tens of looks at them do, and of the splats in view few may be seen by points: of half a
  * million before 2 500 of them, 12 000. */
 #include "td_points_wanted.h"
@@ -7,8 +7,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* What boxes are made wider by on each side, as a share of themselves: the cubics of paths may go so much further than the
- * splat itself; those of small ones less than from a pixel's centre to its side. */
+/* Margin of boxes on each side, as a share of themselves: the cubics of paths may go so much further than the splat itself.
+ * Those of small splats go less than from a pixel's centre to its side. */
 static const float margin_share = 0.002f;
 
 typedef char td_wanted_row_has_a_bit_for_each[TD_TILE <= 16 ? 1 : -1];

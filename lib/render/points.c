@@ -47,7 +47,7 @@ struct td_points {
     double *values;
 };
 
-/* Whatever came of it is nobody's. */
+/* Ends the launch that is under way; its results are dropped. */
 static void drop_launch(td_points *p) {
     if (p->away.count == 0) return;
     tides_status ignored = p->engine->type->finish(p->engine, NULL);
@@ -146,7 +146,7 @@ static tides_status add_group(const tides_renderer *renderer, td_points *p, tide
     return status == TIDES_OK ? td_points_direct_add(renderer, &p->nodes, &p->direct, error) : status;
 }
 
-/* What the points numbered which[0 .. count) may see gets its paths. */
+/* Makes paths for the Gaussians that the points numbered which[0 .. count) may see. */
 static tides_status add_wanted(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
                                const int *which, int count, tides_error *error) {
     tides_status status = TIDES_OK;
@@ -311,7 +311,7 @@ static tides_status begin_launch(const tides_renderer *renderer, td_points *p, c
     return status;
 }
 
-/* Those numbered which[0 .. count) that see what no curve follows are worked out; how many are left of which. */
+/* Computes the points among which[0 .. count) that see a splat without a curve. `which` and `count` then hold the others. */
 static tides_status take_direct(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
                                 int *which, int *count, int *order, td_point_value *values, tides_error *error) {
     int left = 0, direct = 0;
@@ -339,7 +339,7 @@ static tides_status points_of_part(tides_renderer *renderer, const tides_traject
     return status;
 }
 
-/* Those of a part, which may be halved for them, and then is the first half: which (count) of them there are. */
+/* Chooses the points in part k: which (count). The part may be halved for them, and is the first half then. */
 static tides_status choose_part(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, int k,
                                 const td_point *points, int count, int *which, int *some, tides_error *error) {
     tides_status status = TIDES_OK;
@@ -417,7 +417,7 @@ int td_renderer_points_go_on(const tides_renderer *renderer) {
     return p && !renderer->colour_filter && p->engine->goes_on && p->parts.count <= 1;
 }
 
-/* Where all is then: open paths may forget it before the instant's rows are asked for. */
+/* Keeps the objects' views at the instant: open paths may forget it before its rows are asked for. */
 static tides_status keep_views(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, tides_error *error) {
     const size_t objects = (size_t)renderer->store.objects;
     tides_status status = td_renderer_views(renderer, camera, renderer->swept, 1, error);

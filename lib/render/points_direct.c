@@ -9,7 +9,7 @@
 
 enum { LOT = 256, LOT_SPLATS = 1 << 16 }; /* points, and what they see, that are worked out together */
 
-/* What a lot has, whatever is in it. */
+/* Frees the engine and arrays of a lot, which no lot goes without. */
 static void release_lot(td_points_direct *direct) {
     if (direct->engine) direct->engine->type->destroy(direct->engine);
     direct->engine = NULL;

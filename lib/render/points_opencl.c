@@ -114,13 +114,13 @@ static tides_status grow_curves(opencl_points *p, size_t curves, tides_error *er
     return td_buffer_grow(p->device, &p->beside, p->is_coded ? (curves + 1) * BESIDE_REALS * sizeof(cl_double) : 1, error);
 }
 
-/* Where the host's memory is the device's, what isn't written to is never had: room for all curves that there may be costs
- * nothing. Elsewhere it grows by what is asked for. */
+/* Reserves curves. If the host's memory is the device's, memory that isn't written takes no room, so room for all possible
+ * curves costs nothing. Elsewhere it grows with the requests. */
 static tides_status reserve_curves(opencl_points *p, int curves, tides_error *error) {
     return p->device->near ? grow_curves(p, (size_t)curves, error) : TIDES_OK;
 }
 
-/* Nothing has a path. */
+/* Clears the paths: no Gaussian has one. */
 static tides_status clear_paths(opencl_points *p, int gaussians, tides_error *error) {
     int *none = td_alloc((size_t)gaussians, sizeof *none, error);
     if (!none) return TIDES_NO_MEMORY;
@@ -309,7 +309,7 @@ static tides_status make_kernels(opencl_points *p, const td_image_numbers *numbe
                    {"td_point_make_splats", &p->splat_kernel},
                    {"td_point_make_lists", &p->list_kernel},
                    {"td_point_values", &p->value_kernel}};
-    /* What points don't ask for is 0, so that few programs are built. */
+    /* Choices that points don't need are 0, so that few programs are built. */
     char *defines = td_format(error,
                               "#define TD_BUILD_SH_DEGREE 0\n#define TD_BUILD_ANTIALIAS 0\n#define TD_BUILD_CUT_RULE %d\n"
                               "#define TD_BUILD_STOP_RULE 0\n#define TD_BUILD_EXTENT_RULE 0\n#define TD_BUILD_MOVING 0\n"

@@ -1,14 +1,14 @@
-/* Blur by a wide point spread function at a cost that doesn't grow with its width. Of the image a coarse one is made, `step` px
- * from cell to cell, which is blurred by a narrow kernel and shown at the pixels again; both ways by cubic B-splines, which
- * widen by a third of step^2 each, which is taken off the kernel's variance, and take what is finer than a cell away as the
- * wide Gaussian does. Step is the largest power of two in a third of sigma.
+/* Blur by a wide point spread function at a cost that doesn't grow with its width. A coarse image with `step` px from cell to
+ * cell is made, blurred by a narrow kernel, and interpolated at the pixels again. Both ways use cubic B-splines. Each widens by
+ * a third of step^2, which is subtracted from the kernel's variance. The splines remove detail finer than a cell, as the wide
+ * Gaussian does. Step is the largest power of two in a third of sigma.
  *
  * Error against the Gaussian: B-splines are flatter than it by a fourth cumulant of step^4 / 15, 8e-4 of sigma^4 at most, which
  * makes 2e-5 of an edge's height; what is cut off at 4 sigma weighs 6e-5, as in the direct kernel. Measured against the sum
  * (tests/unit/test_psf_wide.c): 2e-5 of what edges, noise and ramps span, 4e-4 of the peak that a point becomes.
  *
- * What a pixel gets is a function of the image alone, to the bit: cells have their places in the image, and each is made once
- * for all tiles that ask, in the same order of sums. */
+ * A pixel's value depends on the image alone, to the bit: cells have fixed places in the image, and each is made once for all
+ * tiles, in one order of sums. */
 #include "td_renderer.h"
 
 #include <math.h>
@@ -113,7 +113,8 @@ static double cell_of(td_psf_wide *w, const td_psf_source *s, int x, int y) {
 
 /* ---- a tile ---- */
 
-/* Of 16 pixels: step is 2 at least, sigma 6 cells at most (td_psf_wide_sigma), and the kernel is cut at 4 of them. */
+/* Bounds for the cells of 16 pixels: step is 2 at least, sigma 6 cells at most (td_psf_wide_sigma), and the kernel is cut at 4
+ * sigma. */
 enum { ACROSS = TD_TILE / 2 + 4, RADIUS = 24, ALL = ACROSS + 2 * RADIUS };
 
 /* The cells that 16 pixels from `x` on are made of: the first, and how many. */

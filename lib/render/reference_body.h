@@ -172,7 +172,8 @@ static void add_splat(reference *r, int candidate, td_list *list) {
     r->sorted_masks[list->count++] = r->masks[candidate];
 }
 
-/* Of all of the tile's splats and the backdrop: where a block stops doesn't depend on what else is asked for. */
+/* The brightest of all of the tile's splats and the backdrop. All of them count, so that a block stops where it would whatever
+ * else is asked for. */
 static td_real brightest_of(const reference *r, const td_job *job) {
     td_real most = r->backdrops[job->slot].luminance;
     for (int i = 0; i < job->count; i++) most = r->lights[i] > most ? r->lights[i] : most;

@@ -1,6 +1,6 @@
 /* The renderer as an object: made from a device, a scene, intrinsics and image parameters; asked for its statistics and for
- * what the solver needs to know of an interval; freed. What it does is elsewhere: sweep.c lists who may be seen, tiles.c
- * renders. */
+ * what the solver needs to know of an interval; freed. Its work is elsewhere: sweep.c lists the Gaussians that may be seen,
+ * tiles.c renders. */
 #include "td_device.h"
 #include "td_renderer.h"
 #include "td_struct.h"

@@ -13,7 +13,8 @@ int td_renderer_is_double(const tides_renderer *renderer) { return td_device_is_
 
 int td_renderer_tile_moves(const tides_renderer *renderer, int tile) { return renderer->candidates.moving[tile]; }
 
-/* Of a colour filter's channels the most: travel is of their colours too, what moves is of their places alone. */
+/* The largest travel over a colour filter's channels. Travel includes the channels' colours; td_renderer_tile_moves is about
+ * places alone. */
 double td_renderer_tile_travel(const tides_renderer *renderer, int tile) {
     double most = 0;
     for (; renderer; renderer = renderer->beside) most = fmax(most, (double)renderer->candidates.travel[tile]);

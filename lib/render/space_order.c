@@ -1,5 +1,6 @@
 /* Neighbours in space as neighbours in memory: along the curve that interleaves the bits of x, y and z (Morton, IBM 1966), in a
- * cube of 2048^3 cells. What is far away from all else would leave it a handful of these: it is as large as needed for most. */
+ * cube of 2048^3 cells. The cube is as large as most Gaussians need, since a few far ones would leave the others a handful of
+ * cells. */
 #include "td_space_order.h"
 
 #include "td_base.h"

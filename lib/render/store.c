@@ -39,7 +39,7 @@ static void add_part(store_plan *plan, int object, int moving, int64_t count) {
     plan->padded += (count + TD_PAD - 1) / TD_PAD * TD_PAD;
 }
 
-/* What goes where: each object's Gaussians at rest first. */
+/* Plans the parts of the store: each object's Gaussians at rest come first. */
 static tides_status make_plan(const tides_scene *scene, store_plan *plan, tides_error *error) {
     uint8_t *moving = plan->moving = td_alloc((size_t)tides_scene_count(scene) + 1, 1, error);
     plan->parts = td_alloc(2 * (size_t)tides_scene_objects(scene) + 1, sizeof *plan->parts, error);
@@ -63,8 +63,8 @@ static void free_plan(store_plan *plan) {
     free(plan->moving);
 }
 
-/* Of those of a part, which comes when: what rests along a curve, where that is asked for; else as they came. The caller's to
- * free. */
+/* The order of the Gaussians of a part. Gaussians at rest come along a curve where that is asked for; all others come in their
+ * own order. The caller frees it. */
 static tides_status order_part(const tides_gaussians *gaussians, const uint8_t *moving, const store_part *part, int in_space,
                                int64_t **order, tides_error *error) {
     *order = td_alloc((size_t)part->count, sizeof **order, error);
@@ -75,8 +75,8 @@ static tides_status order_part(const tides_gaussians *gaussians, const uint8_t *
     return TIDES_OK;
 }
 
-/* One part's Gaussians into the store. Coefficients of a lower degree than the scene's are padded with zeros. Those that move
- * stay invisible here. */
+/* One part's Gaussians into the store. Coefficients of a lower degree than the scene's are padded with zeros. Gaussians that
+ * move stay invisible here. */
 static void add_part_rows(const tides_gaussians *gaussians, const int64_t *order, const store_part *part, int number,
                           td_store *store) {
     int own = 3 * (gaussians->sh_degree + 1) * (gaussians->sh_degree + 1), g = part->first;

@@ -92,7 +92,8 @@ typedef struct pair {
     double contrast, slow;
 } pair;
 
-/* What it is worth to a block of the tile where both are these forms; NULL: where isn't known, and it may be anywhere. */
+/* The light of a swap to a block of the tile where both splats have these forms. NULL: their place isn't known, and may be
+ * anywhere. */
 static double light_in(const pair *of, int block, const form *f, const form *g) {
     const int *corner = of->tile->corner;
     if (!f) return of->contrast * of->a->opacity * of->b->opacity;
@@ -105,8 +106,8 @@ static void add_swap(td_swap_tile *tile, const td_swap *swap) {
     if (tile->status == TIDES_OK) swaps->swap[swaps->count++] = *swap;
 }
 
-/* At s of part k of the samples', `wide` of it to either side: a swap of each block that sees both. Through a lens the
- * places of splats aren't worked out. */
+/* Notes a swap at s of part k of the samples, `wide` parts to either side, for each block that sees both splats. Through a lens
+ * the places of splats aren't computed. */
 static void note_time(const pair *of, int k, double s, double wide) {
     form f, g;
     const td_swap_samples *at = of->tile->at;

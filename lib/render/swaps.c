@@ -5,7 +5,7 @@
  * the turn is slow and the splats are small: what takes more than a share of the interval shows in its samples. One that is
  * shorter needs splats so large that the turn takes their depths past each other fast, and one that comes back within the
  * interval needs depths that stray by the reach from going straight. Splats of different bodies are looked at wherever their
- * depths meet. What motion models move isn't looked for: of it nobody knows a path. */
+ * depths meet. Splats that motion models move aren't searched, since their paths aren't known. */
 #include "scene/td_scene.h"
 #include "td_extremes.h"
 #include "td_math.h"
@@ -19,11 +19,11 @@
 enum { LEAST_PARTS = 4, MOST_PARTS = 64 };
 static const double steady = 0.2;
 
-/* Of the ellipsoid's standard deviations: out to there a splat of opacity 1 has 1/255 left. */
+/* Reach of a splat in standard deviations of its ellipsoid: out to there a splat of opacity 1 has 1/255 left. */
 static const double sigmas = 3.4;
 
-/* Pairs of a tile that are looked at, of bodies and within them: 10 ms of a processor each. What a denser tile has beyond isn't
- * looked for. */
+/* Pairs of a tile that are looked at, of bodies and within them: 10 ms of a processor each. Further pairs of a denser tile
+ * aren't searched. */
 enum { MOST_PAIRS = 1 << 20 };
 
 /* Centres of splats that overlap in the image at one depth are apart by the sum of their extents, and by more off the axis. */
@@ -32,7 +32,8 @@ static const double askew = 1.5;
 /* The share of their light by which splats that show another colour from each side may differ beside their constant terms. */
 static const double by_view = 0.1;
 
-/* With splats of other bodies only; with its own body's, if shortly; with its own body's. */
+/* A splat's possible partners in a swap. MAY_SWAP: splats of other bodies only; MAY_SHORTLY: its own body's, too, if shortly;
+ * MAY_ALONE: its own body's, too. */
 enum { MAY_NOT, MAY_SWAP, MAY_SHORTLY, MAY_ALONE };
 
 /* -- making it ------------------------------------------------------------------------------------------------------------- */
@@ -105,7 +106,7 @@ static tides_status find_views(tides_renderer *renderer, const tides_trajectory 
     return td_renderer_views(renderer, camera, time, parts + 1, error);
 }
 
-/* By how much the row that makes depths turns in a part at most. */
+/* Largest turn in a part of the row of a view that makes depths. */
 static double most_turned(const tides_renderer *renderer, int parts) {
     static const double nothing[3] = {0, 0, 0};
     const size_t objects = (size_t)renderer->store.objects;
@@ -252,7 +253,8 @@ static void take_splat(const tides_renderer *renderer, const struct td_swaps *sw
     to->z_dot = z_dot;
 }
 
-/* Those of a tile's list that may swap; none where they are of one body and none of them may alone. */
+/* Takes the splats of a tile's list that may swap. It takes none where all are of one body and no splat may swap within its
+ * own. */
 static tides_status take_splats(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at, int tile,
                                 int *count, int *bodies, tides_error *error) {
     const int *first = renderer->candidates.first, *list = renderer->candidates.list;
@@ -293,8 +295,8 @@ static void look_across(td_swap_tile *of, const td_swap_splat *all, int count, d
     }
 }
 
-/* Is there no short swap of two splats of one object? Their depths' difference strays from going straight by their distance
- * times what the depth of a unit does: they are out of reach throughout, or within it for long. */
+/* 1 where two splats of one object have no short swap. Their depths' difference strays from a straight line by their distance
+ * times the stray of the depth of a unit. So they are out of reach throughout, or within it for long. */
 static int is_none(const td_swap_tile *of, const td_swap_splat *a, const td_swap_splat *b, double near, double slow) {
     const double from = b->z[0] - a->z[0], to = b->z[of->at->parts] - a->z[of->at->parts];
     const double within = near * td_greater(fabs(a->z[0]), fabs(a->z[of->at->parts]));

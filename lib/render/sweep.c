@@ -15,8 +15,8 @@ static tides_status note_moves(tides_renderer *renderer, const tides_trajectory 
     return TIDES_OK;
 }
 
-/* What a sweep does about an object of the store. DYNAMIC: td_dynamic_sweep_rows does it; from WANTED on: the level of its
- * pieces. */
+/* The sweep's treatment of an object of the store. BOX_DYNAMIC: td_dynamic_sweep_rows does it. From BOX_WANTED on: the level of
+ * its pieces. */
 enum { BOX_KEPT = -2, BOX_DYNAMIC = -1, BOX_WANTED = 0 };
 
 static int box_kind(const tides_renderer *renderer, int object, int kept) {
@@ -136,7 +136,7 @@ tides_status td_renderer_sweep_alone(tides_renderer *renderer, const tides_traje
     if (status == TIDES_OK) status = sweep_moved(renderer, camera, start, stop, error);
     double begun = td_now();
     renderer->candidates.instant = !(start < stop);
-    /* Where nothing moves, and nothing did, lists hold on as boxes do. */
+    /* Lists stay valid as boxes do, where nothing moves and nothing did. */
     if (status == TIDES_OK && !renderer->listed) status = make_lists(renderer, error);
     renderer->stats.time_sweep_s += td_now() - begun;
     return status;

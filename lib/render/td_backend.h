@@ -1,5 +1,5 @@
-/* Internal: what a device does for the renderer. Three classes: OpenCL kernels, the double-precision reference, and the
- * reference in single precision; all run the same functions of kernels/ in the same stages.
+/* Internal: backends, the work of a device for the renderer. Three classes: OpenCL kernels, the double-precision reference, and
+ * the reference in single precision; all run the same functions of kernels/ in the same stages.
  *
  * Numbers pass as doubles in the layouts of kernels/layout.h whatever the class computes in, because a file is compiled in one
  * precision only: td_view is TD_VIEW_REALS reals, td_backdrop TD_BACKDROP_REALS, td_image and td_mover reals first and then
@@ -106,8 +106,8 @@ typedef struct td_move_batch {
     int cubic_count;
 } td_move_batch;
 
-/* What misfits are asked for of: `count` Gaussians of one mover (a multiple of TD_PAD), in neighbouring rows from row[0], [1]
- * and [2] on at the start, the middle and the end of an interval. */
+/* A request for misfits of `count` Gaussians of one mover (a multiple of TD_PAD). Their neighbouring rows are from row[0], [1]
+ * and [2] on, at the start, the middle and the end of an interval. */
 typedef struct td_misfit_request {
     const double *views; /* (3 x objects x TD_VIEW_REALS) */
     double duration;     /* [s] */
@@ -123,7 +123,7 @@ typedef struct td_groups {
     int count;
 } td_groups;
 
-/* Those among them that are neighbours, `most` at most, from number `at` on: one behind the last. */
+/* The end of a run of neighbouring groups, `most` at most, that begins at number `at`: one behind the last. */
 static inline int td_groups_together(const td_groups *groups, int at, int most) {
     const int *number = groups->number;
     int next = at + 1;
@@ -167,7 +167,7 @@ typedef struct td_halve_request {
     int row_count;         /* rows in all: others stay as they are */
 } td_halve_request;
 
-/* What no list is numbered: a device has none. */
+/* A serial number that no candidates have: a device has no copy of candidates with this number. */
 #define TD_SERIAL_OF_NOBODY UINT64_MAX
 
 static inline int td_sweep_times(int level) { return (2 << level) + 1; }
@@ -193,7 +193,7 @@ typedef struct td_batch {
     int outputs;                /* TD_OUT_LUMINANCE .. _COLOUR, or _TRUTH for planes of ground truth in their place */
     int hint_count;             /* numbers in all hints, place 0 counted; they last until it changes */
     uint8_t *in_order;          /* (NULL: not wanted) at job.out: 1 where the list was in order */
-    /* Those of which some Gaussian is in some list: a device may project them once for all tiles of a time (kernels/share.h).
+    /* Groups of which some Gaussian is in some list: a device may project them once for all tiles of a time (kernels/share.h).
      * They change with the candidates. NULL: candidates aren't all rows of the store. */
     const td_groups *groups;
     td_pictures *pictures; /* of one time: where planes go instead, if the class draws; or NULL */
@@ -236,7 +236,7 @@ typedef struct td_backend_class {
     void (*empty_pixel)(const td_backend *backend, const double *backdrop, double *planes, int outputs);
     /* Gets kernels for these outputs ready. */
     tides_status (*prepare)(td_backend *backend, int outputs, tides_error *error);
-    /* What the last batch, of one job, left behind (tests): each array (records), its `count` and `brightest`. */
+    /* Arrays that the last batch, of one job, left behind (tests): each array (records), its `count` and `brightest`. */
     tides_status (*inspect)(td_backend *backend, td_stages *stages, tides_error *error);
     void (*destroy)(td_backend *backend);
     /* Works out dynamic rows; others stay as they are. Jobs of batches, and sweeps, may then ask for them. */
@@ -265,7 +265,7 @@ tides_status td_backend_create_f64(const td_store *store, const td_image_numbers
                                    tides_error *error);
 tides_status td_backend_create_f32(const td_store *store, const td_image_numbers *image, td_backend **backend,
                                    tides_error *error);
-/* What the two above choose from: for any processor, and for those with fused multiply-add (td_fused.h; not everywhere). */
+/* Variants of the two above: for any processor, and for processors with fused multiply-add (td_fused.h; not everywhere). */
 tides_status td_backend_create_f64_plain(const td_store *store, const td_image_numbers *image, td_backend **backend,
                                          tides_error *error);
 tides_status td_backend_create_f64_fused(const td_store *store, const td_image_numbers *image, td_backend **backend,

@@ -1,5 +1,6 @@
-/* Internal: what of a scene is in view. Neighbours in the store make a cluster; one that nothing can be seen of in an interval
- * is neither swept nor listed, so that a camera within millions of Gaussians pays for what it sees. Compiled in double. */
+/* Internal: clusters, which tell the part of a scene that is in view. Neighbours in the store make a cluster; one that nothing
+ * can be seen of in an interval is neither swept nor listed, so that a camera within millions of Gaussians pays for what it
+ * sees. Compiled in double. */
 #ifndef TD_CLUSTERS_H
 #define TD_CLUSTERS_H
 
@@ -16,7 +17,8 @@ typedef struct td_cluster {
     double opacity; /* the largest */
 } td_cluster;
 
-/* May be seen; may not, and has boxes of when it was; may not, and has none. */
+/* States of a cluster. SEEN: it may be in view. LEFT: it is out of view, and has boxes of when it was in view. GONE: it is out
+ * of view, and has none. */
 enum { TD_CLUSTER_SEEN, TD_CLUSTER_LEFT, TD_CLUSTER_GONE };
 
 typedef struct td_clusters {

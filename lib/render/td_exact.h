@@ -30,8 +30,8 @@ tides_status td_exact_create(tides_device *device, const td_store *store, const 
                              tides_error *error);
 void td_exact_destroy(td_exact *exact);
 
-/* Projects Gaussians at nodes: td_backend_class.nodes in double. Those that a motion moves are what `backend` has just worked
- * out, in its precision. */
+/* Projects Gaussians at nodes: td_backend_class.nodes in double. Gaussians that a motion moves are taken as `backend` has just
+ * computed them, in its precision. */
 tides_status td_exact_nodes(td_exact *exact, td_backend *backend, const td_node_request *request, tides_error *error);
 
 /* Twice as many rows for some paths. */

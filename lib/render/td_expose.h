@@ -25,7 +25,7 @@ typedef struct td_row_window {
     double start, stop;
 } td_row_window;
 
-/* What to expose: rows of tiles [first, last). */
+/* The band to expose: rows of tiles [first, last). */
 typedef struct td_expose_band {
     int first, last;
     const td_row_window *rows; /* (image height) */

@@ -29,7 +29,7 @@ typedef struct opencl_sweep {
     size_t swept_capacity;
 } opencl_sweep;
 
-/* What moves by itself (opencl_motion.c). */
+/* Motion of the Gaussians that move by themselves (opencl_motion.c). */
 typedef struct opencl_motion {
     int movers, kinds, moves_sh;
     cl_kernel *move_kernel; /* (kinds) NULL where rows come from the host */
@@ -81,7 +81,7 @@ typedef struct opencl_backend {
     size_t host_capacity, host_ints_capacity;
 } opencl_backend;
 
-/* Of a struct that is buffers and nothing else. */
+/* Releases all buffers of a struct that has nothing else. */
 static inline void td_buffers_release(void *all, size_t bytes) {
     td_buffer *buffer = all;
     for (size_t i = 0; i < bytes / sizeof *buffer; i++) td_buffer_release(&buffer[i]);
@@ -143,7 +143,8 @@ void td_opencl_motion_release(opencl_backend *b);
 #define TD_FIRST_KERNELS "sweep.cl sort.cl"
 #define TD_PROJECT_KERNELS "project.cl share.cl"
 
-/* What an image fixes, compiled in: lines of defines, the caller's to free; NULL: out of memory (opencl_build.c). */
+/* Decisions that an image fixes, to be compiled in: lines of defines. The caller frees them; NULL: out of memory
+ * (opencl_build.c). */
 char *td_opencl_defines(const char *files, const td_image *image, int outputs, tides_error *error);
 
 /* A kernel for the image's decisions, unless it is there (opencl_build.c). */

@@ -5,15 +5,15 @@
 
 #include "td_points.h"
 
-/* What paths may be off by, of log_luminance, at most: at L_dot = 20 /s it is 25 ns. */
+/* Error that paths may have, in log_luminance, at most: at L_dot = 20 /s it is 25 ns. */
 #define TD_POINT_PATH_TARGET 5e-7
 
-/* The same of what a motion model moves. Rows may be in single precision, which are rounded to some 1e-5 px: a misfit of
- * sixteen times this isn't all rounding. With 1e-5 p95 was 0.7 us of a scene whose samples in single precision alone have 0.2
- * (tests/property/test_motion_events.c). */
+/* Error that paths may have where a motion model moves the Gaussian. Its rows may be in single precision, rounded to some 1e-5
+ * px: a misfit of sixteen times this isn't all rounding. With 1e-5, p95 was 0.7 us in a scene whose samples in single precision
+ * alone have 0.2 us (tests/property/test_motion_events.c). */
 #define TD_POINT_PATH_MOVED 1e-6
 
-/* What points are asked for of: the lists of an interval that was swept, and its ends, or those of a part of it. */
+/* The interval in which points are asked for: the lists of a swept interval, and its ends, or the ends of a part of it. */
 typedef struct td_point_span {
     const int *first, *list; /* as td_candidates has them */
     const float *boxes;      /* (store.count x 4) what each Gaussian in a list touches */
@@ -67,7 +67,7 @@ typedef struct td_point_nodes {
         entry_capacity[2], job_capacity;
 } td_point_nodes;
 
-/* Of an instant one row of each is enough. */
+/* 1 for an instant, where one row of each Gaussian is enough. */
 static inline int td_point_is_instant(const td_point_nodes *nodes) { return !(nodes->knot[0] < nodes->knot[nodes->pieces]); }
 
 struct tides_renderer;
@@ -79,12 +79,13 @@ void td_point_nodes_release(td_point_nodes *nodes);
 /* A Gaussian in a list that has no path yet; and one that is about to get it. */
 enum { TD_PATH_UNMADE = -3, TD_PATH_WANTED = -4 };
 
-/* What is in a list, the pieces that paths have, and a group that has been made to tell: all of what is in a list where that
- * isn't much. Or where to cut: rows would be too many, or paths bend more than all levels can follow. */
+/* Finds the Gaussians in lists, the pieces of their paths, and a first group with paths, which stands for all others. Short
+ * lists are that group as a whole. Or it says where to cut: rows would be too many, or paths bend more than all levels can
+ * follow. */
 tides_status td_point_nodes_find(struct tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
                                  const td_point_span *span, td_point_nodes *nodes, tides_error *error);
 
-/* The next of what is wanted, as many as are made together, become the group; each has a path then. */
+/* Makes the next of the wanted Gaussians the group, as many as are made together; each has a path then. */
 tides_status td_point_nodes_next(struct tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
                                  td_point_nodes *nodes, tides_error *error);
 

@@ -51,7 +51,7 @@ typedef struct td_points_group {
     int seen_count;
 } td_points_group;
 
-/* What is behind everything: luminance, or red, green and blue where light isn't linear in these (td_point_backdrop). */
+/* The backdrop: its luminance, or its red, green and blue where light isn't linear in these (td_point_backdrop). */
 typedef struct td_points_backdrop {
     double first, first_dot, green, blue;
 } td_points_backdrop;
@@ -71,7 +71,7 @@ typedef struct td_points_batch {
     td_points_backdrop backdrop;
 } td_points_batch;
 
-/* What misfits are asked for of: paths of a level, by their first rows (count; readable for TD_PAD further ones). */
+/* A request for misfits of paths of a level, by their first rows (count; readable for TD_PAD further ones). */
 typedef struct td_points_misfits {
     td_exact *exact;
     int row_count; /* in all */
@@ -82,8 +82,8 @@ typedef struct td_points_misfits {
     double target; /* of log_luminance */
 } td_points_misfits;
 
-/* By how many targets cubics of the level before miss the rows in their middles at most: (count). And each curve's own:
- * each[curve x count], unless that is NULL. */
+/* The fit of cubics of the level before: by how many targets they miss the rows in their middles at most (count). `each` has
+ * that of every curve: each[curve x count], unless it is NULL. */
 typedef struct td_points_fit {
     float *worst, *each;
 } td_points_fit;
@@ -116,7 +116,8 @@ struct td_points_engine {
     int goes_on; /* values are worked out while the host does something else */
 };
 
-/* On an OpenCL device with double precision; TIDES_UNSUPPORTED where it has none. The twin in C, wherever. */
+/* Engines of points: on an OpenCL device with double precision (TIDES_UNSUPPORTED where it has none), or the twin in C,
+ * anywhere. */
 tides_status td_points_create_opencl(tides_device *device, const td_image_numbers *image, td_points_engine **engine,
                                      tides_error *error);
 tides_status td_points_create_twin(const td_image_numbers *image, td_points_engine **engine, tides_error *error);

@@ -21,11 +21,11 @@ void td_points_wanted_release(td_points_wanted *wanted);
 /* Another interval: nobody has asked, no tile has a list. */
 void td_points_wanted_clear(const struct tides_renderer *renderer, td_points_wanted *wanted);
 
-/* What the points numbered which[0 .. count) may see that has no path becomes nodes->wanted. */
+/* Fills nodes->wanted with the Gaussians without a path that the points numbered which[0 .. count) may see. */
 void td_points_wanted_find(const struct tides_renderer *renderer, td_points_wanted *wanted, td_point_nodes *nodes,
                            const td_point_span *span, const td_point *points, const int *which, int count);
 
-/* All of that has got its path: of the tiles that these points are in, lists without it are no lists. */
+/* To be called when all of them have got their paths: older lists of these points' tiles are void, since they lack them. */
 void td_points_wanted_found(td_points_wanted *wanted);
 
 /* A list is asked for: 1 where the tile has none, which it has then. */

@@ -19,7 +19,7 @@
 struct td_request;
 struct td_candidates;
 
-/* Of wide ones: the coarse image of the slot at hand, as far as anything has asked for it. Planes are L and L_dot. */
+/* The coarse image of a wide PSF for the slot at hand, as far as it has been asked for. Planes are L and L_dot. */
 enum { TD_PSF_PLANES = 2 };
 typedef struct td_psf_wide {
     int step;       /* [px] from cell to cell; 0: the direct kernel */
@@ -80,7 +80,7 @@ TIDES_MUST_CHECK tides_status td_psf_wide_begin(td_psf_wide *wide, int width, in
 void td_psf_wide_tile(td_psf *psf, const td_psf_source *source, int x0, int y0, double *out);
 void td_psf_wide_release(td_psf_wide *wide);
 
-/* What moves in a tile, and how far, also counts in those that it is blurred into. */
+/* Spreads each tile's motion, and how far it goes, to the tiles that it is blurred into. */
 tides_status td_psf_spread(td_psf *psf, struct td_candidates *candidates, tides_error *error);
 
 #endif

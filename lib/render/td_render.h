@@ -34,13 +34,13 @@ tides_status td_renderer_interpolate(tides_renderer *renderer, double tolerance,
 
 /* -- stopping -------------------------------------------------------------------------------------------------------------- */
 
-/* From now on `heed` (NULL: nobody) is asked before each launch of tiles or points. Where it says other than 0, what is under
- * way ends with TIDES_CANCELLED: nothing that came of it is to be used, and the renderer is as good as before. */
+/* From now on `heed` (NULL: none) is asked before each launch of tiles or points. If it returns other than 0, the work under
+ * way ends with TIDES_CANCELLED: its results must not be used, and the renderer is as good as before. */
 typedef int (*td_heed)(void *user);
 void td_renderer_set_heed(tides_renderer *renderer, td_heed heed, void *user);
 
-/* What has been counted, by each channel of a colour filter, for work that may be thrown away; then that again, but for the
- * time that went by. */
+/* Counts so far, by each channel of a colour filter, for work that may be undone. td_renderer_put_counts restores them, but for
+ * the time that went by. */
 typedef struct td_render_counts {
     tides_render_stats own[3], backend[3];
 } td_render_counts;
@@ -68,16 +68,16 @@ typedef struct td_swap {
 tides_status td_renderer_find_swaps(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error);
 const td_swap *td_renderer_swaps(const tides_renderer *renderer, int tile, int block, int *count);
 
-/* What swaps' light is measured by where exp(log_luminance) is `light`: so much of it changes log_luminance by 1, about. */
+/* Scale of a swap's light where exp(log_luminance) is `light`: about so much of it changes log_luminance by 1. */
 double td_renderer_swap_scale(const tides_renderer *renderer, double light);
 
-/* Of the interval swept last: 1 where something that the tile may see moves on the screen, and the most diameters of its own
- * that one of these travels. */
+/* 1 where a splat that the tile may see moves on the screen in the interval swept last; and the largest travel of one of these,
+ * in diameters of its own. */
 int td_renderer_tile_moves(const tides_renderer *renderer, int tile);
 double td_renderer_tile_travel(const tides_renderer *renderer, int tile);
 
-/* The same of 4x4 blocks, from the next sweep on. A block in which nothing moves may still change by what image.stop leaves
- * open: where lists end goes by the tile's brightest splat. */
+/* Motion and travel of 4x4 blocks, from the next sweep on. A block in which nothing moves may still change by what image.stop
+ * leaves open: lists end where the tile's brightest splat says. */
 void td_renderer_by_blocks(tides_renderer *renderer);
 int td_renderer_block_moves(const tides_renderer *renderer, int tile, int block);
 double td_renderer_block_travel(const tides_renderer *renderer, int tile, int block);
@@ -124,39 +124,40 @@ typedef struct td_point {
     int32_t x, y; /* [px] */
 } td_point;
 
-/* What an image shows there. */
+/* The image's value at a point. */
 typedef struct td_point_value {
     double L, L_dot; /* [1, 1/s] */
 } td_point_value;
 
-/* Their values: (count), for any order of points the same. Where the times of a motion's knots are among them, rates are those
- * of what begins there. TIDES_BAD_ARGUMENT where a value isn't finite. */
+/* Values of points: (count), the same in any order of points. At the time of a motion's knot, rates are those of the motion
+ * that begins there. TIDES_BAD_ARGUMENT where a value isn't finite. */
 tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
                                 td_point_value *values, tides_error *error);
 
-/* The same in two calls, between which a device may be at work while the caller does something else: what it is given must
- * stay as it is until `end`, or until `drop` where nobody wants the values any more. One lot at a time; whatever else the
- * renderer is asked for in between waits for it. 1: `begin` does return before that, and many lots cost no more than one. */
+/* td_renderer_points in two calls, between which a device may work while the caller does something else. The arguments must
+ * stay as they are until `end`, or until `drop` where nobody wants the values any more. One lot at a time: any other request to
+ * the renderer in between waits for it. td_renderer_points_go_on is 1 where `begin` does return before the values are there;
+ * many lots then cost no more than one. */
 tides_status td_renderer_points_begin(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
                                       size_t count, td_point_value *values, tides_error *error);
 tides_status td_renderer_points_end(tides_renderer *renderer, tides_error *error);
 void td_renderer_points_drop(tides_renderer *renderer);
 int td_renderer_points_go_on(const tides_renderer *renderer);
 
-/* Before any point is asked for: the renderer gets what works them out, one by one, in double precision whatever it computes
- * in itself, with every splat (no stop rule), on the image that record paths make of the interval swept last
- * (kernels/points.h). TIDES_UNSUPPORTED, saying why, where that can't be had. */
+/* To be called before any point is asked for. The renderer then computes points one by one, in double precision whatever its
+ * own is, with every splat (no stop rule). Points see the image that record paths make of the interval swept last
+ * (kernels/points.h). TIDES_UNSUPPORTED, with the reason, where that can't be had. */
 tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *error);
 
-/* For tests of a renderer that has that: so few Gaussians (not more than by default) get paths together, where points ask for
- * them, and so many of all are looked at before. */
+/* For tests of a renderer with exact points: `group` Gaussians (not more than by default) get paths together, and `some` of all
+ * are looked at before. */
 void td_renderer_points_groups(tides_renderer *renderer, int group, int some);
 
-/* Why they can't, which doesn't depend on the device; NULL: they can. */
+/* The reason why exact points can't be had, which doesn't depend on the device; NULL: they can. */
 const char *td_renderer_lacks_exact_points(const tides_renderer *renderer);
 
-/* Of exact points: keeps the instant swept last, so that td_renderer_kept_points answers at its time whatever is swept
- * since, and whatever open paths have forgotten since. */
+/* Keeps the instant swept last, for exact points. td_renderer_kept_points then answers at its time, whatever has been swept and
+ * whatever open paths have forgotten since. */
 tides_status td_renderer_keep_instant(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error);
 tides_status td_renderer_kept_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
                                      size_t count, td_point_value *values, tides_error *error);
@@ -165,7 +166,7 @@ tides_status td_renderer_kept_points(tides_renderer *renderer, const tides_traje
 int td_renderer_points_rounded(const tides_renderer *renderer);
 
 /* Exact points of the interval swept last on no record path: all that each may see is projected at its own time, at ten times
- * the cost. What record paths are off by is the difference. */
+ * the cost. The difference is the error of record paths. */
 tides_status td_renderer_direct_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
                                        size_t count, td_point_value *values, tides_error *error);
 
@@ -186,8 +187,8 @@ tides_status td_renderer_flow(tides_renderer *renderer, const tides_trajectory *
 /* 1 where it computes in double precision: its samples have no rounding to speak of. */
 int td_renderer_is_double(const tides_renderer *renderer);
 
-/* What decides its images besides scene, paths and device, as numbers: image formation as resolved, intrinsics, blur,
- * background, colour filter. The same numbers make the same images. */
+/* The numbers that decide a renderer's images besides scene, paths and device: image formation as resolved, intrinsics, blur,
+ * background, colour filter. Equal numbers make equal images. */
 enum { TD_IMAGE_FACTS = 68 };
 void td_renderer_image_facts(const tides_renderer *renderer, double facts[TD_IMAGE_FACTS]);
 

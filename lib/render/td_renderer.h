@@ -38,7 +38,7 @@ tides_status td_image_resolve(const tides_image_params *params, const tides_intr
                               td_image *image, tides_error *error);
 
 /* A td_image as numbers for any precision. */
-/* What TIDES_ANTIALIAS_FILE is for a scene, TIDES_BAD_CONFIG where it contradicts itself. */
+/* Resolves TIDES_ANTIALIAS_FILE for a scene; TIDES_BAD_CONFIG where the scene contradicts itself. */
 tides_status td_image_take_training(const tides_image_params *params, const tides_scene *scene, td_image *image,
                                     tides_error *error);
 td_image_numbers td_image_pack(const td_image *image);
@@ -118,7 +118,7 @@ tides_status td_candidates_build(td_candidates *candidates, const td_store *stor
 /* Each block moves as its tile does: where boxes don't say what a splat touches, or where more than splats moves. */
 void td_candidates_blocks_as_tiles(td_candidates *candidates);
 
-/* What is known of the tiles' depth order begins anew, with lists that do (candidate_hints.c). */
+/* Starts the hints of the tiles' depth order anew, to be called with new lists (candidate_hints.c). */
 void td_candidates_renew_hints(td_candidates *candidates);
 
 /* Numbers in the hints of a sweep (td_job). */
@@ -142,7 +142,7 @@ struct td_points_engine;
 tides_status td_points_create_engine(const tides_renderer *renderer, const td_image_numbers *image,
                                      struct td_points_engine **engine, tides_error *error);
 
-/* What an engine found of a point, L and L_dot, becomes its value; TIDES_BAD_ARGUMENT where one isn't finite. */
+/* Takes L and L_dot that an engine found for a point as its value; TIDES_BAD_ARGUMENT where one isn't finite. */
 tides_status td_point_take(const td_point *point, const double *found, td_point_value *value, tides_error *error);
 void td_points_destroy(td_points *points);
 
@@ -251,7 +251,7 @@ tides_status td_renderer_all_tiles(tides_renderer *renderer, const tides_traject
                                    const double **planes, tides_error *error);
 void td_renderer_assemble(const tides_renderer *renderer, const double *planes, int plane, int outputs, double *image);
 
-/* What Gaussians of the store are at a time: (count x TD_GEOMETRY_STRIDE), of those below 0 nothing (gaussian_rows.c). */
+/* Geometry of Gaussians of the store at a time: (count x TD_GEOMETRY_STRIDE). Numbers below 0 are skipped (gaussian_rows.c). */
 tides_status td_renderer_rows_at(tides_renderer *renderer, const int *gaussians, size_t count, double time, double *geometry,
                                  tides_error *error);
 
@@ -259,9 +259,9 @@ tides_status td_renderer_rows_at(tides_renderer *renderer, const int *gaussians,
 tides_status td_renderer_sharp_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
                                      double *planes, tides_error *error);
 
-/* Likewise, whatever comes out; td_renderer_sharp_tiles then refuses what isn't finite, naming pixel, time and splat
- * (nonfinite.c). To planes, or (not NULL) to whole images of one time, by a backend that draws: without the tiles in between,
- * which were a third of a large frame (1280x720) that is cheap to render. */
+/* Renders tiles without PSF and without checks; td_renderer_sharp_tiles then refuses values that aren't finite, naming pixel,
+ * time and splat (nonfinite.c). Results go to planes, or (not NULL) to whole images of one time, by a backend that draws.
+ * Images save the tiles in between, which were a third of a large frame (1280x720) that is cheap to render. */
 tides_status td_renderer_raw_tiles(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,
                                    double *planes, td_pictures *pictures, tides_error *error);
 tides_status td_renderer_check_finite(tides_renderer *renderer, const tides_trajectory *camera, const td_tile_batch *batch,

@@ -28,7 +28,8 @@ typedef struct td_swap_splat {
     const double *z, *z_dot;
 } td_swap_splat;
 
-/* What is looked at: `parts` of the interval, each h seconds long, and views at their ends (parts + 1 x objects). */
+/* Samples of a search for swaps: `parts` of the interval, each h seconds long, and views at their ends (parts + 1 x
+ * objects). */
 typedef struct td_swap_samples {
     int parts, objects;
     double h;

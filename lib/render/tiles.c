@@ -78,7 +78,7 @@ static void fill_empty(tides_renderer *renderer, const td_request *requests, int
     renderer->stats.tile_jobs_skipped += (uint64_t)empty_count;
 }
 
-/* The same in images. */
+/* Draws the backdrop into the images, for tiles that nothing can reach. */
 static void draw_empty(tides_renderer *renderer, const td_request *requests, int empty_count, int outputs,
                        const td_pictures *to) {
     double pixel[TD_OUT_COLOUR];
@@ -94,7 +94,7 @@ static void draw_empty(tides_renderer *renderer, const td_request *requests, int
     renderer->stats.tile_jobs_skipped += (uint64_t)empty_count;
 }
 
-/* With a decoder such tiles are jobs too: what it makes of nothing depends on the ray. */
+/* Runs empty tiles as jobs, as a decoder needs: its output for no splats depends on the ray. */
 static tides_status run_empty(tides_renderer *renderer, td_batch *batch, const td_request *requests, int count, double *planes,
                               tides_error *error) {
     if (count == 0) return TIDES_OK;

@@ -1,5 +1,5 @@
-/* What pixels carry from one step to the next, of the blocks that are on: the one list of it. Checkpoints and a step's undoing
- * take the arrays that the list has names for; the solver takes single pixels back to where they were by all of it. A block's
+/* The one list of the state that pixels carry from one step to the next, for the blocks that are on. Checkpoints and a step's
+ * undoing take the arrays that have names in the list. The solver puts single pixels back by all arrays of the list. A block's
  * new state is one row here.
  *
  * Thresholds, leaks and the like aren't carried: they are drawn anew from the seed. */
@@ -8,8 +8,8 @@
 
 #include <string.h>
 
-/* One of the two is given. Without a name: follows from the rest (td_sensor_resume), and is kept of single pixels only since
- * it would have to be worked out. */
+/* An array of the list: `real` or `count` is given. An array without a name follows from the others (td_sensor_resume). It is
+ * kept for single pixels only, since it would have to be computed again. */
 typedef struct listed {
     const char *name;
     double *real;

@@ -20,14 +20,14 @@ typedef struct noise_block {
     double segment[BLOCK], value[BLOCK], light[BLOCK], on[BLOCK], off[BLOCK];
 } noise_block;
 
-/* What the parts of a call share. */
+/* A call's facts that its parts share. */
 typedef struct tile_job {
     td_pixel_job pixel;
     const td_tile *tile;
     size_t first;
     const td_signals *signals;
     const td_coverage *coverage;
-    double stop;            /* no appointment of this step is later [ns since the run's start] */
+    double stop;            /* every wake-up of this step is at or before this time [ns since the run's start] */
     size_t begun;           /* pixels of the tile before the block at hand */
     const double *on, *off; /* the block's levels: what its signals must stay within to need nothing */
     noise_block *noise;     /* NULL: there is none */
@@ -45,10 +45,11 @@ static inline td_model fit(int32_t kind, const td_signals *signals, double h, si
     return td_model_fit(kind, h, signals->S0[j], S0_dot, signals->S1[j], S1_dot);
 }
 
-/* outside[k] = 0 where pixel j = first + k needs nothing: the control values of S_eff and its end all strictly between the
- * levels (NaN isn't), and no appointment; otherwise 1. An ideal pixel's levels are the sensor's own, and it has no leak. With
- * `kind` and `ideal` constant the loop is straight-line code that vectorises (gcc -O3 -fopt-info-vec names it). The flags are
- * doubles, set one comparison at a time, because gcc 12 gives up where comparisons of doubles end in integers. */
+/* outside[k] = 0 where pixel j = first + k needs nothing, otherwise 1. It needs nothing if the control values of S_eff and its
+ * end are all strictly between the levels (NaN isn't), and no wake-up is due. An ideal pixel's levels are the sensor's own, and
+ * it has no leak. With `kind` and `ideal` constant the loop is straight-line code that vectorises (gcc -O3 -fopt-info-vec names
+ * it). The flags are doubles, set one comparison at a time, because gcc 12 gives up where comparisons of doubles end in
+ * integers. */
 static inline void reject(int32_t kind, int ideal, const tile_job *job, size_t first, size_t count, double *restrict outside) {
     const td_sensor *sensor = job->pixel.sensor;
     const td_signals from = *job->signals;
@@ -213,7 +214,7 @@ static int can_reject(const td_sensor *sensor) { return !sensor->exhaustive && s
 
 /* -- blocks ---------------------------------------------------------------------------------------------------------------- */
 
-/* What the pixel sees. */
+/* The pixel's light on the step. */
 static td_model light_of(const tile_job *job, size_t j) {
     const double h = job->pixel.step->length_s;
     return job->pixel.light ? fit(TIDES_MODEL_HERMITE, job->pixel.light, h, j)
@@ -417,7 +418,7 @@ tides_status td_sensor_step(td_sensor *sensor, const td_step *step, const td_til
 
 /* -- one pixel ------------------------------------------------------------------------------------------------------------- */
 
-/* With blocks. */
+/* Advances a pixel of a sensor with blocks. */
 static tides_status advance_pixel(const td_pixel_job *pixel, const td_sensor_single *single, td_sensor_counts *counts) {
     const td_ends *ends = single->ends;
     const td_tile tile = {single->x, single->y, 1, 1};

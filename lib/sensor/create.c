@@ -29,7 +29,7 @@ tides_status td_sensor_check_levels(const tides_sensor *s, int32_t model, tides_
     return TIDES_OK;
 }
 
-/* Of a pixel as it is meant [Hz]: the switch's junction, and what light leaks into it. */
+/* The nominal pixel's leak rate [Hz]: the switch's junction, and the part that light adds. */
 static double leak_of(const tides_sensor *s) {
     static const double doubles_c = 8, typed_at_c = 25;
     double rate = s->leak_rate_hz;
@@ -212,7 +212,7 @@ static tides_status read_maps(td_sensor *sensor, const td_tile *tiles, int32_t t
     return status;
 }
 
-/* What the parameters ask for, and the run's start as steps count from it. */
+/* Sets up the blocks that the parameters ask for, and the run's start as steps count from it. */
 static tides_status set_blocks(td_sensor *sensor, const td_maps *maps, double start, tides_error *error) {
     const tides_sensor *params = &sensor->sensor;
     td_step first; /* how the simulator's steps split that time */

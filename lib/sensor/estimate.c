@@ -9,8 +9,8 @@
 #include <stddef.h>
 #include <string.h>
 
-/* What single precision leaves of S on its way through the renderer: an error below it is rounding, which no cut removes, and
- * divided by the slope of a pixel that hardly moves it would look like any time. */
+/* Error that single precision leaves in S on its way through the renderer. A smaller error is rounding, which no cut removes.
+ * Divided by the slope of a pixel that hardly moves, rounding would look like any time. */
 static const double noise = 1e-6;
 
 /* Additive noise brings a pixel to levels that are this many sigmas from its signal; beyond it hardly ever is. */
@@ -187,8 +187,8 @@ void td_sensor_begin_estimates(td_sensor *sensor, size_t first, int32_t count) {
     for (size_t i = first; sensor->on && i < first + (size_t)count; i++) sensor->reach[i] = sensor->held_until[i] > -INFINITY;
 }
 
-/* May the pixel fire within the step, or have fired in the macro step before it, as far as is known? `low` and `high` bound
- * S_eff. */
+/* 1 where the pixel may fire within the step, or may have fired in the macro step before it, as far as is known. `low` and
+ * `high` bound S_eff. */
 static int may_fire(td_sensor *sensor, size_t i, int cuts, double low, double high, double reference) {
     double on = sensor->threshold_on[i], off = sensor->threshold_off[i];
     if (on == off && !td_sensor_holds(sensor)) return reaches_level(low, high, reference, on);
@@ -217,7 +217,7 @@ static td_estimate estimate_blocks(td_sensor *sensor, const td_estimated *step, 
     return worst;
 }
 
-/* Where every pixel counts, to the bit what count_pixel makes of them; thresholds and leaks are the tile's. */
+/* The bits of count_pixel for a tile in which every pixel counts; thresholds and leaks are the tile's. */
 static inline void look_filtered(int probed, const td_estimated *step, const double *on, const double *off, const double *leak,
                                  double nominal, double time, int32_t first, int32_t count, lanes *restrict to) {
     const double *S0 = step->signals->S0 + first, *S0_dot = step->signals->S0_dot + first;

@@ -1,9 +1,9 @@
 /* Ideal pixels together. Which levels a pixel goes through in a step can be told from its values where the model turns, without
- * solving an equation. Those of a block that need anything are gathered, and their models, turns and numbers of levels are made
- * in loops that vectorise; the levels are listed, their places are found all at once (signal/crossing_list.c), and then the
- * events are written. How many levels a pixel has nothing can foretell, so that no branch asks where most of them pass. Pixels
- * with anything out of the ordinary (signals that aren't finite, or beyond a level at the step's start; more events than a step
- * may have; an end that asks for more than the model fired) go through td_ideal.h. */
+ * solving an equation. Pixels of a block that need anything are gathered. Loops that vectorise make their models, turns and
+ * numbers of levels. The levels are listed, their places are found all at once (signal/crossing_list.c), and then the events
+ * are written. How many levels a pixel has nothing can foretell, so that no branch asks where most of them pass. Pixels with
+ * anything out of the ordinary (signals that aren't finite, or beyond a level at the step's start; more events than a step may
+ * have; an end that asks for more than the model fired) go through td_ideal.h. */
 #include "td_ideal_block.h"
 
 #include "signal/td_crossing_list.h"
@@ -63,7 +63,7 @@ static int pick(const double *mark, size_t count, int *k) {
     return n;
 }
 
-/* What a model doesn't read may be anything. */
+/* Gathers the busy pixels' numbers side by side. Inputs that the model doesn't read may be anything. */
 static void gather(run *r) {
     busy *restrict b = &r->busy;
     const size_t first = r->block->begin, i = r->block->first + first;
@@ -170,11 +170,12 @@ static void find_turns(run *r) {
     if (turns->count > 0) td_turns_find(turns);
 }
 
-/* What an event says but its time, as a number: fields of so many bits (rest_of and write_events know them, nobody else). */
+/* An event's fields but its time, packed in a number: these are the fields' first bits. Only rest_of and write_events know
+ * them. */
 enum { AT_Y = 16, AT_POLARITY = 32, AT_CAUSE = 40 };
 #define FIELD(bits) (1.0 * ((uint64_t)1 << (bits)))
 
-/* Of pixel j of the tile. In doubles, since divisions of integers don't vectorise. */
+/* The packed fields of an event of pixel j of the tile. It computes in doubles, since divisions of integers don't vectorise. */
 static inline double rest_of(const td_tile *tile, double per_width, double j, int rises) {
     const double row = td_whole((j + 0.5) * per_width), x = tile->x0 + (j - row * tile->width), y = tile->y0 + row;
     return x + y * FIELD(AT_Y) + (rises ? 1.0 : 255.0) * FIELD(AT_POLARITY) + TIDES_CAUSE_SIGNAL * FIELD(AT_CAUSE);
@@ -302,7 +303,7 @@ static void write_events(const run *r, tides_event *restrict to) {
     }
 }
 
-/* What busy pixels [from, to) have come to, whose levels have fired. */
+/* Stores the state of busy pixels [from, to), whose events have been fired. */
 static void leave(run *r, int from, int to) {
     const busy *b = &r->busy;
     const td_pixels *pixels = &r->job->sensor->pixels;

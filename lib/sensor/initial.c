@@ -1,4 +1,4 @@
-/* Where pixels stand when a run begins, by sensor.initial.
+/* The state of pixels when a run begins, by sensor.initial.
  *
  * STEADY is a renewal process. At rest a pixel is reset by what comes first of the leak, C+ / r after the reset, and of noise
  * events, at the rate n (both shot noises as its light thins them, and a hot pixel's own), which none come of for a time D, the
@@ -37,7 +37,7 @@ static double age_at(double u, double held, double length, double rate) {
     return held + (rate > 0 ? fmin(-td_log1p(-rate * (area - held)) / rate, length) : fmin(area - held, length));
 }
 
-/* Of a pixel that is reset now and then. */
+/* The steady state of a pixel that is reset now and then. */
 static td_initial steady(const td_sensor *sensor, size_t i, double L) {
     const double leak = sensor->leak[i], on = sensor->threshold_on[i], held = sensor->refractory_ns;
     const int holds = sensor->sensor.refractory_law == TIDES_REFRACTORY_HOLD;

@@ -148,7 +148,7 @@ static herr_t put(hid_t file, const char *name, const hsize_t shape[2], const do
     return done;
 }
 
-/* What is written. */
+/* The maps to be written, and their shape. */
 typedef struct all_maps {
     hsize_t shape[2];
     const td_maps *maps;

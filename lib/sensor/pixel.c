@@ -77,7 +77,7 @@ static double kick_at(const walk *w, double s) { return w->job->sensor->kick.on 
 
 /* -- additive noise -------------------------------------------------------------------------------------------------------- */
 
-/* On to the segment that begins at s, or holds it. */
+/* Goes on to the segment of noise that begins at s, or holds it. */
 static void seek_segment(walk *w, double s) {
     const td_sensor *sensor = w->job->sensor;
     if (w->segment_until > s) return;
@@ -204,7 +204,8 @@ static void begin_refractory(walk *w, double s) {
 
 static int is_held(const walk *w, double s) { return *held_until(w) > time_at(w, s); }
 
-/* Of a pixel that hasn't fired yet, that began on its way up: half of what was left of it. */
+/* The cause of a crossing: the leak, if its ramp made more than half of the way to the level. A pixel that hasn't fired yet may
+ * have begun on its way up; only the rest of the way counts then. */
 static int cause_of(const walk *w, double s, int polarity) {
     const double leak = w->job->sensor->leak[w->pixel->i], begun = fmax(-*since(w), 0);
     const double ramp = leak * (time_at(w, s) - fmax(*since(w), 0)), way = w->on - leak * begun;
@@ -281,7 +282,7 @@ static void consume(walk *w, double until) {
     }
 }
 
-/* From where the walk stands to the end of the refractory period, or of the step. */
+/* Passes over the rest of the refractory period, or of the step. */
 static void pass_held(walk *w) {
     double end = fmax(place_of(w, *held_until(w)), w->s);
     int law = w->job->sensor->sensor.refractory_law;
@@ -298,7 +299,7 @@ static void pass_held(walk *w) {
 
 static int is_masked(const walk *w) { return w->s < w->pixel->visible_from || w->s > w->pixel->visible_to; }
 
-/* To where the pixel becomes visible, or the step's end. */
+/* Passes over the part in which the pixel isn't visible, or the rest of the step. */
 static void pass_masked(walk *w) {
     double end = w->s < w->pixel->visible_from ? w->pixel->visible_from : 2;
     lose_noise(w, end, &w->job->counts.suppressed);
@@ -346,7 +347,8 @@ static tides_status follow(walk *w) {
     return status;
 }
 
-/* What the step's end asks for beyond the response, where the pixel may fire then; in a refractory sensor, once. */
+/* Fires the events at the step's end that its S asks for and the response didn't give. The pixel must be able to fire then; a
+ * refractory one fires once. */
 static tides_status catch_up(walk *w) {
     const td_pixel_step *p = w->pixel;
     uint64_t *late = w->cut ? &w->job->counts.truncated : &w->job->counts.caught_up;

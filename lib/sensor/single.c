@@ -73,8 +73,8 @@ void td_sensor_find(const td_sensor *sensor, const td_step *step, const td_tile 
     }
 }
 
-/* Thresholds are counted from so many below the reference: numbers are positive then, and whole ones of them are cut off. What
- * is further away is nowhere near a log luminance. */
+/* Thresholds are counted from so many below the reference: numbers are positive then, and whole ones of them are cut off. No
+ * log luminance is further away. */
 static const double levels_below = 1 << 24;
 
 /* 1 where a level may be within the signal's range, else 0. */

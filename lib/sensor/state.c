@@ -1,5 +1,5 @@
-/* Where a sensor's pixels stand between steps: their signals, how far from their levels, and what follows from a state that was
- * put back (carried.c). For the solver's statistics and checkpoints. */
+/* State of a sensor's pixels between steps: their signals, the distance to their levels, and the rest of a state that was put
+ * back (carried.c). For the solver's statistics and checkpoints. */
 #include "sensor/noise/td_noise_bridge.h"
 #include "td_sensor.h"
 

@@ -1,4 +1,4 @@
-/* Where pixels with additive noise stand when a run begins at rest: slow events by their rates, then the noise's own path. */
+/* State of pixels with additive noise when a run begins at rest: slow events by their rates, then the noise's own path. */
 #include "td_steady.h"
 #include "td_math.h"
 #include "sensor/noise/td_noise_bridge.h"
@@ -124,7 +124,7 @@ static void cross(pixel *p, double a, double b, double dt, double variance, doub
     *until = p->held < dt ? 0 : p->held;
 }
 
-/* What is beyond a level at the run's start has fired. */
+/* Fires the pixel while its signal is beyond a level at the run's start. */
 static void settle(pixel *p, double n) {
     while (p->o + n >= p->on || p->o + n <= -p->off) {
         const int up = p->o + n >= p->on;

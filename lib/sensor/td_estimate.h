@@ -1,5 +1,5 @@
-/* Internal: how wrong the local model may be on a tile's step, over the pixels that may fire in it: the sensor knows which
- * these are, and what an error is worth to each. For step control, which says what is too much. */
+/* Internal: the error of the local model on a tile's step, over the pixels that may fire in it. The sensor knows these pixels,
+ * and the weight of an error for each. For step control, which says what is too much. */
 #ifndef TD_ESTIMATE_H
 #define TD_ESTIMATE_H
 
@@ -15,7 +15,7 @@ typedef struct td_estimated {
     int32_t count;
 } td_estimated;
 
-/* What it looks like. */
+/* The estimate of a step. */
 typedef struct td_estimate {
     double error;     /* largest estimated error of S over the pixels that may reach a threshold [log units] */
     double seconds;   /* the largest such error divided by its pixel's slope [s] */

@@ -56,7 +56,7 @@ static inline tides_status td_ideal_follow(td_pixel_job *job, td_ideal *at, cons
     }
 }
 
-/* The same piece by piece. */
+/* td_ideal_follow over the pieces of a model, one by one. */
 static inline tides_status td_ideal_follow_pieces(td_pixel_job *job, td_ideal *at, const td_pieces *pieces, int *cut) {
     tides_status status = TIDES_OK;
     for (int k = 0; k < pieces->count && status == TIDES_OK && !*cut; k++)
@@ -64,7 +64,7 @@ static inline tides_status td_ideal_follow_pieces(td_pixel_job *job, td_ideal *a
     return status;
 }
 
-/* What S1 asks for beyond the model, at the step's end. */
+/* Fires at the step's end the events that S1 asks for and the model didn't give. */
 static inline tides_status td_ideal_catch_up(td_pixel_job *job, td_ideal *at, double S1, uint64_t *late) {
     tides_status status = TIDES_OK;
     while (status == TIDES_OK && S1 - at->reference >= at->on) {

@@ -1,5 +1,5 @@
-/* Internal: what single pixels of a sensor have, from a file: arrays of the image's size by name, of which any may be missing,
- * and any pixel may be NaN: then it is drawn as if there were no file. */
+/* Internal: maps of a sensor's pixels from a file: arrays of the image's size, by name. Any map may be missing, and any pixel
+ * may be NaN: it is then drawn as if there were no file. */
 #ifndef TD_MAPS_H
 #define TD_MAPS_H
 
@@ -15,7 +15,7 @@ typedef struct td_maps {
     uint64_t checksum;    /* of all values; 0: no file */
 } td_maps;
 
-/* Of an .npy (a structured one), .npz or HDF5 file, which must have a map at least. TIDES_BAD_FILE naming map and pixel. */
+/* Reads an .npy (a structured one), .npz or HDF5 file, which must have a map at least. TIDES_BAD_FILE names map and pixel. */
 TIDES_MUST_CHECK tides_status td_maps_read(const char *path, int32_t width, int32_t height, td_maps *maps, tides_error *error);
 void td_maps_release(td_maps *maps);
 

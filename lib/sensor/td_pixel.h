@@ -7,7 +7,7 @@
 #include "sensor/response/td_response.h"
 #include "td_sensor.h"
 
-/* What the pixels of a call share. */
+/* A call's facts that its pixels share. */
 typedef struct td_pixel_job {
     td_sensor *sensor;
     const td_step *step;
@@ -40,7 +40,7 @@ typedef struct td_pixel_step {
     double visible_from, visible_to; /* s between which it isn't masked; 2 and 2: nowhere */
 } td_pixel_step;
 
-/* On failure the pixel is in between. */
+/* Advances a pixel over a step. On failure the pixel is left within the step. */
 TIDES_MUST_CHECK tides_status td_pixel_advance(td_pixel_job *job, const td_pixel_step *pixel);
 
 /* An event of a pixel that has fired *fired in this step; its cause is counted by the caller. */

@@ -51,7 +51,7 @@ typedef struct td_pixels {
     uint32_t *count_off; /* n_off  (count) */
 } td_pixels;
 
-/* What happened since the run's start. */
+/* Counts since the run's start. */
 typedef struct td_sensor_counts {
     uint64_t events_on, events_off;
     uint64_t cause[TIDES_CAUSES]; /* events by TIDES_CAUSE_* */
@@ -64,7 +64,7 @@ typedef struct td_sensor_counts {
     uint64_t refractory; /* crossings consumed, and noise events lost, in refractory periods */
 } td_sensor_counts;
 
-/* What comes of a piece of work: its events, and what happened. Pieces joined in their order are as one. */
+/* The results of a piece of work: its events and counts. Pieces joined in their order are as one. */
 typedef struct td_work {
     td_event_buffer events;
     td_sensor_counts counts;
@@ -123,7 +123,8 @@ typedef struct td_sensor {
 /* Checks what the comparator reads of the parameters, and the model: TIDES_BAD_ARGUMENT naming the field. */
 TIDES_MUST_CHECK tides_status td_sensor_check_levels(const tides_sensor *sensor, int32_t model, tides_error *error);
 
-/* The same of the blocks, but for their filters and additive noise (td_frontend_make, td_additive_noise_make). */
+/* Checks the blocks' parameters, but for their filters and additive noise (td_frontend_make, td_additive_noise_make):
+ * TIDES_BAD_ARGUMENT naming the field. */
 TIDES_MUST_CHECK tides_status td_sensor_check(const tides_sensor *sensor, tides_error *error);
 
 /* Draws all pixels of the `tiles` (in order, one after the other) of an image `image_width` wide, after these checks.
@@ -150,10 +151,10 @@ typedef struct td_initial {
 } td_initial;
 td_initial td_sensor_initial(const td_sensor *sensor, size_t pixel, double L);
 
-/* What is drawn for it, when all else of the sensor is there. */
+/* Draws the random numbers of td_sensor_initial, when all else of the sensor is there. */
 tides_status td_sensor_draw_initial(td_sensor *sensor, const td_tile *tiles, int32_t tile_count, tides_error *error);
 
-/* That was at L, for a pixel that has done nothing yet; where td_sensor_shows_signal. */
+/* Sets the reference of a pixel that was at L and has done nothing yet; where td_sensor_shows_signal. */
 void td_sensor_refer(td_sensor *sensor, size_t pixel, double L);
 
 /* Coverage of a tile's pixels at both ends of the step, in [0, 1]; read only where sensor->masks. */
@@ -161,7 +162,7 @@ typedef struct td_coverage {
     const double *begin, *end; /* (count) */
 } td_coverage;
 
-/* What a tile's pixels see at both ends of a step. */
+/* The inputs of a tile's pixels at both ends of a step. */
 typedef struct td_seen {
     const td_signals *signals;
     const td_signals *light; /* log-luminance, where the signals aren't; NULL: they are */
@@ -203,7 +204,7 @@ typedef struct td_change {
     int8_t fired;     /* the crossing is an event, the last one in the buffer by then */
 } td_change;
 
-/* In time order. What finds no room is lost, and counted: of that many the times are the model's. */
+/* Changes in order of time. A change without room is lost, and counted; its time is the model's. */
 enum { TD_CHANGES_MAX = 96 };
 typedef struct td_changes {
     int count, lost;
@@ -249,8 +250,8 @@ static inline double td_sensor_time(const td_sensor *sensor, int64_t ns, double 
 
 /* -- between steps --------------------------------------------------------------------------------------------------------- */
 
-/* What a pixel compares with its levels at time [ns since the run's start], the time reached, at which its log-luminance is L.
- */
+/* The value that a pixel compares with its levels at `time` [ns since the run's start], the time reached, where its
+ * log-luminance is L. */
 double td_sensor_signal(const td_sensor *sensor, size_t pixel, double L, double time);
 
 /* A pixel's own thresholds; without blocks that are on it has the nominal ones. */
@@ -266,8 +267,8 @@ static inline double td_sensor_least_threshold(const tides_sensor *sensor) {
     return sensor->threshold_on < sensor->threshold_off ? sensor->threshold_on : sensor->threshold_off;
 }
 
-/* What the pixels of a tile compare with: thresholds of pixel i at [i x stride], with stride 0 those of all; references when
- * the step is over; the leak's ramp, which is added to the signal. */
+/* The levels of a tile's pixels: thresholds of pixel i at [i x stride], with stride 0 those of all; references when the step is
+ * over. The leak's ramp is added to the signal. */
 typedef struct td_levels {
     const double *threshold_on, *threshold_off, *reference;
     int stride;
@@ -275,7 +276,7 @@ typedef struct td_levels {
     double time;        /* when the step begins [ns since the run's start] */
 } td_levels;
 
-/* Of a tile that begins at pixel `first`, after its step. */
+/* The levels of a tile that begins at pixel `first`, after its step. */
 td_levels td_sensor_levels(const td_sensor *sensor, const td_step *step, size_t first);
 
 /* 1 where the ends of refractory periods re-reference pixels. */
@@ -304,10 +305,10 @@ td_noise_segment td_sensor_noise_segment(const td_sensor *sensor, size_t pixel);
 /* The additive noise and the kicks at a time [ns since the run's start] that isn't before the time reached; 0 without. */
 double td_sensor_noise_at(const td_sensor *sensor, size_t pixel, double time);
 
-/* After the state of pixels was put there from outside: what follows from it. */
+/* Computes the rest of the state, after the carried state of pixels was set from outside. */
 void td_sensor_resume(td_sensor *sensor);
 
-/* The time of the pixel's next appointment, after any of its parts changed. */
+/* The time of the pixel's next wake-up, after any of its parts changed. */
 void td_sensor_set_wake(td_sensor *sensor, size_t pixel);
 
 #endif

@@ -1,4 +1,4 @@
-/* Internal: where a pixel with additive noise stands after a long time at rest (sensor.initial STEADY).
+/* Internal: the state of a pixel with additive noise after a long time at rest (sensor.initial STEADY).
  *
  * Noise of correlation time tau wanders about the mean, which stands `o` above the reference. The mean leaves its place slowly:
  * by the leak's drift and by events, which come with the hazards of one level each,
@@ -19,7 +19,8 @@
 
 #include "td_sensor.h"
 
-/* Of a pixel whose noise stands at the run's start, and which has shot noise and hot events at `rate` [1/ns]. */
+/* The initial state of a pixel whose noise stands at the run's start, and which has shot noise and hot events at `rate`
+ * [1/ns]. */
 td_initial td_steady_noise(const td_sensor *sensor, size_t i, double rate);
 
 /* Fills sensor->passage. */

@@ -41,9 +41,9 @@ int td_grid_reaches(const td_grid *grid, int64_t k, double epoch, double time);
 /* The last such point; 0 where there is none. */
 int64_t td_grid_last_until(const td_grid *grid, double epoch, double time);
 
-/* The step between two times of the run, in absolute nanoseconds. What fires at its very end is a nanosecond earlier, except at
- * the run's: so a packet never ends with the nanosecond that the next one begins with, and the stream is in order however it is
- * cut into packets. */
+/* The step between two times of the run, in absolute nanoseconds. An event at its very end is put a nanosecond earlier, except
+ * at the run's end. So a packet never ends with the nanosecond that the next one begins with, and the stream is in order
+ * however it is cut into packets. */
 tides_status td_grid_step(const td_grid *grid, double start, double stop, td_step *step, tides_error *error);
 
 #endif

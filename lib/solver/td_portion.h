@@ -1,6 +1,6 @@
-/* Internal: a portion of a run's work: some of its units, worked on by one thread. What comes of it stays in it until it is
- * joined to the run's (td_simulator.done), portion after portion in the order of units: the run is the same however many there
- * were, and whoever worked on them. A run that isn't shared out is one portion, the run's own. */
+/* Internal: a portion of a run's work: some of its units, worked on by one thread. Its results stay in it until they are joined
+ * to the run's (td_simulator.done), portion after portion in the order of units. So the run is the same for any number of
+ * portions and threads. A run that isn't shared out is one portion, the run's own. */
 #ifndef TD_PORTION_H
 #define TD_PORTION_H
 
@@ -9,7 +9,7 @@
 #include "td_solve.h"
 #include "td_timing.h"
 
-/* Of accepted steps (tides_stats). */
+/* Counts of accepted steps (tides_stats). */
 typedef struct td_step_counts {
     uint64_t steps, probed, at_minimum, at_rounding;
     double worst_error, worst_deviation;
@@ -24,7 +24,7 @@ typedef struct td_portion {
     tides_error error;   /* and why */
 } td_portion;
 
-/* Those of work that is under way, kept for what they have reserved. */
+/* Portions of the work that is under way, kept for the memory that they have reserved. */
 typedef struct td_sharing {
     td_pool *pool; /* NULL: nothing is shared out */
     td_portion *portion;

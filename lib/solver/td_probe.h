@@ -1,12 +1,12 @@
-/* Internal: what an evaluation inside a step says of its model.
+/* Internal: probes, which test a step's model by a render inside the step.
  *
- * Two renders at a step's ends can't tell how wrong the cubic between them is: any difference of what they hold is 0 for some
- * signal, and for signals that people have. (S1 + S0_dot = S0 + S1_dot = 0 for whatever is even about the step's middle; a lamp
- * of period h returns to where it was.) So each macro step in which something moves is cut once whatever its ends say, and each
- * cut is a probe: a third evaluation, compared with the cubic in value and in rate.
+ * Two renders at a step's ends can't tell the error of the cubic between them: any difference of their values is 0 for some
+ * signal, and for common ones. (S1 + S0_dot = S0 + S1_dot = 0 for a signal that is even about the step's middle; a lamp of
+ * period h returns to where it was.) So each macro step in which something moves is cut once, whatever its ends say. Each cut
+ * is a probe: a third evaluation, compared with the cubic in value and in rate.
  *
- * Where: not in the middle, nor at the same place of every step, or what is even about that place or repeats with the steps
- * would pass again. The place is drawn for each interval, the same in all tiles, so that tiles share render times. */
+ * The place is neither the middle nor the same in every step: a signal that is even about that place, or repeats with the
+ * steps, would pass again. It is drawn for each interval, the same in all tiles, so that tiles share render times. */
 #ifndef TD_PROBE_H
 #define TD_PROBE_H
 
@@ -22,21 +22,23 @@ uint32_t td_probe_place(uint64_t macro, uint32_t from, uint32_t to);
 void td_probe_deviation(double h, double theta, const td_signals *ends, const double *S, const double *S_dot, int32_t count,
                         double *deviation);
 
-/* What is reported as left of a deviation in the parts of a step: a law, for one number doesn't say what a part is off by.
- * Shares of the deviation that the cubic of a part may be off by in its middle, and how likely each is. Weights are whole
- * numbers of 64ths: their sums are exact in any order.
+/* The error that is reported as left in the parts of a step, from its deviation: a law, since one number doesn't tell the error
+ * of a part. It has shares of the deviation that the cubic of a part may be off by in its middle, and the probability of each.
+ * Weights are whole numbers of 64ths: their sums are exact in any order.
  *
- * Where the signal is smooth the cubic's error is its fourth derivative times h^4 / 384 in the middle: a deviation is that of
- * the step, and its parts have a sixteenth each, less towards their ends as 16 s^2 (1 - s)^2. The deviation itself has then
- * fallen to about a sixteenth since the cut before, which tells these pixels, or to a little more where the step was long for
- * the signal, and goes on as it fell. A kink of the slope at a place that is drawn leaves the part that it is in with 2.3 / 16
- * of the deviation in the median, 9 / 16 in a tenth and 18 / 16 in a hundredth, one of the curvature with 1.8, 4 and 8.5, and
- * anywhere in it; the deviation has fallen to about a half or a quarter. It may also be small by chance, where the terms of an
- * error cancel: then the fall is too deep, and what is left is rough.
+ * Smooth signals. The cubic's error in the middle is the fourth derivative times h^4 / 384. The deviation is the step's error,
+ * and each part has a sixteenth of it, less towards its ends as 16 s^2 (1 - s)^2. Since the cut before, the deviation has
+ * fallen to about a sixteenth, which tells these pixels. If the step was long for the signal, it has fallen to a little more,
+ * and goes on as it fell.
  *
- * Measured on the events of 200 random scenes (grazing_world.h), 90, 95, 99 % of them are below so many sixteenths: smooth 1.4,
- * 1.9, 4.3; rough 2, 3, 11; of a kink of the slope 3, 4, 14. The weights of the tails are higher than that: a run has few
- * places where its signals bend, and all the pixels there share one chance. */
+ * Kinks. A kink of the slope at a drawn place leaves its part with 2.3 / 16 of the deviation in the median, 9 / 16 in a tenth,
+ * and 18 / 16 in a hundredth of cases. A kink of the curvature leaves 1.8, 4 and 8.5 sixteenths. The error may be anywhere in
+ * the part, and the deviation has fallen to about a half or a quarter. A deviation may also be small by chance, where the terms
+ * of an error cancel: then the fall is too deep, and the rest is rough.
+ *
+ * Measured on the events of 200 random scenes (grazing_world.h), 90, 95, 99 % of the errors are below so many sixteenths:
+ * smooth 1.4, 1.9, 4.3; rough 2, 3, 11; kink of the slope 3, 4, 14. The weights of the tails are higher than that: a run has
+ * few places where its signals bend, and all the pixels there share one chance. */
 typedef struct td_probe_law {
     int is_smooth;
     double share[3], weight[3];
@@ -70,21 +72,21 @@ static inline td_probe_law td_probe_left(uint8_t fall) {
     return smooth;
 }
 
-/* Of the deviation: what the error of a part is hardly ever above, for "may it be an event". */
+/* Share of the deviation that the error of a part hardly ever exceeds, for "may it be an event". */
 #define TD_PROBE_LEFT_MOST 0.5
 
-/* The same where an event may still be looked for: a part in which a kink is has the whole deviation left, and one that fell by
- * more than a sixteenth was small by chance, so that of what a sixteenth had been as much. Of 1.4 million events of the scenes
- * of tides bench accuracy with twelve thresholds each 4 were lost with it when it was chosen, 13 with half the deviation (and
- * 8 with twice: what is lost then is lost after a look), for 2.4 % more looks. */
+/* Bound of a part's error where an event may still be looked for. A part with a kink in it keeps the whole deviation. A
+ * deviation that fell to less than a sixteenth was small by chance, and counts as a sixteenth of the one before. When it was
+ * chosen, it lost 4 of 1.4 million events of the scenes of tides bench accuracy with twelve thresholds each, for 2.4 % more
+ * looks. With half the deviation 13 were lost, and with twice 8: these are lost after a look. */
 static inline double td_probe_most(double deviation, uint8_t fall) {
     const double sixteenth = (double)TD_PROBE_FALLS / 16;
     return fall > 0 && fall < sixteenth ? deviation * (sixteenth / fall) : deviation;
 }
 
-/* Of that, what a look in a smooth part may not see: a sixteenth is left where the signal is as smooth as it looks, and a look
- * that finds less found it by chance. (The bench's fan lost an event 1.2e-4 of a threshold beyond its level, after a look that
- * found a sixtieth. It costs one look in ten thousand.) */
+/* Share of td_probe_most that a look in a smooth part may not see. A sixteenth is left where the signal is as smooth as it
+ * looks; a look that finds less found it by chance. (The bench's fan lost an event 1.2e-4 of a threshold beyond its level,
+ * after a look that found a sixtieth. It costs one look in ten thousand.) */
 #define TD_PROBE_SMOOTH_UNSEEN (1.0 / 16)
 
 #endif

@@ -1,4 +1,4 @@
-/* Internal: how far a simulator has got, for recordings and live runs, which need nothing else of it. */
+/* Internal: the time that a simulator has reached, for recordings and live runs, which need nothing else of it. */
 #ifndef TD_REACHED_H
 #define TD_REACHED_H
 

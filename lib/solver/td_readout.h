@@ -23,7 +23,7 @@ typedef struct td_run_readout {
     tides_error error; /* of taking them */
 } td_run_readout;
 
-/* And the filters behind it. */
+/* The filters behind the readout. */
 typedef struct td_run_filters {
     tides_filters params;
     tides_filter *filter; /* NULL: none is on */

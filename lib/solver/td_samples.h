@@ -16,7 +16,7 @@ enum {
     TD_PLANES_SIGNAL = 2
 };
 
-/* To a power of two: samples of a chunk. */
+/* Samples of a chunk, as a power of two. */
 enum { TD_SAMPLE_BITS = 8 };
 
 typedef struct td_samples {

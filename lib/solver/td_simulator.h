@@ -40,7 +40,7 @@ typedef struct td_undo {
     td_render_counts render;
 } td_undo;
 
-/* What was asked for, as far as it could be had: final when the run begins. */
+/* The parameters as asked for, as far as they can be had: final when the run begins. */
 typedef struct td_parameters {
     double step_s, min_step_s; /* [s] */
     double tolerance;          /* [thresholds] */
@@ -163,13 +163,13 @@ static inline void td_unpack_diagnostics(const td_tile *tile, const double *plan
         td_unpack_plane(tile, planes + output[k] * TD_TILE_PIXELS, sample + (size_t)(TD_PLANES_SIGNAL + k) * apart);
 }
 
-/* What fixed steps and the first sample render: risk isn't asked there. */
+/* The outputs that fixed steps and the first sample render: they need no risk. */
 static inline int td_fixed_outputs(const tides_simulator *simulator) {
     return simulator->given.sample_planes == TD_PLANES_ALL ? TD_OUT_DIAGNOSTICS : TD_OUT_SIGNAL;
 }
 
 /* A step of a tile between two samples of it: sample_planes pointers each; `light` as td_seen has it. The sensor over it
- * (tile_step.c). Of the simulator nothing changes but the tile's pixels. */
+ * (tile_step.c). Only the tile's pixels change in the simulator. */
 typedef struct td_compared {
     int tile;
     const td_step *step;
@@ -205,7 +205,7 @@ void td_ask_end(tides_simulator *simulator);
 tides_status td_undo_keep(tides_simulator *simulator, tides_error *error);
 void td_undo_stopped(tides_simulator *simulator, tides_status status);
 
-/* What a pixel's comparator sees at the time reached: S with its leak's ramp. */
+/* The value that a pixel's comparator sees at the time reached: S with its leak's ramp. */
 double td_signal_now(const tides_simulator *simulator, size_t pixel);
 
 /* Adds the arrays that a checkpoint holds; then, with these and the sensor's as they were at grid point `step`, makes the
@@ -213,7 +213,7 @@ double td_signal_now(const tides_simulator *simulator, size_t pixel);
 void td_simulator_state(tides_simulator *simulator, td_state *state);
 void td_simulator_resume(tides_simulator *simulator, int64_t step, const tides_stats *before);
 
-/* What is counted in the simulator itself, all but the renderer's; and put back, but for the time that was spent. */
+/* Counts of the simulator itself, without the renderer's. td_stats_put restores them, but for the time that was spent. */
 void td_stats_take(const tides_simulator *simulator, tides_stats *stats);
 void td_stats_put(tides_simulator *simulator, const tides_stats *stats);
 

@@ -1,22 +1,22 @@
-/* Internal: events on the image itself. Before accepted steps count as compared, the places where their pixels' comparators do
- * something (events, ends of holds, noise), and those where the signal turns so near a level that the model's error decides,
- * are looked up in the image: single pixels at single times (td_renderer_points), in batches for many tiles: what one needs is
- * found out, and what comes of it is gone on with, while the device is at the next (solve_batches.c). What is found become
- * nodes of that pixel's model in that step (signal/td_pieces.h), and the comparator goes over the pixel again, until no
- * place is off by more than the time asked for, or than rounding.
+/* Internal: events on the image itself. Before accepted steps count as compared, two kinds of places are looked up in the
+ * image. At the first a pixel's comparator does something (events, ends of holds, noise). At the second the signal turns so
+ * near a level that the model's error decides. Look-ups are single pixels at single times (td_renderer_points), in batches for
+ * many tiles. While the device computes one batch, the host goes on with the values of the one before, and fills the next
+ * (solve_batches.c). The values found become nodes of that pixel's model in that step (signal/td_pieces.h). The comparator then
+ * goes over the pixel again, until no place is off by more than the time asked for, or than rounding.
  *
  * A piece that begins at a node is right there in value and rate, so that at a distance d from it little of the model's error
  * is left: one look nearly always settles an event.
  *
- * Samples at the ends of steps decide nothing either: one so near a level that its own error decides is looked up. What an
- * occluder has passed is where it was before, on a level to the last bit, and fires when the occluder's edge ends.
+ * Samples at the ends of steps don't decide either: one so near a level that its own error decides is looked up. A pixel that
+ * an occluder has passed is where it was before, on a level to the last bit, and fires when the occluder's edge ends.
  *
- * Pixels begin the run with references in the precision of samples. One that may act for the first time, for all that its
- * reference may be off by, has it looked up then, at the run's start; one that never does, never.
+ * Pixels begin the run with references in the precision of samples. A pixel that may act for the first time, by the error of
+ * its reference, has the reference looked up then, at the run's start. A pixel that never acts has none looked up.
  *
  * Events don't depend on batches, windows or cuts: the nodes of a pixel in a step are those that follow from its samples and
- * from the state that it begins the step with. Pixels are run ahead of that, for longer batches; where the state turns out to
- * be another one, the nodes are found anew. */
+ * from the state that it begins the step with. Pixels are run ahead of that state, for longer batches; where the state turns
+ * out to be another one, the nodes are found anew. */
 #ifndef TD_SOLVE_H
 #define TD_SOLVE_H
 
@@ -24,9 +24,10 @@
 #include "td_refine.h"
 #include "signal/td_pieces.h"
 
-/* What a piece of a pixel's model may be off by in its middle [log units], and how the error lies in it: as that of a smooth
- * signal, 16 u^2 (1 - u)^2, or of one with a kink somewhere, 4 u (1 - u). `unseen` is what no look may have met,
- * a kink above all, and may take it off by, likewise: where events may be, not when those that are found were. */
+/* Trust in a piece of a pixel's model: its error in the middle [log units], and how the error lies in it. A smooth signal's is
+ * 16 u^2 (1 - u)^2 of that, and that of one with a kink somewhere 4 u (1 - u). `unseen` is a further error in the middle by
+ * bends that no look may have met, a kink above all. It decides where events may be, not how well the times of found ones are
+ * known. */
 typedef struct td_trust {
     double error;
     int is_smooth;
@@ -68,7 +69,7 @@ typedef struct td_solve_step {
     td_coverage coverage, alpha_dot; /* where there is a mask */
 } td_solve_step;
 
-/* Who asked for a point (td_looked; the unit's pixel), and where in its step: 0 and 1 are its ends. */
+/* The asker of a point (td_looked; the unit's pixel), and the point's place in its step: 0 and 1 are the ends. */
 typedef struct td_asked {
     int32_t looked, local;
     double s;
@@ -123,7 +124,7 @@ typedef struct td_solve {
     size_t enough_now;                      /* and of the first ones, when it has nothing to do */
 } td_solve;
 
-/* What a portion of the work (td_portion.h) comes to: who may do something, what is asked for, what was settled. */
+/* The results of a portion of the work (td_portion.h): pixels that may do something, requested points, settled events. */
 typedef struct td_solve_portion {
     td_looked *looked; /* the run's own: of all that may do something; a portion's: of those that it has listed */
     size_t looked_count, looked_capacity;
@@ -148,25 +149,25 @@ void td_solve_portion_release(td_solve_portion *portion);
 /* Joins a portion to the run's own (join.c). */
 TIDES_MUST_CHECK tides_status td_solve_join(tides_simulator *s, const td_solve_portion *portion, tides_error *error);
 
-/* What the parameters ask for (on, unsolved), once the renderer has its PSF; TIDES_UNSUPPORTED where it can't be had.
- * The device has no say in it. Then, when there is a sensor, what that takes. */
+/* td_solve_choose decides `on` and `unsolved` from the parameters, once the renderer has its PSF. TIDES_UNSUPPORTED: looking up
+ * can't be had; the device has no say in it. td_solve_create allocates its memory, once there is a sensor. */
 TIDES_MUST_CHECK tides_status td_solve_choose(tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping,
                                               tides_error *error);
 TIDES_MUST_CHECK tides_status td_solve_create(tides_simulator *s, tides_error *error);
 void td_solve_release(td_solve *solve);
 
-/* Before a macro step is swept: behind the first, the run's start is swept, and kept for references (solve_rest.c), lists and
- * views: paths need not know it from then on. */
+/* To be called before a macro step is swept. Behind the first, it sweeps the run's start, and keeps its lists and views for
+ * references (solve_rest.c): paths need not know the start from then on. */
 TIDES_MUST_CHECK tides_status td_solve_keep_start(tides_simulator *s, tides_error *error);
 
-/* The comparator over the accepted steps of the tiles that move, those that nothing open is before (settle.c). */
+/* Runs the comparator over the accepted steps of the tiles that move, as far as no open step is before them (settle.c). */
 TIDES_MUST_CHECK tides_status td_solve_steps(tides_simulator *s, tides_error *error);
 
-/* Before tiles at rest are compared over a macro step that begins at `start`: what may do something there gets its signal and
- * its reference from what is looked up, so that slow ramps meet the levels where references say (solve_rest.c). */
+/* To be called before tiles at rest are compared over a macro step that begins at `start`. Pixels that may do something there
+ * get their signals and references from look-ups, so that slow ramps meet the levels where references say (solve_rest.c). */
 TIDES_MUST_CHECK tides_status td_solve_still(tides_simulator *s, const td_step *span, double start, tides_error *error);
 
-/* At the end of a macro step: what its events' times are off by, as a sample of them says (solve_sample.c). */
+/* Estimates at the end of a macro step the errors of its events' times, from a sample of them (solve_sample.c). */
 TIDES_MUST_CHECK tides_status td_solve_measure(tides_simulator *s, tides_error *error);
 
 /* -- parts of it ---------------------------------------------------------------------------------------------------------- */
@@ -193,8 +194,8 @@ int td_solve_has_enough(const tides_simulator *s);
 int td_solve_is_busy(const tides_simulator *s);
 void td_solve_clear_batches(tides_simulator *s);
 
-/* What the references of a unit's pixels may be off by, where they aren't known: (TD_TILE_PIXELS). Then: asks for that of a
- * pixel; looks up all that were asked for (solve_rest.c). */
+/* td_solve_doubt: errors of the references of a unit's pixels, where they aren't known (TD_TILE_PIXELS). td_solve_ask_reference
+ * asks for a pixel's reference, and td_solve_refer looks up all that were asked for (solve_rest.c). */
 void td_solve_doubt(const tides_simulator *s, int t, double *doubt);
 TIDES_MUST_CHECK tides_status td_solve_ask_reference(const tides_simulator *s, td_solve_portion *portion, int t, int32_t local,
                                                      tides_error *error);
@@ -206,20 +207,20 @@ typedef struct td_swap_place {
     double s, wide, light;
 } td_swap_place;
 
-/* Those that a pixel of the step's unit may see, within a step's length of it: (count), in order of time; and where one is
- * (swap_cuts.c). */
+/* Swaps that a pixel of the step's unit may see, within a step's length of it: (count), in order of time. td_solve_swap_place:
+ * a swap's place in the step (swap_cuts.c). */
 const td_swap *td_solve_swaps(const tides_simulator *s, const td_refine_step *step, int32_t local, int *count);
 td_swap_place td_solve_swap_place(const tides_simulator *s, const td_refine_step *step, const td_swap *swap);
 
-/* An event that is settled, to be measured or not (chosen.c). `order` is set there. Then keeps those that are measured,
- * TD_CHOSEN_MOST at most. */
+/* td_solve_sample offers a settled event to the measurement, and sets its `order`. td_solve_cut keeps the events to be
+ * measured, TD_CHOSEN_MOST at most (chosen.c). */
 enum { TD_CHOSEN_MOST = 256 };
 TIDES_MUST_CHECK tides_status td_solve_sample(const tides_simulator *s, td_solve_portion *portion, const td_sampled *one,
                                               tides_error *error);
 
 void td_solve_cut(const tides_simulator *s, td_solve_portion *portion);
 
-/* Joins those of a portion to the run's. */
+/* Joins a portion's sampled events to the run's. */
 TIDES_MUST_CHECK tides_status td_solve_join_samples(tides_simulator *s, const td_solve_portion *portion, tides_error *error);
 
 /* Runs a pixel on from where it is settled to the first step in which something is to be looked up, and asks for that; an ideal
@@ -227,12 +228,12 @@ TIDES_MUST_CHECK tides_status td_solve_join_samples(tides_simulator *s, const td
 TIDES_MUST_CHECK tides_status td_solve_run(tides_simulator *s, struct td_portion *portion, td_looked *looked, td_solving *pixel,
                                            tides_error *error);
 
-/* What the models of pixels [first, first + count) of a unit on a step of h seconds may be off by before anything is looked up:
- * (count) (solve_nodes.c). */
+/* Trust in the models of pixels [first, first + count) of a unit, on a step of h seconds, before anything is looked up: (count)
+ * (solve_nodes.c). */
 void td_solve_first_trust(const tides_simulator *s, const td_refine_step *refined, double h, int32_t first, int32_t count,
                           td_trust *trust);
 
-/* The model of a pixel in a step, and what it may be off by (solve_nodes.c). */
+/* The model of a pixel in a step, and its errors (solve_nodes.c). */
 typedef struct td_trusted {
     td_pieces pieces; /* with the leak's ramp */
     td_trust trust[TD_PIECES_MAX];
@@ -240,10 +241,10 @@ typedef struct td_trusted {
     double floor;      /* what any number that is looked up is off by */
 } td_trusted;
 
-/* At u of piece k, but for the floor. */
+/* The model's error at u of piece k, without the floor. */
 double td_trusted_error(const td_trusted *model, int k, double u);
 
-/* What it may be off by there where a level is near, but for what the step's ends are off by. */
+/* The model's error at u of piece k that counts where a level is near, without that of the step's ends. */
 double td_trusted_doubt(const td_trusted *model, int k, double u);
 
 /* The pixel's nodes, and the trust of each piece; how many nodes. */
@@ -252,7 +253,7 @@ int td_solve_nodes(const td_solve *solve, const td_looked *looked, td_node *node
 /* A value that was looked up at s becomes a node, this one of solve->found; where a node is there already, nothing. */
 void td_solve_insert(td_solve *solve, td_looked *looked, int32_t number, double s, const td_point_value *value);
 
-/* What compositing leaves out of samples, and not of what is looked up in double: image.smoothing.stop_change. */
+/* The light that compositing leaves out of samples, and not of points in double: image.smoothing.stop_change. */
 #define TD_SOLVE_SAMPLES 1e-5
 
 /* Nodes are further apart than this, in steps: far below a nanosecond, and far enough for slopes from their difference. */

@@ -17,7 +17,7 @@ typedef struct td_surround_steps {
     double *modes;                /* (pixels) modes of the surround then, mode (j, k) in the place of pixel (k, j) */
 } td_surround_steps;
 
-/* Where the sensor has a surround. */
+/* Makes the steps of a sensor with a surround. */
 TIDES_MUST_CHECK tides_status td_surround_steps_create(struct tides_simulator *s, const tides_sensor *sensor, int height,
                                                        tides_error *error);
 void td_surround_steps_release(td_surround_steps *steps);

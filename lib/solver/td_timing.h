@@ -1,4 +1,4 @@
-/* Internal: what a run can say of its own event times. */
+/* Internal: a run's estimates of the errors of its own event times. */
 #ifndef TD_TIMING_H
 #define TD_TIMING_H
 
@@ -16,16 +16,15 @@ typedef struct td_timing {
     uint64_t uncertain; /* turns of the signal, and ends of the run, so near a level that the error decides if it is reached */
 } td_timing;
 
-/* What single precision makes of deviations, for step control: S is good to 3e-6 to 8e-6 in nine tenths of the pixels of the
- * scenes of tides bench accuracy, against the double reference; half as much again as the largest, for the tail. */
+/* Deviations that single precision makes, for step control. S is good to 3e-6 to 8e-6 in nine tenths of the pixels of the
+ * scenes of tides bench accuracy, against the double reference. This is half as much again as the largest, for the tail. */
 #define TD_SINGLE_ROUNDING 1.2e-5
 #define TD_SINGLE_EPSILON 0x1p-24
 
-/* What a value in double is off by, times 1 + |L|: some units of the sums and logarithms that it comes of. */
+/* Error of a value in double, times 1 + |L|: some units of the sums and logarithms that it comes of. */
 #define TD_DOUBLE_ROUNDING 0x1p-50
 
-/* Of errors that have nothing to do with each other. (hypot minds squares that no number holds, and took longer than the
- * rest.) */
+/* The sum of two independent errors. (hypot cares for squares that overflow, and took longer than the rest.) */
 static inline double td_timing_together(double a, double b) { return sqrt(a * a + b * b); }
 
 /* A compared step of a tile, whose model is the cubic, and the events that came of it. */
@@ -54,7 +53,7 @@ void td_timing_add(td_timing *timing, const td_timed *timed);
  * event, per step of h seconds. */
 void td_timing_add_solved(td_timing *timing, double stands_for, double error, double slope, double bend, double h);
 
-/* What rounding does to the signal S of pixel i of a tile [log units]. */
+/* Rounding of the signal S of pixel i of a tile [log units]. */
 double td_timing_rounding(const td_timing *timing, const td_tile *tile, const double *S, int32_t i);
 
 /* Adds the places where a signal turned back, or the run ended, before a level by less than its error; without a front end. */

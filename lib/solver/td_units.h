@@ -15,7 +15,7 @@ typedef struct td_ask {
     int32_t unit, sample;
 } td_ask;
 
-/* What is asked for, and what was rendered of it: kept from one launch to the next. */
+/* The requests of a launch and its renders; memory is kept from one launch to the next. */
 typedef struct td_launch {
     td_ask *ask;
     size_t count, ask_capacity;
@@ -42,7 +42,7 @@ struct tides_simulator;
 tides_status td_units_lay(struct tides_simulator *s, tides_error *error);
 int32_t td_units_tile(const struct tides_simulator *s, int32_t unit);
 
-/* What the renderer says of a unit in the interval swept last: td_renderer_tile_moves and _travel. */
+/* A unit's motion in the interval swept last: td_renderer_tile_moves and _travel of it. */
 int td_units_moves(const struct tides_simulator *s, int32_t unit);
 double td_units_travel(const struct tides_simulator *s, int32_t unit);
 
@@ -61,8 +61,8 @@ static inline const double *td_launch_planes(const td_launch *launch, size_t i) 
     return launch->planes + (size_t)launch->place[i - launch->first] * (size_t)launch->outputs * TD_TILE_PIXELS;
 }
 
-/* What becomes of an ask that was rendered, of whose tile `planes` are: td_unpack_tile takes the unit's. Those of one unit come
- * in order; others' may be taken by other threads meanwhile: nothing may change but what is the unit's, or the ask's. */
+/* Takes a rendered ask; `planes` are its tile's, and td_unpack_tile takes the unit's. Asks of one unit come in order. Other
+ * threads may take other units' asks meanwhile: a taker may change only the unit's or the ask's own data. */
 typedef void (*td_launch_taker)(struct tides_simulator *s, const td_ask *ask, const double *planes, const void *user);
 
 /* Renders all asks, as many at a time as memory_mb has room for (s->refine.batch), and has each taken. */

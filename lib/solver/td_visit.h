@@ -5,7 +5,7 @@
 
 #include "td_simulator.h"
 
-/* What a change is worth: slope and curvature there towards its polarity, per step, and what the signal may be off by. */
+/* The worth of a change: slope and curvature there towards its polarity, per step, and the signal's error. */
 typedef struct td_worth {
     double slope, bend, error;
 } td_worth;
@@ -48,11 +48,11 @@ static inline double td_reference_after(const td_visit *v, int n) {
 /* How far a signal S at s, behind n changes, is from its levels; a held one has none. */
 double td_left_at(const td_visit *v, int n, double s, double S);
 
-/* Where pieces may be off by more than what is left to a level: the worst place of each, `most` at most; how many. */
+/* Finds pieces whose error may exceed the distance to a level: the worst place of each, `most` at most; returns how many. */
 int td_find_approaches(const td_visit *v, td_approach *found, int most);
 
-/* Places within swaps of depth (td_renderer_swaps) that may decide whether a level is reached, and haven't been looked at,
- * `most` at most; how many. */
+/* Finds places within swaps of depth (td_renderer_swaps) that may decide whether a level is reached, and haven't been looked
+ * at: `most` at most. Returns how many. */
 int td_find_swaps(const td_visit *v, double *places, int most);
 
 #endif

@@ -1,6 +1,7 @@
-/* How far the view of each object strays within an interval from the cubic through its ends, and the same with the interval cut
- * into 2, 4, 8 .. pieces: found by looking at the paths where they may bend, at their samples and in between. The renderer's
- * sweep widens boxes by it and cuts into as many pieces as it asks for; the kernels turn it into pixels (kernels/stray.h).
+/* Finds strays: how far the view of each object strays within an interval from the cubic through its ends, also with the
+ * interval cut into 2, 4, 8 .. pieces. It looks at the paths where they may bend, at their samples and in between. The
+ * renderer's sweep widens boxes by it and cuts into as many pieces as it asks for; the kernels turn it into pixels
+ * (kernels/stray.h).
  *
  * A point p of the object is off by |(dt + dR o) + dR (p - o)| for any origin o: by |dt + dR o| + |dR| |p - o| at most. Seen
  * by a camera that shakes dR is large, and dt + dR o is 0 with the camera's centre for o; for an object that shakes it is so
@@ -102,7 +103,8 @@ static tides_status add_knots(td_strays *strays, const seen_path *seen, const ti
     return status;
 }
 
-/* Both ends, all samples of the paths, and points in between, in order; and what is seen there. */
+/* Collects the places of samples, in order: both ends, all samples of the paths, and points in between; then the views
+ * there. */
 static tides_status find_samples(td_strays *strays, const seen_path *path, tides_error *error) {
     strays->samples = 0;
     tides_status status = add_share(strays, 0, error);
@@ -190,7 +192,7 @@ static double turn_of(const td_strays *strays, double length) {
     return most * length;
 }
 
-/* What an object's geometry makes of strays: pixels per unit at its middle, and how far its Gaussians are from each origin. */
+/* An object's geometry as strays need it: pixels per unit at its middle, and how far its Gaussians are from each origin. */
 typedef struct stray_measure {
     double origin[2][3], reach[2], px_per_unit;
 } stray_measure;

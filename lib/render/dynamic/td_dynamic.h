@@ -1,11 +1,11 @@
 /* Internal to lib/render: dynamic Gaussians, those that a motion model moves within their object.
  *
- * A Gaussian at rest has one row of geometry in the store, for good; a dynamic one is elsewhere at each time, so that a row
- * of it is worked out (by the backend's kernels, or on the host for callbacks) for each time that something asks for: three
- * for a sweep, one for each sample of a tile. This folder decides which rows those are, has them worked out in as few
- * launches as it can, keeps what is asked for again, and interpolates between rows where a model is expensive. What a row
- * costs, and the arithmetic of a model, is the backend's and lib/motion's; what moves as a whole (camera, objects on paths)
- * needs no rows. Compiled in double. */
+ * A Gaussian at rest has one row of geometry in the store, for good; a dynamic one is elsewhere at each time, so that a row of
+ * it is worked out (by the backend's kernels, or on the host for callbacks) for each time that something asks for: three for a
+ * sweep, one for each sample of a tile. This folder decides which rows those are, has them worked out in as few launches as it
+ * can, keeps what is asked for again, and interpolates between rows where a model is expensive. The cost of a row is the
+ * backend's, and a model's arithmetic is lib/motion's. Objects that move as a whole, and the camera, need no rows. Compiled in
+ * double. */
 #ifndef TD_DYNAMIC_H
 #define TD_DYNAMIC_H
 
@@ -145,7 +145,7 @@ void td_rows_add(td_dynamic *dynamic, const td_dynamic_object *object, int gauss
 tides_status td_rows_end_run(td_dynamic *dynamic, const td_dynamic_object *object, int first, double time, int side,
                              tides_error *error);
 
-/* The same for a Gaussian whose row is interpolated between two cached ones, and for a run of these. */
+/* Like td_rows_add and td_rows_end_run, for Gaussians whose rows are interpolated between two cached ones. */
 void td_rows_add_between(td_dynamic *dynamic, const td_dynamic_object *object, int gaussian);
 tides_status td_rows_end_between(td_dynamic *dynamic, const td_dynamic_object *object, int first, const td_span *span,
                                  double time, tides_error *error);
@@ -160,7 +160,7 @@ void td_dynamic_rows_open(td_dynamic *dynamic);
 tides_status td_dynamic_rows_ask(td_dynamic *dynamic, const int *gaussians, int count, double time, int side, int *rows,
                                  tides_error *error);
 
-/* All of that for one time. */
+/* Opens a batch, asks for the rows of Gaussians at one time, and sends it. */
 tides_status td_dynamic_rows_at(td_dynamic *dynamic, td_backend *backend, const int *gaussians, int count, double time,
                                 int side, int *rows, tides_error *error);
 

@@ -1,4 +1,4 @@
-/* Internal: how far the paths of camera and objects stray, within an interval, from the cubics that a sweep takes them for
+/* Internal: strays of the paths of camera and objects, within an interval, from the cubics that a sweep takes them for
  * (kernels/stray.h). Compiled in double. */
 #ifndef TD_STRAYS_H
 #define TD_STRAYS_H

@@ -100,7 +100,7 @@ static void point_at_rows(const td_dynamic *dynamic, const int *candidates, int 
     }
 }
 
-/* What a launch holds so far. */
+/* The contents of a launch so far. */
 typedef struct launch_plan {
     int from, to; /* jobs */
     int records, rows;

@@ -110,7 +110,7 @@ static void size_of(const td_additive_noise *noise, double own, double light, do
     *sigma *= own;
 }
 
-/* What follows from k, begin, origin_ns, normal and light. */
+/* Fills the rest of a segment from its k, begin, origin_ns, normal and light. */
 static void finish(const td_additive_noise *noise, td_noise_segment *segment) {
     const double normal = segment->normal[(segment->k + 1) % TD_NOISE_BLOCK];
     segment->from_ns = segment->origin_ns + (double)segment->k * noise->spacing_ns;
@@ -199,7 +199,7 @@ static int64_t begin_lanes(const td_additive_noise *noise, double start_ns, doub
     return most;
 }
 
-/* On by the lanes' normals n(point + after), where they are of their segments. */
+/* Advances the lanes by the normals n(point + after), where these belong to their segments. */
 static inline void advance(const td_additive_noise *noise, double after, const double *restrict normal, lanes *restrict l) {
     for (int i = 0; i < TD_RANDOM_LANES; i++) {
         const double point = l->point[i] + after, next = noise->rho * l->x[i] + noise->change * normal[i];
@@ -228,7 +228,7 @@ static void sweep_lanes(const td_additive_noise *noise, double start_ns, double 
     }
 }
 
-/* Of noise that varies, one after the other. */
+/* td_additive_noise_sweep for noise that varies: one pixel after the other. */
 static void sweep_varying(const td_additive_noise *noise, double start_ns, double length_ns, const uint32_t *pixel,
                           size_t count, const td_noise_sweep *sweep) {
     for (size_t i = 0; i < count; i++) {

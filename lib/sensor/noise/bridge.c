@@ -7,13 +7,14 @@
 
 enum { DEPTH_MIN = 1 };
 
-/* Of the threshold: standard deviation of the shortest parts. */
+/* Standard deviation of the shortest parts, as a share of the threshold. */
 static const double finest = 0.25;
 
-/* Of the noise's range: a signal that moves less over a part says nothing of where in it a level may be reached. */
+/* Least movement of the signal over a part, as a share of the noise's range. A signal that moves less doesn't tell where in the
+ * part a level may be reached. */
 static const double least_moved = 0.25;
 
-/* The largest q = -log(uniform): a bridge exceeds what it leaves it once in e^12. */
+/* The largest q = -log(uniform) that is provided for: a bridge exceeds its bound once in e^12. */
 static const double q_max = 12;
 
 /* A part of a segment, with bounds of the noise on it. */

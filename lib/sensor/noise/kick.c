@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* What is older has gone: e^-40 of a kick is below rounding of anything it is added to. */
+/* Lifetimes after which a kick has gone: e^-40 of it is below the rounding of anything it is added to. */
 static const double lifetimes = 40;
 
 tides_status td_kick_make(const tides_sensor *s, double start, td_kick *kick, tides_error *error) {
@@ -37,8 +37,8 @@ tides_status td_kick_make(const tides_sensor *s, double start, td_kick *kick, ti
     return TIDES_OK;
 }
 
-/* At half a nanosecond: steps begin and end at whole ones where they are commensurate with frames, and rounding must not put a
- * read on either side of such an end. */
+/* Time of a read, at half a nanosecond. Steps begin and end at whole ones where they are commensurate with frames, and rounding
+ * must not put a read on either side of such an end. */
 static double read_at(const td_kick *kick, int r, int32_t y, double frame) {
     return floor(kick->read_ns[r] + frame * kick->period_ns + y * kick->row_ns) + 0.5;
 }

@@ -4,9 +4,8 @@
  *
  *   x(k + 1) = rho x(k) + noise_rms sqrt(1 - rho^2) n(k + 1),  rho = exp(-d / tau),  n standard normal
  *
- * is the process itself at these points, stationary from the first. What it does between them, td_noise_bridge.h says. Here
- * only bounds of that matter: a segment is the stretch between two points, and on it the noise stays within `reach` of their
- * range.
+ * is the process itself at these points, stationary from the first. td_noise_bridge.h has the process between them. Here only
+ * bounds of that matter: a segment is the stretch between two points, and on it the noise stays within `reach` of their range.
  *
  * Normals are a function of (seed, pixel, k): not of steps, tiles, or where a run is cut. A pixel's state is k and x(k).
  *
@@ -86,15 +85,16 @@ static inline double td_place_of(double time_ns, double start_ns, double length_
 /* The light where a segment ends that is followed by another within the step. */
 static inline double td_noise_light_of(const td_model *input, double s) { return td_model_value(input, s > 0 ? s : 0); }
 
-/* Of `count` pixels: k and x(k) of the segment that the step's start is on, or one before it, which become those of its end;
- * and bounds of these segments' ends: on the step the noise stays within `reach` of them. Of noise that varies (else NULL) the
- * light likewise, from that in the step; `low` and `high` then bound the noise itself. */
+/* A sweep of `count` pixels. k and x(k) are those of the segment that holds the step's start, or of one before it; they become
+ * those of the segment at its end. `low` and `high` bound the ends of these segments: on the step the noise stays within
+ * `reach` of them. For noise that varies, `light` (else NULL) goes along, taken from `input`; `low` and `high` then bound the
+ * noise itself. */
 typedef struct td_noise_sweep {
     double *segment, *value, *low, *high, *light;
     const td_model *input;
 } td_noise_sweep;
 
-/* To the bit what td_additive_noise_next comes to from segment to segment, of all pixels side by side. */
+/* Sweeps all pixels side by side, to the bits of td_additive_noise_next from segment to segment. */
 void td_additive_noise_sweep(const td_additive_noise *noise, double start_ns, double length_ns, const uint32_t *pixel,
                              size_t count, const td_noise_sweep *sweep);
 

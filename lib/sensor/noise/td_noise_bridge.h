@@ -43,7 +43,7 @@ double td_noise_reach(double sigma, double l);
 /* The noise on a pixel's segment at a time that it holds; beyond its ends, theirs. */
 double td_noise_value(const td_additive_noise *noise, uint32_t pixel, const td_noise_segment *segment, double time_ns);
 
-/* What a crossing is asked of: a pixel's response on a step, and its levels. */
+/* A search for a crossing: a pixel's response on a step, and its levels. */
 typedef struct td_noise_search {
     const td_additive_noise *noise;
     uint32_t pixel;

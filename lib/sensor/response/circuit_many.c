@@ -3,8 +3,8 @@
  *
  * With d = L - y, v = y' and the light's current I the photoreceptor is v' = A I d - (B + C I) v. A step is cut into panels of
  * equal length, on which x goes from 0 to 1. There L is a cubic, I the Taylor series of e^L (E' = L' E) with TERMS terms, and y
- * the Taylor series that follows from them, with ORDER terms, from the panel's begin on, where value and slope are known. What
- * comes after y are low-passes with constant rates, whose answers to x^n are numbers (`passed`), the same for all pixels.
+ * the Taylor series that follows from them, with ORDER terms, from the panel's begin on, where value and slope are known. The
+ * filters after y are low-passes with constant rates, whose answers to x^n are numbers (`passed`) that all pixels share.
  *
  * The error. y so cut off is, exactly, the answer to the input L + g, where A I g is what the cut leaves of the equation: all
  * products of orders from ORDER - 1 on. With w = A d - C v and T_j for the sum of |I_k| from k = j on, that is at most
@@ -33,17 +33,18 @@ enum { ORDER = 16, TERMS = 8, BLOCK = 64, LANES = 32, STATES = TD_FRONTEND_STATE
 /* A panel's length times the sum of the equation's rates: longer ones need more than ORDER terms. */
 static const double longest = 2;
 
-/* So much of it is what L changes by, three times between two of the step's control values. */
+/* Weight of the change of L in the number of panels: its slope is three times the difference of two neighbouring control
+ * values. */
 static const double steep = 3 * 4;
 
-/* Numbers of panels that there are: steps that need more are left. */
+/* Numbers of panels to choose from; steps that need more have no answer here. */
 enum { CLASSES = 14 };
 static const double panels_of[CLASSES] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128};
 
-/* One whose bound is too large is tried with twice as many, so often. */
+/* Times that a step whose bound is too large is tried again, each with twice as many panels. */
 static const int retries = 2;
 
-/* Of g: a fifth of what td_frontend_step may leave. */
+/* Tolerance of g: a fifth of the error that td_frontend_step may leave. */
 static const double tolerance = 0.1 * TD_FRONTEND_TOLERANCE;
 
 /* The equation's numbers [1/s], per ampere where they go with the light. */
@@ -57,7 +58,7 @@ typedef struct low_pass {
     double kept, of[ORDER + 1];
 } low_pass;
 
-/* What the pixels of a panel share. */
+/* A panel's numbers that all its pixels share. */
 typedef struct panel {
     circuit law;
     double a, b, c;                /* A, B, C in the panel's time */
@@ -203,7 +204,7 @@ static inline void take_series(const panel *p, const block *of, int first, int c
     }
 }
 
-/* To the panel's end. */
+/* Takes the pixels to the panel's end. */
 static inline void finish(const panel *p, block *restrict of, int first, int count, const lanes *at) {
     double y[LANES], v[LANES], z[LANES], S[LANES], up[LANES], down[LANES], left[LANES];
     for (int i = 0; i < count; i++) {

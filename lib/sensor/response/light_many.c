@@ -15,7 +15,7 @@
 
 enum { TOGETHER = 64, ROUNDS = 256 }; /* pixels; substeps tried of each */
 
-/* What rounding makes of S, which is an average of what it was and what comes in. */
+/* Relative rounding of S, which is an average of its old value and the input. */
 static const double rounding = 64 * DBL_EPSILON;
 
 /* Pixels under way: the first so many of the arrays. */
@@ -28,7 +28,7 @@ typedef struct walk {
     int count;
 } walk;
 
-/* What the pixels share. */
+/* Numbers that all pixels of the step share. */
 typedef struct shared {
     td_light_law law;
     double dark_L, seconds, tolerance;
@@ -36,9 +36,9 @@ typedef struct shared {
 
 TD_WITHIN double choose(double yes, double a, double b) { return yes > 0 ? a : b; }
 
-/* One substep of each tried. A pixel that is lost stays where it was. Bounds: S(s) - S(0) is 1 - e^(-rate s) times an
- * average of L less S(0), and that factor is at most the rate. S below all of L rises, and where it ends below it, too, it
- * has never met it. */
+/* Tries one substep of each pixel. A pixel that is lost stays where it was. Bounds: S(s) - S(0) is 1 - e^(-rate s) times an
+ * average of L less S(0), and that factor is at most the rate. S below all of L rises; if it also ends below L, it has never
+ * met it. */
 TD_WIDE static void go_on(const shared *by, walk *at) {
     const td_light_law law = by->law;
     const double dark_L = by->dark_L, seconds = by->seconds, tolerance = by->tolerance;
@@ -83,7 +83,7 @@ static void move(walk *at, int from, int to) {
     at->pixel[to] = at->pixel[from];
 }
 
-/* What the pixels of the step end in. */
+/* Results of the step's pixels: their state at its end, and bounds on it. */
 typedef struct ends {
     double *after, *low, *high;
 } ends;
@@ -97,7 +97,7 @@ static void arrive(const shared *by, const walk *at, int i, const double *S, con
     to->high[pixel] = at->high[i] + margin + solved;
 }
 
-/* Those that aren't under way any more give their places to the others. */
+/* Takes out the pixels that have arrived; the others move up into their places. */
 static void take_out(const shared *by, walk *at, const double *S, int all, const ends *to) {
     int kept = 0;
     for (int i = 0; i < at->count; i++) {
@@ -113,7 +113,7 @@ static int is_finite(const double b[4], double S) {
     return (b[0] - b[0]) + (b[1] - b[1]) + (b[2] - b[2]) + (b[3] - b[3]) + (S - S) == 0;
 }
 
-/* Those that have no answer for the whole step. */
+/* Starts the walk of the pixels that have no answer for the whole step. */
 static void set_out(walk *at, size_t count, const double *const control[4], const double *S, const ends *to) {
     at->count = 0;
     for (size_t i = 0; i < count; i++) {

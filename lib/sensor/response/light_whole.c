@@ -18,7 +18,7 @@
  * least R / (1 + R), of the tolerance: then no sum of steps is off by more than that.
  *
  * Bounds of S on the step come from its ends: at a maximum between them S is L, so at most L's largest; and from there it falls
- * no faster than towards L's least, so that it is at most S(1) + (S(1) - least) (e^R - 1). The same of a minimum. */
+ * no faster than towards L's least, so that it is at most S(1) + (S(1) - least) (e^R - 1). A minimum is bounded likewise. */
 #include "td_exponential.h"
 #include "td_extremes.h"
 #include "td_frontend.h"
@@ -40,16 +40,16 @@ static const double weight[NODES] = {0.46791393457269104739, 0.36076157304813860
 #define AXIS_2 (AXIS * AXIS)
 #define AXIS_4 (AXIS_2 * AXIS_2)
 
-/* What the rule is off by where M is 1. */
+/* Error of Gauss's rule where M is 1. */
 #define RULE (64.0 / 15 / (1e10 * (ELLIPSE * ELLIPSE - 1)))
 
-/* R in full light that one use of the rule is good for; longer steps are taken in panels. */
+/* Largest R in full light for one use of the rule; longer steps are taken in panels. */
 static const double longest = 3.5;
 
-/* Of S. A part of what is promised, since it takes little: the bounds are far above what is measured (1e-13). */
+/* Tolerance of S, a part of the promised one. It costs little: the bounds are far above the measured error (1e-13). */
 static const double tolerance = 0.1 * TD_FRONTEND_TOLERANCE;
 
-/* What the pixels of a step share. */
+/* The filter's numbers that all pixels of a step share. */
 typedef struct light_pole {
     double rate, light, beside; /* V' = rate (light e^L + beside) */
     double dark_L;

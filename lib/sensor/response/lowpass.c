@@ -49,7 +49,7 @@ void td_poles_respond(const td_poles *poles, const td_model *input, td_response 
     response->cubic = (td_model){{c[0], c[0] + c[1] / 3, c[0] + (2 * c[1] + c[2]) / 3, c[0] + c[1] + c[2] + c[3]}};
 }
 
-/* The same operations, without those on imaginary parts that are 0. */
+/* td_poles_respond for one real pole: its operations without those on imaginary parts that are 0. */
 void td_pole_respond(double rate, double S, const td_model *input, td_response *response) {
     const double *b = input->control;
     const double d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2], offset = S - b[0];

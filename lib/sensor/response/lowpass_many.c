@@ -8,7 +8,7 @@
 
 #include <float.h>
 
-/* What the pixels of a step share. */
+/* The pole's numbers that all pixels of a step share. */
 typedef struct real_pole {
     double rate, inverse; /* lambda per step, and 1 / lambda */
     double basis;         /* of the mode at s = 1 (td_mode): of cosine 1 */

@@ -15,7 +15,7 @@
 
 enum { DEGREE = 15 };
 
-/* What stays the same during a walk. */
+/* The constants of a walk. */
 typedef struct search {
     const td_response *response;
     double reference, on, off;

@@ -10,8 +10,8 @@
  *   A2 y'' + A1 y' + y = L + g,   g = e (L - y - k y')      A at J_m; k = output_s / (A_loop + 1), first order: A2 = 0, k = 0
  *
  * so that a substep is the constant filter's exact response to L + g. g is taken as the cubic through its values at 0, 1/3, 2/3
- * and 1, found by repeated substitution: e is small and so is the lag. What the cubic misses of g, seen between its nodes, is
- * an error of the input; a substep is cut shorter until it is within frontend->tolerance. Errors don't add up from substep to
+ * and 1, found by repeated substitution: e is small and so is the lag. The cubic's error of g, seen between its nodes, is an
+ * error of the input; a substep is cut shorter until it is within frontend->tolerance. Errors don't add up from substep to
  * substep: the response to an input error is bound by the largest one, times coth(pi z / (2 sqrt(1 - z^2))) for a swing of
  * damping z (3.5 for the defaults in full light) should the error swing along with it. It changes sign at four places of each
  * substep instead, and measured against integration S stays within half of TD_FRONTEND_TOLERANCE (property tests). */
@@ -28,7 +28,7 @@
  * that an image makes need 1 to 10). */
 enum { SWEEPS = 8, TRIED_MAX = 1 << 14, NODES = 4, BETWEEN = 3 };
 
-/* Of the tolerance: what a sweep may still change when it is the last. The rest is for what the cubic misses. */
+/* Share of the tolerance that the last sweep may still change. The rest is for the error of the cubic. */
 static const double settled = 0.25;
 
 static const double node[NODES + BETWEEN] = {0, 1.0 / 3, 2.0 / 3, 1, 1.0 / 6, 1.0 / 2, 5.0 / 6};
@@ -137,7 +137,7 @@ static double substitute(attempt *at, const td_poles *stage, td_model *input) {
     return worst;
 }
 
-/* What follows the photoreceptor, and the state at the substep's end. */
+/* Computes the filters behind the photoreceptor, and the state at the substep's end. */
 static void finish(const attempt *at, const td_poles *stage, const td_model *input, double state[TD_FRONTEND_STATE],
                    td_response *response) {
     const td_frontend *f = at->frontend;
@@ -187,7 +187,7 @@ static double solve_frozen(const td_substeps *substeps, const td_model *substep,
     return error;
 }
 
-/* Where Y isn't cut off at 0. */
+/* 1 where the step can be solved in the filter's own time: Y isn't cut off at 0. */
 static int can_map(const td_filter_input *source, const td_model *input) {
     double least = INFINITY, most = -INFINITY;
     for (int i = 0; i < 4; i++) {
@@ -197,7 +197,7 @@ static int can_map(const td_filter_input *source, const td_model *input) {
     return source->frontend->kind == TD_FRONTEND_INTENSITY && least >= source->dark_L && most < TD_LIGHT_MOST;
 }
 
-/* The same substep in its own time: S within the error returned. Where the light rests, that is the substep's. */
+/* Solves a substep in its own time: S within the error returned. Where the light rests, its own time is the step's. */
 static double solve_mapped(const td_substeps *substeps, const td_model *input, double to, td_time_map *map,
                            double state[TD_FRONTEND_STATE], td_response *response) {
     const td_filter_input *source = substeps->source;

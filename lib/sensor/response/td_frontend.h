@@ -1,5 +1,5 @@
-/* Internal: what the photoreceptor makes of a pixel's log-luminance L on a step: exact for a cubic input, so that nothing
- * depends on how long steps are. The filter's state is TD_FRONTEND_STATE doubles per pixel, S the first of them.
+/* Internal: the photoreceptor's response to a pixel's log-luminance L on a step. It is exact for a cubic input, so that nothing
+ * depends on the length of steps. The filter's state is TD_FRONTEND_STATE doubles per pixel, S the first of them.
  *
  *   first order, constant   S' = rate (L - S), rate = 2 pi cutoff
  *   first order, intensity  the same, rate = 2 pi cutoff (255 Y + 20) / 275, Y = max(e^L - log_eps, 0)
@@ -66,26 +66,26 @@ double td_frontend_rest(const td_frontend *frontend, double L, double log_eps, d
 void td_frontend_step(const td_frontend *frontend, double h, const td_model *input, double log_eps,
                       double state[TD_FRONTEND_STATE], td_response *response);
 
-/* TD_FRONTEND_CONSTANT alone: the steps of many pixels without their responses, in a loop that compilers vectorise. Of pixel i,
- * control[k][i] are the input's control values, S[i] its state[0], and after[i] becomes what td_frontend_step makes of that, to
- * the bit. `low` and `high` get bounds of the response and its values, rounding included: pixels that could reach a level need
- * their response, from S[i]. Those of an input that isn't finite are NaN. */
+/* TD_FRONTEND_CONSTANT alone: the steps of many pixels without their responses, in a loop that compilers vectorise. For pixel
+ * i, control[k][i] are the input's control values, and S[i] is its state[0]. after[i] becomes the result of td_frontend_step,
+ * to the bit. `low` and `high` get bounds of the response and its values, rounding included: pixels that could reach a level
+ * need their response, from S[i]. For an input that isn't finite they are NaN. */
 void td_frontend_step_many(const td_frontend *frontend, double h, size_t count, const double *const control[4], const double *S,
                            double *after, double *low, double *high);
 
-/* The same of TD_FRONTEND_INTENSITY alone, where after[i] is within TD_FRONTEND_TOLERANCE of the solution, however many steps
- * there were. Pixels whose step isn't solved have NaN as bounds, and nothing in `after` that is of use: they need
- * td_frontend_step, too. What becomes of a pixel depends on no other. */
+/* td_frontend_step_many for TD_FRONTEND_INTENSITY alone. after[i] is within TD_FRONTEND_TOLERANCE of the solution, however many
+ * steps there were. Pixels whose step isn't solved have NaN as bounds, and nothing of use in `after`: they need
+ * td_frontend_step, too. A pixel's result depends on no other pixel. */
 void td_frontend_step_light(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
                             const double *S, double *after, double *low, double *high);
 
-/* What of that is solved without substeps, its error proven; the others have NaN as bounds. */
+/* The pixels of td_frontend_step_light that are solved without substeps, their error proven; the others have NaN as bounds. */
 void td_light_whole(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
                     const double *S, double *after, double *low, double *high);
 
 /* TD_FRONTEND_CIRCUIT alone: of pixel i state[k][i] becomes after[k][i], each within a tenth of the error of the input that
  * td_frontend_step may leave, proven (circuit_many.c), and bounds of S on the step are in `low` and `high`. Pixels without an
- * answer have NaN there: they need td_frontend_step. What becomes of a pixel depends on no other. */
+ * answer have NaN there: they need td_frontend_step. A pixel's result depends on no other pixel. */
 void td_circuit_step_many(const td_frontend *frontend, double h, double log_eps, size_t count, const double *const control[4],
                           const double *const state[TD_FRONTEND_STATE], double *const after[TD_FRONTEND_STATE], double *low,
                           double *high);

@@ -19,7 +19,7 @@ enum { TD_LIGHT_TAIL = 13 }; /* of the tail, to 1e-13 for rates up to 1 */
 
 #define TD_LIGHT_MOST 60.0 /* log-luminance: an HDR image ends far below e^60 */
 
-/* What a rate is made of. */
+/* The numbers of a rate that goes with the light. */
 typedef struct td_light_law {
     double log_eps, light, dark; /* [1/s] where the filter's rate is one */
 } td_light_law;

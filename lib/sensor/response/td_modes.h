@@ -1,4 +1,4 @@
-/* Internal: what response.c, modes.c and mode_crossing.c share: modes one by one. */
+/* Internal: modes one by one, which response.c, modes.c and mode_crossing.c share. */
 #ifndef TD_MODES_H
 #define TD_MODES_H
 

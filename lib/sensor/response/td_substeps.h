@@ -36,7 +36,7 @@ TD_WITHIN int td_substep_is_told(double from, double length) { return from + 0.1
 
 /* -- substeps -------------------------------------------------------------------------------------------------------------- */
 
-/* A walk along the substeps of one step. The same step always has the same substeps. */
+/* A walk along the substeps of one step. Equal steps always have equal substeps. */
 typedef struct td_substeps {
     const td_filter_input *source;
     double state[TD_FRONTEND_STATE]; /* at `to` */

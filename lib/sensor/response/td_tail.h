@@ -25,7 +25,8 @@ static const double td_tail_term[TD_TAIL_TERMS] = {1.0,
                                                    1.0 / 5068545850368000,
                                                    1.0 / 101370917007360000};
 
-/* Of a real z, as of all filters that don't swing, with so many terms, an odd number: even and odd powers side by side. */
+/* The series for a real z, as in all filters that don't swing. `terms` is an odd number; even and odd powers go side by
+ * side. */
 TD_WITHIN double td_tail_series(double z, int terms) {
     const double square = z * z;
     double even = td_tail_term[terms - 1], odd = 0;

@@ -88,8 +88,8 @@ static void pack(matrix b, int inner, int columns, int column, double *panel) {
             panel[k * COLUMNS + j] = column + j < columns ? b.at[(size_t)k * b.apart + column + j] : 0;
 }
 
-/* ROWS of a times so many rows of a panel, added to the sums, each in k's order. What vectorises whole is a long loop over
- * columns. */
+/* ROWS of a times so many rows of a panel, added to the sums, each in k's order. A long loop over columns vectorises as a
+ * whole. */
 TD_WIDE static void add_four(const double *const a[ROWS], const double *restrict b, double (*restrict sum)[COLUMNS]) {
     const double *b0 = b, *b1 = b + COLUMNS, *b2 = b + 2 * COLUMNS, *b3 = b + 3 * COLUMNS;
     double *s0 = sum[0], *s1 = sum[1], *s2 = sum[2], *s3 = sum[3];
@@ -153,7 +153,8 @@ static void transform_y(const td_dct *c, double *const by[2], const double *from
     }
 }
 
-/* Sums of what is on both sides of the middle, then differences, of rows; and of columns. */
+/* Folds rows: sums of the two rows at equal distance from the middle, then their differences. fold_columns does so with
+ * columns. */
 static void fold_rows(const td_dct *c, const double *from, double *to) {
     const int h = c->height, w = c->width, sums = modes_of(h, 0);
     for (int n = 0; n < sums; n++) {
@@ -181,7 +182,7 @@ static void fold_columns(const td_dct *c, const double *from, double *to) {
     }
 }
 
-/* What even and odd modes make of both sides. */
+/* Rows on both sides of the middle: sums of even and odd modes, and their differences. */
 static void unfold_rows(const td_dct *c, const double *from, double *to) {
     const int h = c->height, w = c->width, sums = modes_of(h, 0);
     for (int n = 0; n < sums; n++) {

@@ -15,8 +15,8 @@ enum { MAX_DEPTH = 20 }; /* halvings of a step */
 /* Halves of substeps keep to whole nanoseconds: none is shorter than a few. */
 static const double least_substep_s = 32e-9;
 
-/* Of the fastest mode, tau / (1 + 8 lambda^2). Rounding leaves 2e-16 of S divided by it in S_dot; what is faster is better
- * taken as a surround without delay. */
+/* Least time constant of the fastest mode, tau / (1 + 8 lambda^2). Rounding leaves 2e-16 of S divided by it in S_dot; a faster
+ * surround is better taken as one without delay. */
 static const double least_tau_s = 1e-12;
 static const double largest_lambda_px = 1000;
 
@@ -85,7 +85,8 @@ static double slope_at(double *const image[4], double length_s, size_t i, double
     return rate_at(&step, s) / length_s;
 }
 
-/* What the modes of a row share: the part from s0 to s1 of the step; gain = step / tau; rate = 1 + lambda^2 (mu_y + mu_x). */
+/* Numbers that the modes of a row share: the part from s0 to s1 of the step; gain = step / tau; rate = 1 + lambda^2 (mu_y +
+ * mu_x). */
 typedef struct row {
     double s0, s1, gain, coupling, rate_y; /* rate_y = 1 + lambda^2 mu_y */
     double length_s;
@@ -275,7 +276,7 @@ void td_surround_begin(td_surround *s, double length_s, const double *from_dot, 
     if (jumped) sample_at(s, s->surround, 0, &s->end);
 }
 
-/* What the cubic of a substep misses half way through, in the worst pixel. */
+/* Error of a substep's cubic half way through, in the worst pixel. */
 static double miss(const td_surround *s, double length_s) {
     double worst = 0;
     for (size_t i = 0; i < bytes_of(s) / sizeof(double); i++) {
@@ -293,7 +294,7 @@ static void swap_samples(td_surround_sample *a, td_surround_sample *b) {
     swap(&a->p_dot, &b->p_dot);
 }
 
-/* Of the tolerance: what the cubic of half a substep has of the whole one's error. */
+/* Share of the tolerance: the cubic of half a substep has a sixteenth of the whole one's error. */
 static const double of_halves = 1.0 / 16;
 
 /* The next substep that is short enough: samples at its begin and end, and half way through where *whole becomes 0. `surround`

@@ -1,6 +1,6 @@
 /* Events on the image itself: which pixels may do something, then what isn't settled is looked up in batches, until all is. For
- * settle.c. What a pixel needs is solve_run.c's to say, what was found solve_nodes.c's to keep, and batches are
- * solve_batches.c's. */
+ * settle.c. solve_run.c decides what a pixel needs, solve_nodes.c keeps the values found, and solve_batches.c has the
+ * batches. */
 #include "td_extremes.h"
 #include "solver/td_probe.h"
 #include "signal/td_model_error.h"
@@ -18,7 +18,7 @@ static const double default_target_s = 1e-8;
 
 /* -- having it ------------------------------------------------------------------------------------------------------------ */
 
-/* What stands in the way of `asked` (TIDES_UNSOLVED_*), for which nothing but the run counts. */
+/* Finds the obstacle to `asked` (TIDES_UNSOLVED_*). Only the run counts, not the device. */
 static tides_status find_obstacle(const tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping,
                                   int32_t asked, int32_t *why, tides_error *error) {
     int shows = 0;
@@ -88,7 +88,7 @@ void td_solve_release(td_solve *solve) {
 
 /* -- before anything is looked up ----------------------------------------------------------------------------------------- */
 
-/* What all pixels of a step share. */
+/* Fills a step's facts that all its pixels share. */
 static tides_status lay_step(const tides_simulator *s, const td_refine_step *refined, td_solve_step *at, tides_error *error) {
     const td_refine *r = &s->refine;
     const double *begin[TD_PLANES_ALL], *end[TD_PLANES_ALL];

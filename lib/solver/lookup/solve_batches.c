@@ -9,7 +9,7 @@
 /* Steps of a macro step are too many for caches, and are asked for so many pixels ahead. */
 enum { AHEAD = 6 };
 
-/* That are worth a thread's while. */
+/* Fewest points and pixels that are worth a thread of their own. */
 enum { FEWEST_POINTS = 512, FEWEST_PIXELS = 64 };
 
 /* -- what comes back ------------------------------------------------------------------------------------------------------- */
@@ -19,8 +19,8 @@ static void soon(const td_looked *looked) {
     TD_SOON((const char *)(looked + 1) - 1);
 }
 
-/* What was found at an end of its step stands for the sample there; at the macro step's end it is what the next one begins
- * with. */
+/* Puts a value that was looked up at an end of its step in the sample's place. At the macro step's end the next macro step
+ * begins with it. */
 static void take_end(tides_simulator *s, const td_asked *asked, const td_point_value *value) {
     td_looked *looked = &s->done.solve.looked[asked->looked];
     const td_refine_step *step = &s->refine.step[looked->step];
@@ -44,7 +44,7 @@ static int whole(const td_solve_batch *back, int k) {
     return k;
 }
 
-/* What was found by some of the points becomes nodes. */
+/* Turns the values of some of the points into nodes. */
 static tides_status take_some(tides_simulator *s, td_portion *portion, int first, int end, const void *user,
                               tides_error *error) {
     const td_solve_batch *back = user;
@@ -63,7 +63,7 @@ static tides_status take_some(tides_simulator *s, td_portion *portion, int first
     return TIDES_OK;
 }
 
-/* What was found becomes nodes: room for one of each point, so that it is known where that is. */
+/* Turns all values into nodes. There is room for one node for each point, so that each point's place is known. */
 static tides_status take(tides_simulator *s, const td_solve_batch *back, tides_error *error) {
     td_solve *solve = &s->solve;
     const size_t count = solve->found_count + back->points;

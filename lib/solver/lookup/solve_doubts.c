@@ -1,12 +1,12 @@
-/* Where a pixel's model isn't good enough to say whether a level is reached: near turns, between them, at kinks, within swaps
- * of depth. For solve_run.c, which has it looked at. */
+/* Finds doubts: places where a pixel's model doesn't decide whether a level is reached. They are near turns, between them, at
+ * kinks, and within swaps of depth. For solve_run.c, which has it looked at. */
 #include "td_extremes.h"
 #include "td_math.h"
 #include "solver/td_visit.h"
 
 #include <math.h>
 
-/* Is a refractory period on at s, behind n changes? */
+/* 1 where a refractory period is on at s, after n changes. */
 static int is_held_at(const td_visit *v, int n, double s) {
     const td_sensor *sensor = &v->s->sensor;
     const td_step *span = &v->now->span;
@@ -22,7 +22,7 @@ double td_left_at(const td_visit *v, int n, double s, double S) {
     return is_held_at(v, n, s) ? INFINITY : td_lesser(on - residual, residual + off);
 }
 
-/* By how much doubt is more than what is left. */
+/* Excess of an approach's doubt over the distance to the level. */
 static double excess_of(const td_visit *v, const td_approach *at) { return at->doubt + v->model.floor - at->left; }
 
 /* The polarity of the change behind n of them, if it is in piece k still, or 0. */
@@ -31,7 +31,8 @@ static int next_polarity(const td_visit *v, int k, int n) {
     return n < v->changes.count && next->s <= v->model.pieces.from[k + 1] ? next->polarity : 0;
 }
 
-/* At u of piece k. A level that the model reaches next in the piece counts for nothing: when it does, is looked up. */
+/* The approach at u of piece k. A level that the model reaches next in the piece doesn't count: the time at which it does is
+ * looked up. */
 static td_approach approach_at(const td_visit *v, int k, double u) {
     const td_sensor *sensor = &v->s->sensor;
     const td_pieces *pieces = &v->model.pieces;
@@ -48,8 +49,8 @@ static td_approach approach_at(const td_visit *v, int k, double u) {
     return at;
 }
 
-/* May a level be within reach anywhere in piece k, for all that its control values and its doubt say? Most have none, and
- * places in them needn't be gone through. */
+/* 1 where a level may be within reach anywhere in piece k, by its control values and its doubt. Most pieces have none, and
+ * places in them needn't be visited. */
 static int may_reach(const td_visit *v, int k) {
     const td_sensor *sensor = &v->s->sensor;
     const double *b = v->model.pieces.model[k].control, doubt = td_trusted_doubt(&v->model, k, 0.5);
@@ -69,8 +70,9 @@ static void take_worse(const td_visit *v, const td_approach *at, td_approach *wo
     if (excess_of(v, at) > excess_of(v, worst)) *worst = *at;
 }
 
-/* The worst of places between turns, for the signal may turn where the model doesn't. What the step's ends are off by counts
- * for nothing there: they are looked up as such, and a signal that rests on a level would else be found there and beside it. */
+/* The worst of places between turns, for the signal may turn where the model doesn't. Errors of the step's ends don't count
+ * there, since ends are looked up by themselves. Otherwise a signal that rests on a level would be found at the end and beside
+ * it. */
 static void look_between(const td_visit *v, int k, td_approach *worst) {
     enum { EIGHTHS = 8 };
     const td_pieces *pieces = &v->model.pieces;
@@ -86,8 +88,7 @@ static void look_between(const td_visit *v, int k, td_approach *worst) {
     }
 }
 
-/* Behind what happens at change n or later: how far S is from the levels there, or from that of change n, which is in the
- * piece. */
+/* Distance of S from the levels behind its last change, or from the level of that change, where the change is in the piece. */
 static double left_beside(const td_visit *v, int k, double u) {
     const td_pieces *pieces = &v->model.pieces;
     const double s = pieces->from[k] + u * (pieces->from[k + 1] - pieces->from[k]), S = td_model_value(&pieces->model[k], u);
@@ -98,7 +99,7 @@ static double left_beside(const td_visit *v, int k, double u) {
 }
 
 /* How far beyond the level that the piece went through last its turn at s is: where the model is off by more, the signal may
- * have turned before the level. Of a kink a cubic makes such turns, whose crossings are sharp, and not there. */
+ * have turned before the level. A cubic over a kink makes such turns, whose crossings are sharp, and elsewhere. */
 static double beyond_at(const td_visit *v, int k, double s) {
     const td_pieces *pieces = &v->model.pieces;
     const int n = td_changes_until(v, s);
@@ -108,7 +109,7 @@ static double beyond_at(const td_visit *v, int k, double s) {
     return beyond > known + v->model.floor ? beyond : INFINITY; /* what rests on a level to the last bit is on either side */
 }
 
-/* Of a signal that has a kink and is straight beside it, that is where the tangents at the piece's ends meet. */
+/* Looks at a kink beside which the signal is straight: it is where the tangents at the piece's ends meet. */
 static void look_at_kink(const td_visit *v, int k, td_approach *worst) {
     const td_pieces *pieces = &v->model.pieces;
     const double *b = pieces->model[k].control, first = 3 * (b[1] - b[0]), last = 3 * (b[3] - b[2]);
@@ -123,11 +124,11 @@ static void look_at_kink(const td_visit *v, int k, td_approach *worst) {
     take_worse(v, &at, worst);
 }
 
-/* Of a swap that lasts `wide` to either side what the signal does is a step of a quarter of that: a piece of less than this
- * share of it shows it. */
+/* A piece shorter than this share of a swap's `wide` shows the swap. Where a swap lasts `wide` to either side, the signal makes
+ * a step within a quarter of that. */
 static const double shows_swap = 0.5;
 
-/* Has the pixel been looked at in both halves of a swap? */
+/* 1 where the pixel has been looked at in both halves of a swap. */
 static int is_swap_seen(const td_visit *v, const td_swap_place *swap) {
     int before = swap->s <= 0.5 * swap->wide, after = swap->s >= 1 - 0.5 * swap->wide; /* the step's ends show it */
     for (int i = 0; i < v->nodes; i++) {
@@ -139,7 +140,7 @@ static int is_swap_seen(const td_visit *v, const td_swap_place *swap) {
     return before && after;
 }
 
-/* May a swap of depth decide whether a level is reached? */
+/* 1 where a swap of depth may decide whether a level is reached. */
 static int may_swap_decide(const td_visit *v, const td_swap_place *swap) {
     const td_pieces *pieces = &v->model.pieces;
     for (int side = -2; side <= 2; side++) {

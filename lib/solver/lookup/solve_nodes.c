@@ -1,4 +1,4 @@
-/* What has been looked up of a pixel in a step, and how far the cubics through it are to be trusted. For solve.c and
+/* The nodes that have been looked up for a pixel in a step, and the trust in the cubics through them. For solve.c and
  * solve_run.c. */
 #include "solver/td_probe.h"
 #include "solver/td_simulator.h"
@@ -22,9 +22,9 @@ double td_trusted_error(const td_trusted *model, int k, double u) {
     return error;
 }
 
-/* What a look says of both parts' errors is a guess by one value and one rate, and what is bent as nobody asked may be so many
- * times that. A choice (tests/property/test_lost.c; and of 1.4 million events of the scenes of tides bench accuracy 2 were lost
- * with it, 4 with 1, and 1 with 4). */
+/* Factor of the doubt after a look. A look estimates the errors of both parts from one value and one rate; a bend that no look
+ * has met may be so many times that. A choice (tests/property/test_lost.c): of 1.4 million events of the scenes of tides bench
+ * accuracy 2 were lost with it, 4 with 1, and 1 with 4. */
 static const double after_a_look = 2;
 
 double td_trusted_doubt(const td_trusted *model, int k, double u) {
@@ -69,9 +69,9 @@ void td_solve_first_trust(const tides_simulator *s, const td_refine_step *refine
 /* Below this share of the error in the middle a residual says little of it: it is that of places beside a node. A choice. */
 static const double says_enough = 0.25;
 
-/* Of a smooth piece a part of length `share` has the fourth power of it left, of one with a kink, which may be in it, as much
- * as it is long. The factor is for what is only nearly smooth: with 1 the p95 that a run reported were too small in 1 of 15
- * scenes (tests/property/test_solved.c). */
+/* Factor for signals that are only nearly smooth. In a smooth piece a part of length `share` keeps the fourth power of that of
+ * the error. In a piece with a kink, which may be in the part, it keeps `share`. With a factor of 1 the reported p95 was too
+ * small in 1 of 15 scenes (tests/property/test_solved.c). */
 static const double smooth_margin = 2;
 
 static double left_in(const td_trust *whole, double share) {

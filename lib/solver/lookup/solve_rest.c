@@ -1,9 +1,9 @@
-/* What pixels were before anything moved, for solve.c: their references, and ramps that meet them at rest. */
+/* Pixels before anything moved, for solve.c: their references, and ramps that meet their levels at rest. */
 #include "solver/td_simulator.h"
 
 /* -- references ------------------------------------------------------------------------------------------------------------ */
 
-/* The first macro step begins there: its own interval will do. */
+/* 1 in the first macro step, which begins at the run's start: its own interval will do. */
 static int begins(const tides_simulator *s) { return s->step == 0; }
 
 tides_status td_solve_keep_start(tides_simulator *s, tides_error *error) {

@@ -9,7 +9,7 @@
 #include <math.h>
 
 /* Rounds of looking up that a pixel may take in a step: each squares what is left of a smooth signal's error, and halves what a
- * kink may be in. What isn't settled then is reported as it stands. */
+ * kink may be in. A pixel that isn't settled then is reported as it stands. */
 enum { MOST_LOOKS = 10, FIND_BY_PLACE = 2 };
 
 /* References that are taken from the signal: so good that no event which follows feels it [thresholds]. */
@@ -17,12 +17,12 @@ static const double enough_of_threshold = 1e-7;
 
 /* -- the step -------------------------------------------------------------------------------------------------------------- */
 
-/* Of ideal pixels counts are all: the rest follows from them. */
+/* The pixel's state as one number. An ideal pixel's counts are enough: the rest follows from them. */
 static uint64_t state_of(const td_visit *v) {
     return v->state.words <= 2 ? v->state.word[0] : td_hash_words(0, v->state.word, (size_t)v->state.words * sizeof(uint64_t));
 }
 
-/* What was found for another state is forgotten. */
+/* Enters a step. Nodes that were found for another state are dropped. */
 static void enter(td_visit *v, td_looked *looked, int32_t number) {
     const td_sensor *sensor = &v->s->sensor;
     v->number = number;
@@ -37,7 +37,7 @@ static void enter(td_visit *v, td_looked *looked, int32_t number) {
     v->looked->nodes = v->looked->looks = 0;
 }
 
-/* With nothing found and nothing near, the pixel is at the step's end. */
+/* 1 where the pixel may do something in the step. A pixel with nothing found and nothing near goes to the step's end. */
 static int may_act(const td_visit *v) {
     static const td_tile one = {0, 0, 1, 1};
     const td_ends *at = &v->looked->ends;
@@ -54,7 +54,7 @@ static void take_nodes(td_visit *v) {
     td_pieces_make(&v->model.pieces, &v->looked->ends, v->node, v->nodes);
 }
 
-/* What else the model is off by. */
+/* Adds the errors of the model beside its pieces: of samples at the step's ends, and of rounding. */
 static void take_rounding(td_visit *v) {
     const tides_simulator *s = v->s;
     const double samples = s->solve.samples;
@@ -87,7 +87,7 @@ static void weigh(td_visit *v) {
     }
 }
 
-/* Is what happens at change n as good as asked for? */
+/* 1 where change n is as good as asked for. */
 static int is_good(const td_visit *v, int n) {
     int touches;
     const td_change *change = &v->changes.change[n];
@@ -97,8 +97,8 @@ static int is_good(const td_visit *v, int n) {
     return td_timing_reach(at->slope, at->bend, at->error, &touches) * v->now->span.length_s <= v->s->solve.target_s;
 }
 
-/* How far the signal is from its levels at s, an end of the step, and from its reference; a held one has none. What it does at
- * the very start comes of that. */
+/* How far the signal is from its levels at s, an end of the step, and from its reference; a held one has none. Changes at the
+ * very start follow from that. */
 static double left_at(const td_visit *v, double s, double *residual) {
     const td_pieces *pieces = &v->model.pieces;
     const double at = s > 0 ? s : -1; /* before what it does there */
@@ -115,9 +115,9 @@ static int is_in_doubt(const td_visit *v, double s, double error) {
     return left_at(v, s, &residual) <= error || (s > 0 && v->changes.count > 0 && fabs(residual) <= error);
 }
 
-/* Asks for the ends of the step where samples are too near a level. What is run ahead may ask in vain, and samples would depend
- * on how far that goes. A macro step begins with what the one before it ended with, be it a sample or not: its own record paths
- * begin elsewhere by what paths may be off by, and the pixel might be found beyond a level. */
+/* Asks for the ends of the step where samples are too near a level. A pixel that is run ahead may ask in vain, and samples
+ * would depend on how far it is run. A macro step begins with what the one before it ended with, be it a sample or not: its own
+ * record paths begin elsewhere by what paths may be off by, and the pixel might be found beyond a level. */
 static tides_status ask_ends(const td_visit *v, tides_error *error) {
     const int begins = v->s->refine.step[v->looked->step].from == 0;
     tides_status status = TIDES_OK;
@@ -195,8 +195,8 @@ static tides_status advance(td_visit *v, tides_error *error) {
     return td_sensor_advance(&v->s->sensor, &single, &v->portion->solve.ahead, error);
 }
 
-/* Of an event that waited for its pixel to become visible coverage decides when, which the comparator takes to be linear: by
- * how much its rates at the ends say that it bows [steps]; 0 of others. */
+/* Lateness of an event that waited for its pixel to become visible [steps]; 0 for other events. Coverage decides when, and the
+ * comparator takes coverage to be linear. The lateness is by how much coverage bows, from its rates at the ends. */
 static double waited(const td_visit *v, const td_change *change) {
     const td_coverage *at = &v->now->coverage, *rate = &v->now->alpha_dot;
     const int32_t i = v->pixel->local;
@@ -210,7 +210,7 @@ static double waited(const td_visit *v, const td_change *change) {
 
 static int ends_run(const td_visit *v) { return td_refine_ends_run(v->s, &v->s->refine.step[v->looked->step]); }
 
-/* What the leak has added to the signal at s. */
+/* The leak's ramp at s, which is part of the model. */
 static double ramp_at(const td_visit *v, double s) {
     const td_sensor *sensor = &v->s->sensor;
     const td_step *span = &v->now->span;
@@ -218,7 +218,7 @@ static double ramp_at(const td_visit *v, double s) {
     return sensor->leak[v->at] * (td_sensor_time(sensor, span->start_ns, span->start_fraction) + s * span->length_ns);
 }
 
-/* An event, for what is measured of the run's. */
+/* Offers an event to the sample that is measured at the macro step's end. */
 static tides_status sample(const td_visit *v, int n, double late, tides_error *error) {
     const td_tile *tile = &v->s->layout.tile[v->pixel->tile];
     const td_change *change = &v->changes.change[n];
@@ -234,7 +234,7 @@ static tides_status sample(const td_visit *v, int n, double late, tides_error *e
     return td_solve_sample(v->s, &v->portion->solve, &one, error);
 }
 
-/* May an event be undone for what is left there? */
+/* 1 where an error of the model may undo the event. */
 static int is_uncertain(const td_visit *v, int n) {
     int touches;
     const td_worth *at = &v->worth[n];
@@ -243,7 +243,8 @@ static int is_uncertain(const td_visit *v, int n) {
     return touches || (ends_run(v) && reach >= 1 - v->changes.change[n].s);
 }
 
-/* What the events of a settled step are worth. Noise has times of its own. */
+/* Notes the events of a settled step: how many are uncertain, and candidates for the sample. Events of noise have times of
+ * their own, and aren't noted. */
 static tides_status note_events(td_visit *v, int doubts, tides_error *error) {
     td_portion *portion = v->portion;
     tides_status status = TIDES_OK;

@@ -1,6 +1,6 @@
-/* What a run says of its own event times is measured: some events of each macro step, drawn by chance, are held against the
- * image itself, with all that their pixels see projected at the events' own times. What record paths, cubics and looks left is
- * in that; a percentile of few is raised by what chance may do (td_timing_percentile).
+/* Measures a run's own event times. Some events of each macro step, drawn by chance, are held against the image itself. All
+ * splats that their pixels see are projected at the events' own times. So the measurement includes the errors that record
+ * paths, cubics and looks left. A percentile of few events is raised by the spread of chance (td_timing_percentile).
  *
  * Which events these are follows from the events alone (chosen.c). */
 #include "solver/td_simulator.h"

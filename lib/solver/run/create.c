@@ -50,7 +50,7 @@ static tides_status check_arguments(const tides_stepping *stepping, double start
     return TIDES_OK;
 }
 
-/* What only adaptive steps read. */
+/* Checks parameters that only adaptive steps read. */
 static tides_status check_adaptive(const tides_stepping *stepping, tides_error *error) {
     if (stepping->mode == TIDES_STEPPING_FIXED) return TIDES_OK;
     if (stepping->mode == TIDES_STEPPING_ERROR && stepping->model != TIDES_MODEL_HERMITE)
@@ -112,7 +112,7 @@ static tides_status allocate(tides_simulator *s, size_t pixels, tides_error *err
     return ok ? TIDES_OK : TIDES_NO_MEMORY;
 }
 
-/* Where all pixels have their steps in common, blocks would only be more of the same work. */
+/* The unit of steps. If all pixels have their steps in common, it is the tile, since blocks would only add work. */
 static int unit_of(const tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping) {
     const int own = stepping->mode != TIDES_STEPPING_FIXED && stepping->local && sensor->surround_lambda_px == 0;
     if (!own) return TIDES_UNIT_TILE;
@@ -128,7 +128,7 @@ static double tolerance_of(const tides_simulator *s, const tides_stepping *stepp
     return s->solve.on ? finding_tolerance : model_tolerance;
 }
 
-/* What the parameters say, once it is known whether events are looked up. */
+/* Takes the parameters, once it is known whether events are looked up. */
 static void take_parameters(tides_simulator *s, const tides_sensor *sensor, const tides_stepping *stepping) {
     s->given.step_s = stepping->step_s;
     s->given.mode = stepping->mode;
@@ -184,7 +184,7 @@ static tides_status prepare(tides_simulator *s, const tides_sensor *sensor, tide
     return status == TIDES_OK ? td_renderer_prepare(s->renderer, s->given.outputs, error) : status;
 }
 
-/* What the caller gave, as this version has it. */
+/* The caller's structs, as this version has them. */
 typedef struct given {
     tides_image_params image;
     tides_sensor sensor;

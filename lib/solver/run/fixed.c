@@ -64,7 +64,7 @@ void td_difference_slopes(tides_simulator *s, double h) {
     }
 }
 
-/* As many of the next `count` steps as there are until a knot: only a batch may begin at one. */
+/* Number of the next `count` steps until a knot: only a batch may begin at one. */
 static int steps_to_knot(const tides_simulator *s, int count) {
     for (int k = 1; k < count; k++)
         if (td_grid_is_knot(&s->grid, s->step + k)) return k;

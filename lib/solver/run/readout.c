@@ -94,7 +94,7 @@ void td_readout_release(td_run_readout *readout) {
 
 static double share(double value, double full) { return fmin(value / full, 1); }
 
-/* What one of the simulator's tiles adds to the sums of the arbiter's. */
+/* Adds one of the simulator's tiles to the sums of the arbiter's tiles. */
 static void add_tile(tides_simulator *s, int t, int moves) {
     const td_tile *tile = &s->layout.tile[t];
     const double threshold = 0.5 * (s->sensor.sensor.threshold_on + s->sensor.sensor.threshold_off);

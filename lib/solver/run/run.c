@@ -15,7 +15,7 @@
  * comparator on a model whose nodes are what was looked up there, until the time moves no more.
  *
  * Fixed steps skip what is between. Times count from the run's start; steps lie on the grid k step_s, joined by the knots of
- * motions (grid.c). What each stage does is in its own file; here is their order, and what becomes of a failure. */
+ * motions (grid.c). Each stage has a file of its own; here are their order, and the handling of failures. */
 #include "camera/td_trajectory.h"
 #include "signal/td_event_sort.h"
 #include "solver/td_reached.h"
@@ -53,7 +53,7 @@ static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
     return status == TIDES_OK ? td_compare_still(s, &step, error) : status;
 }
 
-/* What happens after a step was compared: it is reached, and its events go through the readout. */
+/* Ends a step that was compared: the simulator has reached its end, and its events go through the readout. */
 static tides_status reach(tides_simulator *s, tides_error *error) {
     s->step++;
     s->stats.tile_steps_still += (uint64_t)(s->layout.image_tiles - s->moving.tiles);
@@ -90,8 +90,8 @@ static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, 
 
 /* -- the two kinds of steps ------------------------------------------------------------------------------------------------ */
 
-/* One of the steps rendered. No two have a nanosecond in common: each is put in order while the caches have its events, in a
- * fifth of the time that all of them take together. */
+/* Compares one of the rendered steps. No two steps share a nanosecond, so each is sorted while the caches have its events. That
+ * takes a fifth of the time of sorting all together. */
 static tides_status compare_fixed(tides_simulator *s, int k, tides_error *error) {
     const double begun = td_now();
     const size_t first = s->done.work.events.count;
@@ -161,7 +161,7 @@ static tides_status refine(tides_simulator *s, double start, double stop, tides_
     return status;
 }
 
-/* What fires in tiles where nothing moves, over the macro step as a whole. */
+/* Fires events in tiles where nothing moves, over the macro step as a whole. */
 static tides_status compare_still(tides_simulator *s, double start, double stop, tides_error *error) {
     td_step whole;
     double begun = td_now();
@@ -172,7 +172,7 @@ static tides_status compare_still(tides_simulator *s, double start, double stop,
     return status;
 }
 
-/* What the events' times are off by. The pixels have reached the step's end. */
+/* Measures the errors of the events' times. The pixels have reached the step's end. */
 static tides_status measure(tides_simulator *s, tides_error *error) {
     const double begun = td_now();
     const tides_status status = td_solve_measure(s, error);

@@ -1,13 +1,13 @@
-/* Accepted steps: the comparator over them, what they say of the run's accuracy, and their samples given back. For run.c at
- * the end of a macro step, and before that for window.c, where memory is short. What an event time is worth timing.c estimates;
- * sorting events and handing them out are run.c's. */
+/* Accepted steps: the comparator over them, what they say of the run's accuracy, and their samples given back. For run.c at the
+ * end of a macro step, and before that for window.c, where memory is short. timing.c estimates the errors of event times; run.c
+ * sorts events and hands them out. */
 #include "td_extremes.h"
 #include "solver/td_probe.h"
 #include "solver/td_simulator.h"
 
 #include <stdlib.h>
 
-/* What an accepted step adds to the statistics. */
+/* Adds an accepted step to the statistics. */
 static void note_step(const tides_simulator *s, td_step_counts *steps, const td_refine_step *step) {
     int controls = s->given.mode == TIDES_STEPPING_ERROR, above = step->excess > 1;
     steps->steps++;

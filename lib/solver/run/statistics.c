@@ -158,7 +158,7 @@ void td_stats_put(tides_simulator *s, const tides_stats *stats) {
     }
 }
 
-/* What this simulator has counted, and the settings that it has found. */
+/* Collects this simulator's counts, and the settings that it has found. */
 static void collect(const tides_simulator *s, tides_stats *stats) {
     td_stats_take(s, stats);
     tides_renderer_stats(s->renderer, &stats->render);
@@ -169,7 +169,7 @@ static void collect(const tides_simulator *s, tides_stats *stats) {
     stats->tolerance = s->given.tolerance;
 }
 
-/* And what was counted before a restore. */
+/* Joins the counts from before a restore. */
 static void join(tides_stats *stats, const tides_stats *before) {
     for (size_t i = 0; i < ROWS; i++) {
         const tides_stat *row = &table[i].stat;

@@ -50,7 +50,7 @@ static void rearrange(const tides_simulator *s, int direction, const double *fro
     }
 }
 
-/* What the time reached leaves behind: S and the modes. */
+/* Stores S and the modes at the time reached. */
 static void note_reached(tides_simulator *s, const td_surround_sample *reached) {
     rearrange(s, TO_TILES, reached->S, s->surround.S);
     rearrange(s, TO_TILES, s->surround.surround.surround, s->surround.modes);

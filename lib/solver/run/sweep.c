@@ -22,7 +22,7 @@ static void store_rate(tides_simulator *s, const td_ask *ask, const double *plan
     td_unpack_tile(&s->layout.tile[ask->unit], planes, S, s->now.plane[TD_PLANE_S_DOT] + s->layout.first_pixel[ask->unit]);
 }
 
-/* At a knot of some motion, where a step begins, the S_dot of the tiles that move becomes that of what begins there. */
+/* Turns S_dot of the moving tiles at a motion's knot, where a step begins, to the rate of the motion that begins there. */
 static tides_status turn_knot(tides_simulator *s, tides_error *error) {
     const double time = td_grid_time(s, s->step);
     if (!s->started || s->moving.count == 0 || !td_grid_is_knot(&s->grid, s->step)) return TIDES_OK;

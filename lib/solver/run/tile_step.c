@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* Of the step reached [ns since the run's start]. */
+/* The time of the grid point reached [ns since the run's start]. */
 static double time_now(const tides_simulator *s) {
     td_step step;
     double time = td_grid_time(s, s->step);

@@ -1,11 +1,11 @@
 /* Stopping in the middle of a step. A macro step of a large scene takes seconds, so progress is asked before each of its
  * launches; a step that it stops is undone, since only between steps is there a state to go on from, here or from a checkpoint.
  *
- * What is kept is the table that checkpoints save, so that a part with a new array is undone without a thought: some 40 bytes
- * of an ideal pixel are copied for each step, a thousandth of what it takes to render them. For run.c. */
+ * The table that checkpoints save is kept, so that a part's new array is undone without further code. Each step copies some 40
+ * bytes of an ideal pixel, a thousandth of the time of its renders. For run.c. */
 #include "solver/td_simulator.h"
 
-/* Of the first step's launches nothing is known. */
+/* Launches that the first step is assumed to take; later steps take the number of the step before. */
 static const int64_t usual_at_first = 16;
 
 /* -- asking ---------------------------------------------------------------------------------------------------------------- */

@@ -75,7 +75,7 @@ static double error_excess(tides_simulator *s, td_refine_step *step, double star
     return td_greater(excess, estimate.crossings / s->sensor.sensor.max_events_per_step);
 }
 
-/* One that is too short to be cut is accepted whatever the measures say. */
+/* Judges a step. A step that is too short to be cut is accepted whatever the measures say. */
 void td_control_judge(tides_simulator *s, td_refine_step *step, double start, double stop) {
     const td_refine *r = &s->refine;
     double share = (double)(step->to - step->from) / (double)((uint32_t)1 << r->depth);
@@ -98,7 +98,7 @@ static int by_position(const void *a, const void *b) {
     return x < y ? -1 : x > y;
 }
 
-/* One step for the whole image: whatever one tile wants cut is cut in all. */
+/* Joins the steps of all tiles: a cut that one tile wants is made in all. */
 static tides_status join_tiles(td_refine *r, tides_error *error) {
     const size_t count = r->pending_count;
     uint32_t *wanted = td_alloc(count, sizeof *wanted, error);

@@ -3,7 +3,7 @@
  * Between two samples much nearer each other than to the next, a path may go further than in all the time around them: a cut of
  * the scene, a tracker that was lost. Sweeps cut an interval into pieces of one length until each is followed, so that a leap
  * of a microsecond had 10 ms simulated in microseconds: 12 279 renders where 69 do (bench stability, leap-1e-6). With steps of
- * its own it costs what happens in it. What paths do that are told as they go isn't known in time; there it stays as it was. */
+ * its own it costs what happens in it. Leaps of open paths aren't known in time, and get no steps of their own. */
 #include "camera/td_trajectory.h"
 #include "solver/td_simulator.h"
 #include "td_sort.h"
@@ -26,7 +26,7 @@ static tides_status add_time(times *to, double time, tides_error *error) {
     return status;
 }
 
-/* What goes on between two samples. */
+/* The way between two samples. */
 typedef struct way {
     double seconds, distance, turn; /* turn: 1 - cos of half of it */
 } way;

@@ -4,14 +4,14 @@
 
 #include <math.h>
 
-/* Away from the middle by so much of the step. What returns to where it was at the very middle shows here in its rate: a lamp
- * of two periods per step that is at rest at the ends is off by 0.8 to 1.9 amplitudes so weighed; and no further, for the
- * longer part's error falls with the fourth power of its length. */
+/* Away from the middle by so much of the step. A signal that returns at the very middle to its start shows here in its rate. A
+ * lamp of two periods per step, at rest at the ends, is off by 0.8 to 1.9 amplitudes so weighed. The place is no further from
+ * the middle, since the longer part's error falls with the fourth power of its length. */
 static const double nearest = 0.01, furthest = 0.02;
 
-/* Where the signal is smooth the rate is nearly right at the middle, and adds little. It shows what the value alone may hide:
- * of a kink that leaves the middle's value right where it is a quarter of the step away. With this weight what the cubics of
- * both parts are off by is 1.4 times the sum at most, wherever a kink is (tests/unit/test_probe.c). */
+/* Weight of the rate in a deviation. For a smooth signal the rate is nearly right at the middle, and adds little. It shows a
+ * kink that the value alone may hide: one a quarter of the step away leaves the middle's value right. With this weight the
+ * errors of both parts' cubics are 1.4 times the sum at most, wherever a kink is (tests/unit/test_probe.c). */
 static const double rate_weight = 0.5;
 
 /* splitmix64 (S. Vigna, public domain): all bits of the key in all bits of the number. */

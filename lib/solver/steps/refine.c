@@ -20,8 +20,8 @@ enum { MAX_DEPTH = 24, SHORTEST_BITS = 6 };
  * longer told apart as nanoseconds with a fraction (step.c), however short min_step_s asks for. */
 static const double least_steps = 16;
 
-/* What is between two knots is looked into however short it is, to this part of it: a leap of a microsecond that was one step
- * of min_step_s had a third of its events. */
+/* Parts into which a step between two knots may be cut, however short it is. A leap of a microsecond that was one step of
+ * min_step_s had a third of its events. */
 static const double parts_between_knots = 64;
 
 /* Halvings until steps are no longer than min_step. */
@@ -104,7 +104,7 @@ static void note_falls(td_refine *r, int32_t before, int32_t sample, int32_t cou
     for (int32_t i = 0; i < count; i++) fall[i] = td_probe_fall(deviation[i], last[i]);
 }
 
-/* Where a step is cut. */
+/* The place where a step is cut. */
 static uint32_t place_of(const tides_simulator *s, const td_refine_step *step) {
     return step->swap ? step->swap : td_probe_place(s->refine.macro, step->from, step->to);
 }
@@ -118,13 +118,13 @@ static int follows(const tides_simulator *s, const td_refine_step *step) {
     return s->surround.surround.on && s->given.mode == TIDES_STEPPING_ERROR && step->probe >= 0 && step->excess <= good_enough;
 }
 
-/* The part that has a swap in it is looked into anew: what has been seen so far needn't be of the swap. */
+/* Starts the estimates of the part with a swap anew: earlier samples needn't have seen the swap. */
 static void begin_anew(td_refine_step *step) {
     step->probe = -1;
     step->deviation = step->past[0] = step->past[1] = 0;
 }
 
-/* What a sample where a swap begins or ends says of the part without it is what was seen before. */
+/* Keeps the deviations of the part without a swap. A sample where a swap begins or ends adds nothing about that part. */
 static void keep_deviations(td_refine *r, int32_t before, int32_t sample, int32_t count) {
     memcpy(td_sample_deviation(&r->samples, sample), td_sample_deviation(&r->samples, before), (size_t)count * sizeof(double));
     memset(td_sample_fall(&r->samples, sample), 0, (size_t)count); /* and nothing of how smooth it is */
@@ -143,7 +143,7 @@ static void note_deviations(const tides_simulator *s, td_refine *r, double start
     note_falls(r, a->probe, sample, s->layout.tile[a->tile].count);
 }
 
-/* What the parts of a step are off by that was cut where its own cubic goes on is what was seen of that cubic. */
+/* Hands a step's deviations down to its parts, where the step was cut on its own cubic and not at a new sample. */
 static void hand_down(td_refine *r, int32_t before, int32_t sample, int32_t count) {
     memcpy(td_sample_deviation(&r->samples, sample), td_sample_deviation(&r->samples, before), (size_t)count * sizeof(double));
     memcpy(td_sample_fall(&r->samples, sample), td_sample_fall(&r->samples, before), (size_t)count);
@@ -187,7 +187,7 @@ static tides_status lay_parts(td_refine *r, tides_error *error) {
     return TIDES_OK;
 }
 
-/* Cuts a pending step where `sample` is. What follows is as good as it was. */
+/* Cuts a pending step where `sample` is. Steps that follow keep their measures. */
 static void cut_pending(tides_simulator *s, size_t number, int32_t sample) {
     td_refine *r = &s->refine;
     const int32_t left = r->pending[number], right = r->part[number];
@@ -212,14 +212,14 @@ static void store_sample(tides_simulator *s, const td_ask *ask, const double *pl
     *td_sample_risk(samples, ask->sample) = s->given.outputs == TD_OUT_SIGNAL ? 0 : td_tile_risk(s, unit, planes);
 }
 
-/* What the samples of a step say of it is read while they are at hand: of a level they are more than caches hold. */
+/* Reads a sample while it is at hand, since the samples of a level are more than caches hold. */
 static void take_sample(tides_simulator *s, const td_ask *ask, const double *planes, const void *user) {
     const size_t number = (size_t)(ask - s->launch.ask), first_cut = *(const size_t *)user;
     store_sample(s, ask, planes);
     if (number >= first_cut) cut_pending(s, number - first_cut, ask->sample);
 }
 
-/* All of the level's jobs. Those from number `first_cut` on are where the pending steps are cut. */
+/* Renders all jobs of the level. The pending steps are cut at the jobs from number `first_cut` on. */
 static tides_status render_level(tides_simulator *s, size_t first_cut, tides_error *error) {
     tides_status status = lay_parts(&s->refine, error);
     return status == TIDES_OK ? td_launch_take_all(s, TD_SIDE_ENDS, s->given.outputs, take_sample, &first_cut, error) : status;
@@ -239,7 +239,7 @@ static size_t set_apart(const tides_simulator *s, td_refine *r) {
     return others;
 }
 
-/* What a tile's cubic, and lines of its other planes, are where a step that follows is cut. */
+/* Makes a sample on the tile's cubic, and on lines of its other planes, where a step that follows is cut. */
 static void continue_cubic(td_refine *r, const td_refine_step *step, uint32_t at, int32_t sample) {
     const double *begin = td_sample_at(&r->samples, step->begin), *end = td_sample_at(&r->samples, step->end);
     const double from = td_refine_time(r, r->start, r->stop, step->from);

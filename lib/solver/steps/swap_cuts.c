@@ -1,5 +1,5 @@
-/* Where steps are cut because of swaps of depth (td_renderer_swaps): what is accepted otherwise, and has one within it that
- * is too short to show in its samples, is cut where that begins and ends, and looked into between. */
+/* Cuts of steps because of swaps of depth (td_renderer_swaps). A step that is accepted otherwise may hold a swap too short to
+ * show in its samples. It is cut where the swap begins and ends, and refined between. */
 #include "td_extremes.h"
 #include "td_math.h"
 #include "solver/td_simulator.h"
@@ -79,7 +79,7 @@ uint32_t td_refine_swap(const tides_simulator *s, const td_refine_step *step, in
 
 /* -- looking at them ------------------------------------------------------------------------------------------------------- */
 
-/* Those of the block that a pixel of a unit is in. */
+/* Swaps of the block that a pixel of a unit is in. */
 static const td_swap *swaps_of(const tides_simulator *s, const td_refine_step *step, int32_t local, int *count) {
     const td_tile *unit = &s->layout.tile[step->tile];
     const int across = TD_TILE / TD_BLOCK, x = local % unit->width / TD_BLOCK, y = local / unit->width / TD_BLOCK;

@@ -1,6 +1,6 @@
 /* Estimated errors of event times, event by event, for the statistics that the simulator reports (error_p50_s and so on) and
- * for what counts as uncertain. For settle.c. What is wrong with S it is told: by probes, and by
- * the embedded estimate (signal/td_model_error.h); it changes no step and no event. */
+ * for what counts as uncertain. For settle.c. Errors of S come from probes, and from the embedded estimate
+ * (signal/td_model_error.h). The estimates of times change no step and no event. */
 #include "solver/td_timing.h"
 #include "render/td_render.h"
 #include "signal/td_model_error.h"
@@ -58,8 +58,9 @@ static double end_of(int bin) {
     return ldexp(1 + (part + 1.0) / (1 << TD_TIMING_BITS), octave + first_octave);
 }
 
-/* Of the error in the middle of the step, at s: the cubic is right at both ends, in value and slope, and where the signal is
- * smooth its error lies between them as 16 s^2 (1 - s)^2. A kink may be anywhere: there it falls later towards the ends. */
+/* Least share of the middle's error that is left at any s of the step. The cubic is right at both ends, in value and slope. For
+ * a smooth signal its error lies between them as 16 s^2 (1 - s)^2. A kink may be anywhere: its error falls later towards the
+ * ends. */
 static const double least_share = 0.05;
 
 static inline double share_of(int is_smooth, double s) {
@@ -79,10 +80,9 @@ static inline void differences(const td_tile *tile, const double *S, int32_t i, 
     if (i + tile->width < tile->count) *across = td_greater(*across, fabs(S[i + tile->width] - S[i]));
 }
 
-/* What rounding does to S: two units of the sums and the logarithm that it comes of, and where splats are on the screen is
- * rounded at the size of the image, which moves the picture by that. Against the double reference, of pixels of 45 random
- * scenes (grazing_world.h) at 20, 80 and 320 px: the median is 0.19 times this, 95 % 0.66 times, 99 % 1.0 times, at any size.
- * */
+/* Rounding of S. It has two units of the sums and the logarithm that S comes of. Splats' places on the screen are rounded at
+ * the size of the image, which moves the picture by that. Against the double reference, over pixels of 45 random scenes
+ * (grazing_world.h) at 20, 80 and 320 px: the median is 0.19 times this, 95 % 0.66 times, 99 % 1.0 times, at any size. */
 static inline double rounding_at(const td_timing *timing, double S, double along, double across) {
     return timing->epsilon * (2 * (1 + fabs(S)) + timing->size * sqrt(along * along + across * across));
 }
@@ -98,8 +98,7 @@ static double rounding_of(const td_timing *timing, const td_timed *timed, int32_
     return td_timing_rounding(timing, timed->tile, timed->signals->S1, i);
 }
 
-/* What S may be off by in the middle of the step for one of the law's shares: without a deviation the embedded estimate stands
- * for it. */
+/* Error of S in the middle of the step, before the law's shares. Without a deviation the embedded estimate stands for it. */
 static inline double deviation_of(const td_timed *timed, int32_t i) {
     const td_signals *at = timed->signals;
     double h = timed->step->length_s;
@@ -112,7 +111,7 @@ static inline td_probe_law law_of(const td_timed *timed, int32_t i) {
     return timed->deviation ? td_probe_left(timed->fall[i]) : embedded;
 }
 
-/* Of an event so many whole nanoseconds after the step's. */
+/* Place in the step of an event so many whole nanoseconds after the step's start. */
 static inline double place_after(const td_step *step, double passed) {
     const double s = (passed + 0.5 - step->start_fraction) / step->length_ns, within = td_lesser(s, 1);
     return s > 0 ? within : 0;
@@ -129,7 +128,7 @@ static int32_t pixel_of(const td_tile *tile, const tides_event *event) {
     return (event->y - tile->y0) * tile->width + (event->x - tile->x0);
 }
 
-/* What the leak has added to the signal at `s`, and adds per step. */
+/* The leak's ramp at `s`, which is added to the signal. */
 static double ramp_at(const td_timed *timed, int32_t i, double s) {
     const td_levels *levels = &timed->levels;
     return levels->leak ? levels->leak[i] * (levels->time + s * timed->step->length_ns) : 0;
@@ -204,14 +203,14 @@ TD_WIDE static void find_turns(const td_timing *timing, const td_timed *timed, s
 /* -- behind a first-order low-pass ---------------------------------------------------------------------------------------- */
 
 /* S' = rate (L - S) takes an error of L in, too: S is off by what of the step's error, which bows between its ends, has come
- * through so far, and by what is left of the steps before. Those errors have signs of their own, and add up as squares. */
+ * through so far, and by what is left of the steps before. The two errors have independent signs, and add up as squares. */
 
 /* The integral of the bow of share_of, from 0 to s. */
 static inline double bow_until(int is_smooth, double s) {
     return is_smooth ? 16 * s * s * s * (1.0 / 3 - s * (0.5 - 0.2 * s)) : 4 * s * s * (0.5 - s * (1.0 / 3));
 }
 
-/* Of an error of 1 in the middle, by s of a step of `rate`: at most 1, for S is an average. */
+/* Share of an error of 1 in the middle that has come through by s of a step of `rate`: at most 1, for S is an average. */
 static inline double passed_until(int is_smooth, double rate, double s) { return td_lesser(rate * bow_until(is_smooth, s), 1); }
 
 /* The filter's rate in a step, where the light is L. */
@@ -235,7 +234,8 @@ static void filter_turn(const td_timed *timed, int n, some *of) {
     of->rounding[n] = td_timing_together(of->rounding[n], timed->adds * timed->filter_error[i] * td_exponential(-rate * s));
 }
 
-/* To the step's end: with the share of most steps, for what is carried is a sum over many. */
+/* Carries the filter's errors to the step's end. It takes the share of most steps, since the carried error is a sum over
+ * many. */
 static void carry_errors(const td_timed *timed) {
     for (int32_t i = 0; i < timed->tile->count; i++) {
         const td_probe_law law = law_of(timed, i);
@@ -299,14 +299,15 @@ void td_timing_add(td_timing *timing, const td_timed *timed) {
 
 /* -- events that might have been ----------------------------------------------------------------------------------------- */
 
-/* What S is hardly ever further off than at s. */
+/* A bound that the error of S at s hardly ever exceeds. */
 static double most_error(const td_timing *timing, const td_timed *timed, int32_t i, double s) {
     const td_probe_law law = law_of(timed, i);
     const double share = timed->deviation ? TD_PROBE_LEFT_MOST : 1;
     return td_timing_together(share * deviation_of(timed, i) * share_at(&law, s), rounding_of(timing, timed, i));
 }
 
-/* What rounding_of is for no pixel of the tile above, nor TD_DOUBLE_ROUNDING: by the largest difference between any two. */
+/* An upper bound of rounding_of and of TD_DOUBLE_ROUNDING over the tile's pixels, from the largest difference between any
+ * two. */
 TD_WIDE static double most_rounding(const td_timing *timing, const double *S, int32_t pixels) {
     enum { LANES = 16 };
     double low[LANES], high[LANES];
@@ -334,8 +335,8 @@ typedef struct marks {
 } marks;
 
 /* Marks the pixels whose control values both rise and fall and come so near a level that an error may decide whether they reach
- * it, and those that end so near one. What is off by `rounding` at most, twice what else it may be, and what is lost here. As
- * doubles, by one comparison at a time, so that the loop vectorises (lib/sensor/comparator.c). */
+ * it, and those that end so near one. Margins cover `rounding` at most, twice the other errors, and the rounding of this test.
+ * As doubles, by one comparison at a time, so that the loop vectorises (lib/sensor/comparator.c). */
 static inline void mark(int own, const td_timed *timed, double rounding, const double *leak, marks *restrict to) {
     const td_signals at = *timed->signals;
     const td_levels levels = timed->levels;
@@ -386,7 +387,7 @@ static void add_turns(td_timing *timing, const td_timed *timed, int32_t i) {
     }
 }
 
-/* What the signal is from its levels where the run ends; what it may be off by there is rounding alone. */
+/* Counts a signal so near a level at the run's end that its error decides. The error there is rounding alone. */
 static void add_end(td_timing *timing, const td_timed *timed, int32_t i) {
     const td_levels *levels = &timed->levels;
     const double S = timed->signals->S1[i], residual = S + ramp_at(timed, i, 1) - levels->reference[i];
@@ -408,9 +409,9 @@ void td_timing_add_turns(td_timing *timing, const td_timed *timed) {
     for (size_t k = 0; (k = td_next_mark(marked.ends, k, pixels)) < pixels; k++) add_end(timing, timed, (int32_t)k);
 }
 
-/* Of a share's standard error, as many as make honest percentiles of few events: with 0.5 estimates of all leave p99 too small
- * in 1 of 200 scenes; what a sample measures has no room of its own (with 0.75 one of three was too small in 2 of 54 scenes of
- * tests/oracle, with 2.5 none in 108). */
+/* Margins in standard errors of a share, as many as make honest percentiles of few events. Estimates of all events: with 0.5
+ * they leave p99 too small in 1 of 200 scenes. A measured sample has no other reserve: with 0.75 one of three percentiles was
+ * too small in 2 of 54 scenes of tests/oracle, with 2.5 none in 108. */
 static const double margin = 0.75, margin_of_sample = 2.5;
 
 double td_timing_percentile(const td_timing *timing, double share) {

@@ -1,5 +1,5 @@
-/* Which of the open steps are refined next: all, or where their samples would be too many the earliest. For refine.c; it counts
- * samples, and judges no step. */
+/* Chooses the open steps that are refined next: all, or where their samples would be too many, the earliest. For refine.c; it
+ * counts samples, and judges no step. */
 #include "solver/td_simulator.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* Which events of a macro step are measured (solve_sample.c): the first in a random order of pixels and times, which
- * follows from the events alone, whoever comes upon them first. */
+/* Chooses the events of a macro step that are measured (solve_sample.c): the first in a random order of pixels and times. The
+ * order follows from the events alone, whichever thread finds them first. */
 #include "td_random.h"
 #include "solver/td_simulator.h"
 
@@ -36,7 +36,7 @@ void td_solve_cut(const tides_simulator *s, td_solve_portion *portion) {
     portion->is_cut = 1; /* the last of them is the bound of those that come */
 }
 
-/* One whose order is set. */
+/* Adds an event whose order is set. */
 static tides_status add(const tides_simulator *s, td_solve_portion *portion, const td_sampled *one, tides_error *error) {
     const size_t most = 2 * wanted(s);
     if (portion->is_cut && by_order(one, &portion->sampled[wanted(s) - 1]) > 0) return TIDES_OK;

@@ -1,4 +1,4 @@
-/* What came of a portion of the work is joined to the run's: who may do something, what is asked for, what was settled. For
+/* Joins the results of a portion of the work to the run's: pixels that may do something, requested points, settled events. For
  * share_out.c. */
 #include "solver/td_simulator.h"
 
@@ -43,7 +43,8 @@ static tides_status append(void **list, size_t *count, size_t *capacity, const v
     return TIDES_OK;
 }
 
-/* Where a portion has listed who may do something, its numbers count from there. */
+/* Joins a portion's requests. A portion numbers the pixels that may do something by its own list, which begins at `from` in the
+ * run's. */
 static tides_status join_asks(td_solve_batch *to, const td_solve_batch *asks, int32_t from, tides_error *error) {
     const size_t pixels = to->pixels, points = to->points;
     size_t asked = points;

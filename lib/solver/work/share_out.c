@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-/* Of each thread: units aren't alike, and who is done with one portion takes the next. */
+/* Portions for each thread: units aren't alike, and a thread that is done with one portion takes the next. */
 enum { PORTIONS_EACH = 4 };
 
 tides_status td_sharing_create(td_sharing *sharing, int threads, tides_error *error) {
@@ -54,7 +54,7 @@ static tides_status join(tides_simulator *s, td_portion *portion, tides_error *e
 
 /* -- sharing it out -------------------------------------------------------------------------------------------------------- */
 
-/* What the pool's parts share. */
+/* Facts that the pool's parts share. */
 typedef struct shared {
     tides_simulator *s;
     td_portion_worker worker;
