@@ -11,7 +11,6 @@
 #include "td_points_wanted.h"
 #include "td_renderer.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 enum { POINTS_AT_ONCE = 1 << 16 }; /* in a launch: 5 MB with what goes with them */
@@ -90,12 +89,6 @@ static tides_status allocate(const tides_renderer *renderer, td_points *p, tides
         all = all && p->column[k];
     }
     return all ? td_points_wanted_create(renderer, &p->asks, error) : TIDES_NO_MEMORY;
-}
-
-tides_status td_points_create_engine(const tides_renderer *renderer, const td_image_numbers *image, td_points_engine **engine,
-                                     tides_error *error) {
-    return td_device_has_double(renderer->device) ? td_points_create_opencl(renderer->device, image, engine, error)
-                                                  : td_points_create_twin(image, engine, error);
 }
 
 /* `shared`: another's scene in double, or NULL. */
@@ -273,13 +266,6 @@ static int lay_launch(const tides_renderer *renderer, td_points *p, const td_poi
         if (td_points_wanted_list(&p->asks, tile)) p->wanted[(*wanted)++] = tile;
     }
     return chunks;
-}
-
-tides_status td_point_take(const td_point *point, const double *found, td_point_value *value, tides_error *error) {
-    *value = (td_point_value){found[0], found[1]};
-    if (isfinite(value->L) && isfinite(value->L_dot)) return TIDES_OK;
-    return td_fail(error, TIDES_BAD_ARGUMENT, "pixel (%d, %d) at %.9g s isn't finite: log_luminance %g, its rate %g",
-                   (int)point->x, (int)point->y, point->time, value->L, value->L_dot);
 }
 
 /* Waits for the launch that is under way, if there is one. */
