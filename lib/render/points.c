@@ -11,6 +11,7 @@
 #include "td_points_wanted.h"
 #include "td_renderer.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 enum { POINTS_AT_ONCE = 1 << 16 }; /* in a launch: 5 MB with what goes with them */
