@@ -25,7 +25,7 @@ offers "--checkpoint" tides simulate run.json --ch
 offers "--json" tides info --js
 offers "accuracy" tides bench acc
 offers "cpu" tides devices --device c
-offers "sensor.threshold_min= sensor.threshold_off= sensor.threshold_on= sensor.threshold_sigma=" tides simulate --set sensor.thr
+offers "sensor.threshold_min= sensor.threshold_off= sensor.threshold_on= sensor.threshold_parity= sensor.threshold_sigma=" tides simulate --set sensor.thr
 offers "smooth" tides simulate --set image.rules = sm
 offers "gsplat inria smooth" tides simulate --set image.rules =
 offers "metrics" tides help met
