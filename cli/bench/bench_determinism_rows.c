@@ -1,4 +1,5 @@
-/* The runs of `tides bench determinism`, and the ways that they are made in. */
+/* The rows of `tides bench determinism`: its runs, and the ways in which each run is made. All ways of a run must give the same
+ * events. */
 #include "bench_determinism.h"
 
 #include <signal.h>
@@ -33,7 +34,10 @@ const determinism_run determinism_runs[] =
      {"esim", "straight lines between frames", {"method=esim", "frames_per_second=4000"}, 1},
      {.name = NULL}};
 
-/* The device's twin in C comes with the rows that it must equal to the bit; its double precision is another run. */
+/* reference-f32, the kernels' arithmetic in scalar C, is among the ways because it must equal the device to the bit. The double
+ * precision of reference-f64 gives other events, so it is no way.
+ *
+ * THREADS, HOST and METHOD name a way's environment variables with their values. */
 #define THREADS(count) \
     .variable = {"POCL_MAX_PTHREAD_COUNT", "POCL_CPU_MAX_CU_COUNT"}, .value = {#count, #count}, .units = count, .pocl = 1
 #define HOST(count) .variable = {"TIDES_THREADS"}, .value = {#count}
@@ -82,7 +86,8 @@ const char *const *determinism_names(void) {
     return names;
 }
 
-/* The demo's world, smaller and shorter, with steps enough to be cut between. */
+/* Keys that make the demo's world smaller and shorter. A run still has 15 macro steps (8 with --quick), so that it can be cut
+ * between them. */
 static const char *const full_world[] = {"camera.width=96", "camera.height=72",      "camera.fx=84",
                                          "camera.fy=84",    "camera.cx=48",          "camera.cy=36",
                                          "time.stop=0.06",  "stepping.step_s=0.004", NULL};

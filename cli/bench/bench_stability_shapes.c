@@ -1,5 +1,5 @@
-/* Rows of `tides bench stability` about single splats: their shape, place, opacity, turn and colour. Forty of them stand in
- * front of the backdrop, each altered in the way that the row names. */
+/* Worlds for the rows of `tides bench stability` about extreme splats: in shape, place, opacity, length of the quaternion, or
+ * colour. Each world has 40 splats in front of a backdrop, and all 40 are altered in the way that the row names. */
 #include "bench_stability.h"
 
 #include <stdlib.h>
@@ -7,7 +7,8 @@
 
 enum { ALTERED = 40, MIDDLE = ALTERED / 2, BACKDROP = 60, SEED = 27182 };
 
-/* Image rules smooth: half opacity at 1.125 near planes of 0.2, none below one (lib/render/rules.c). */
+/* Depth of the near plane [scene units] under the image rules `smooth` (lib/render/rules.c). A splat is invisible up to this
+ * depth, and fades in up to 1.25 times this depth. */
 #define NEAR 0.2
 
 static void set_scales(stability_splat *s, double a, double b, double c) {
@@ -16,7 +17,8 @@ static void set_scales(stability_splat *s, double a, double b, double c) {
     s->decades[2] = c;
 }
 
-/* In front of the camera, so near the border that x/z passes where the Jacobian is clamped: 1.3 tan(fov / 2), and so large that
+/* Places a splat beside the view, near the clamp of x/z in the projection's Jacobian: |x/z| = 1.3 tan(fov / 2). `spread` is the
+ * range of the splats' |x/z| as a share of the clamp; the moving camera carries splats across it. The splats are so large that
  * they reach into the view. */
 static void at_clamp(stability_splat *s, int32_t i, const tides_intrinsics *camera, double spread) {
     const double limit = 1.3 * 0.5 * camera->width / camera->fx, place = i - MIDDLE;
@@ -29,7 +31,8 @@ static void turn(stability_splat *s, double size) {
     for (size_t k = 0; k < 4; k++) s->quaternion[k] *= size;
 }
 
-/* Splat `i` of a row. `size` is what the row says: a decade, an opacity's logit, a factor, a colour. */
+/* Alters splat `i` of a row. The meaning of `size` depends on `kind`: log10 of a scale or of a ratio of scales, a depth in near
+ * planes, a spread around the clamp, an opacity's logit, a factor of the quaternion, a harmonic, or the largest colour. */
 static void alter(int32_t kind, double size, int32_t i, const stability_world *w, stability_splat *s) {
     const double long_axis = -0.3;
     switch (kind) {
@@ -59,13 +62,14 @@ static void alter(int32_t kind, double size, int32_t i, const stability_world *w
     }
 }
 
-/* Into the scene, through the splats before the near plane. */
+/* Gives the world a camera that flies forward: splats that are just beyond its near plane pass through the plane. */
 static tides_status go_forward(stability_world *w, tides_error *error) {
     static const stability_slide forward = {.velocity = {0.5, 0, 5}};
     return stability_path(w, &forward, &w->scene.camera, error);
 }
 
-/* Third-degree harmonics: each band's coefficients up to `size`, so that colours turn with the direction, and are cut at 0. */
+/* Adds the pile to the world with harmonics of degree 3, and frees it. The coefficients of all bands are random within
+ * [-size, size]: colours change with the direction, and where they would be negative they are cut at 0. */
 static tides_status put_bands(stability_pile *pile, stability_world *w, double size, tides_error *error) {
     enum { COEFFICIENTS = 16 };
     float *sh = malloc(pile->count * COEFFICIENTS * 3 * sizeof *sh);
@@ -88,7 +92,7 @@ tides_status stability_shapes(const stability_case *c, stability_world *w, tides
     stability_backdrop(&pile, BACKDROP);
     for (int32_t i = 0; i < ALTERED; i++) {
         stability_splat s = stability_ordinary(&state);
-        for (size_t k = 0; k < 3; k++) s.mean[k] *= 0.7; /* in front of the backdrop */
+        for (size_t k = 0; k < 3; k++) s.mean[k] *= 0.7; /* 2.8 to 4.2 scene units away; the backdrop is 4 to 6 away */
         alter(c->kind, c->size, i, w, &s);
         stability_add(&pile, &s);
     }

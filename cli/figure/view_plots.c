@@ -1,4 +1,4 @@
-/* Plots of a stretch of events: their rate over time, and the intervals between a pixel's events. */
+/* Plots of the events in a time window: the rate of events over time, and the intervals between the events of each pixel. */
 #include "view.h"
 
 #include <math.h>
@@ -37,7 +37,7 @@ static void count_rates(const cli_window *shown, const view_axis *axis, double b
         r->edges[i] = view_on_axis(axis, (double)axis->first_ns) + fmin(i * bin_ns, span) / axis->unit.ns;
     for (size_t i = 0; i < shown->count; i++) {
         int32_t bin = (int32_t)((double)(shown->events[i].t - shown->first_ns) / bin_ns);
-        if (bin >= r->count) bin = r->count - 1; /* by rounding only */
+        if (bin >= r->count) bin = r->count - 1; /* rounding can put the last events there */
         *(shown->events[i].polarity > 0 ? &r->on[bin] : &r->off[bin]) += 1;
     }
     for (int32_t i = 0; i < r->count; i++) { /* the last bin may be shorter */
@@ -72,7 +72,7 @@ static void draw_rates(cli_canvas *canvas, const cli_window *shown, rates *r, co
     canvas_text(canvas, panel.right, VIEW_LINE_2, 1, "both");
 }
 
-/* 1, 2 or 5 times a power of ten, at least `least`. */
+/* The smallest number that is at least `least` (within 0.1 %) and is 1, 2 or 5 times a power of ten. */
 static double round_bin(double least) {
     const double power = pow(10, floor(log10(least)));
     return power * (least <= 1.001 * power ? 1 : least <= 2.001 * power ? 2 : least <= 5.001 * power ? 5 : 10);
@@ -98,7 +98,8 @@ int32_t view_rate(const view *v, const cli_window *recording, const cli_window *
 
 enum { PER_DECADE = 20, DECADES = 20, INTERVAL_BINS = PER_DECADE * DECADES };
 
-/* Intervals in ns between consecutive events of each pixel, of either polarity; how many, or -1 out of memory. */
+/* Finds the intervals [ns] between consecutive events of each pixel, whatever their polarities. Returns the number of
+ * intervals, or -1 if memory runs out. */
 static int64_t find_intervals(const cli_window *shown, double *intervals) {
     const size_t pixels = (size_t)shown->width * (size_t)shown->height;
     int64_t count = 0, *last = malloc(pixels * sizeof *last);
@@ -114,7 +115,8 @@ static int64_t find_intervals(const cli_window *shown, double *intervals) {
     return count;
 }
 
-/* The range in whole decades of what isn't 0 (which a logarithmic axis doesn't have). */
+/* Draws the histogram of the intervals on a logarithmic axis. The axis spans whole decades around the intervals above 0.
+ * Intervals of 0 have no place on it: a text gives their number. */
 static void draw_intervals(cli_canvas *canvas, const cli_window *shown, const double *sorted, int64_t count, int64_t zeros) {
     double edges[INTERVAL_BINS + 1] = {0};
     double values[INTERVAL_BINS] = {0};
@@ -129,7 +131,7 @@ static void draw_intervals(cli_canvas *canvas, const cli_window *shown, const do
     plot_panel panel = make_panel("interval between two events of a pixel [s]", "intervals");
     panel.x_low = edges[0];
     panel.x_high = edges[bins];
-    panel.y_high = fmax(10, 1.06 * largest(values, bins)); /* ticks at whole numbers */
+    panel.y_high = fmax(10, 1.06 * largest(values, bins)); /* 10 at least, so that the axis' ticks are whole numbers */
     plot_axes(canvas, &panel, 1);
     plot_steps(canvas, &panel, &(plot_stairs){edges, values, bins, 1, canvas->theme->off});
     char number[32], line[160], interval[96];

@@ -1,5 +1,7 @@
-/* Whether what is written would replace what is read, or what else is written: by device and inode, whatever names lead there;
- * of what isn't there yet by the folder and the name in it. And whether a file's name fits what will be in it. */
+/* Checks that no output replaces an input or another output, and that a file's name has the ending of its format.
+ *
+ * Two paths are the same file if device and inode are the same. A file that doesn't exist yet has no inode: it is identified by
+ * the nearest existing folder above it and the rest of its path. */
 #include "td_base.h"
 #include "td_folder.h"
 
@@ -7,13 +9,14 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Where a path leads: what is there, or the nearest folder above that is, and the rest of the name. */
+/* Where a path leads: to an existing file or folder, or else to the nearest existing folder above it, plus the rest of the
+ * path. */
 typedef struct place {
-    char *path;   /* links at its end followed; NULL: nothing that can be replaced (a device, a FIFO, a pipe's "-") */
-    dev_t device; /* of what is there */
+    char *path;   /* after the links at its end; NULL: it can't be replaced (a device, a FIFO, "-" for a pipe) */
+    dev_t device; /* device and inode of what exists: the path itself, or the folder above it */
     ino_t inode;
-    const char *rest; /* of the path, "" where all of it is there */
-    int folder;       /* it is there, and is one */
+    const char *rest; /* the part of `path` below that folder; "": the path itself exists */
+    int folder;       /* 1: the path exists and is a folder */
 } place;
 
 static const char *skip_slashes(const char *text) {
@@ -21,20 +24,21 @@ static const char *skip_slashes(const char *text) {
     return text;
 }
 
-/* The nearest that is there. TIDES_NO_MEMORY. */
+/* Completes a place that has its path: finds what exists of it. A device or FIFO clears the path. The only failure is
+ * TIDES_NO_MEMORY. */
 static tides_status find_place(place *p, tides_error *error) {
     struct stat there;
     char *above = td_strdup(p->path, error);
     while (above && stat(above, &there) != 0) {
         char *next = td_folder_of(above, error);
-        const int ended = next && strcmp(next, above) == 0; /* not even a root */
+        const int ended = next && strcmp(next, above) == 0; /* the folder above is the path itself: "/" or "." */
         free(above);
         above = next;
         if (ended) break;
     }
     if (!above) return TIDES_NO_MEMORY;
     const size_t known = strlen(above);
-    p->rest = skip_slashes(strncmp(p->path, above, known) == 0 ? p->path + known : p->path); /* "." isn't in a bare name */
+    p->rest = skip_slashes(strncmp(p->path, above, known) == 0 ? p->path + known : p->path); /* a bare name has no "./" */
     free(above);
     p->device = there.st_dev;
     p->inode = there.st_ino;
@@ -45,7 +49,7 @@ static tides_status find_place(place *p, tides_error *error) {
     return TIDES_OK;
 }
 
-/* The place of `path`, or with `part` of the .part file that is written first. */
+/* The place of `path`. With `part`: the place of PATH.part, the file that holds an output until it is complete. */
 static tides_status place_of(const char *path, int part, place *p, tides_error *error) {
     *p = (place){.rest = ""};
     if (!path || strcmp(path, "-") == 0) return TIDES_OK;
@@ -62,13 +66,13 @@ static int is_same(const place *a, const place *b) {
     return a->path && b->path && a->device == b->device && a->inode == b->inode && strcmp(a->rest, b->rest) == 0;
 }
 
-/* 1 where what is there lies in the folder `a`, however deep. */
+/* 1 if `a` is a folder, and `b` exists and lies in it at any depth. */
 static int is_within(const place *a, const place *b, tides_error *error) {
     int found = 0;
     if (!a->path || !b->path || !a->folder || b->rest[0]) return 0;
     char *above = td_folder_of(b->path, error);
     for (struct stat there, last = {0}; above && !found && stat(above, &there) == 0; last = there) {
-        if (last.st_ino == there.st_ino && last.st_dev == there.st_dev) break; /* the root is its own parent */
+        if (last.st_ino == there.st_ino && last.st_dev == there.st_dev) break; /* "/.." is "/": the root was reached */
         found = there.st_dev == a->device && there.st_ino == a->inode;
         char *next = td_format(error, "%s/..", above);
         free(above);
@@ -78,7 +82,8 @@ static int is_within(const place *a, const place *b, tides_error *error) {
     return found;
 }
 
-/* Both places of an output against those of an input, or of another output. */
+/* Compares the two places of an output, its path and its .part, with those of an input or of another output. Fails if two of
+ * them are the same, or if the output lies in a folder that is an input. */
 static tides_status compare(const char *output, const place own[2], const char *other, const place theirs[2], int is_input,
                             tides_error *error) {
     for (int i = 0; i < 2; i++)
@@ -110,7 +115,7 @@ static tides_status check_output(const char *const *inputs, size_t input_count, 
         place theirs[2] = {{.path = NULL}, {.path = NULL}};
         if (!other) continue;
         status = place_of(other, 0, &theirs[0], is_input ? NULL : error);
-        if (is_input && status == TIDES_WRITE_FAILED) status = TIDES_OK; /* links in a circle are its reader's to refuse */
+        if (is_input && status == TIDES_WRITE_FAILED) status = TIDES_OK; /* the input's reader reports circular links */
         if (status == TIDES_OK && !is_input && theirs[0].path) status = place_of(other, 1, &theirs[1], error);
         if (status == TIDES_OK) status = compare(output, own, other, theirs, is_input, error);
         free(theirs[0].path);

@@ -1,7 +1,7 @@
-/* Counter-based random numbers: Philox4x32-10 and what is drawn from its bits.
+/* Counter-based random numbers: the generator Philox4x32-10, and the distributions drawn from its bits.
  *
- * Each is written once, for one number and for lanes of several alike: straight-line code without tables or calls of libm, that
- * compilers vectorise, and whose numbers are the same with every C library. */
+ * The inline functions make single numbers as well as TD_RANDOM_LANES numbers at a time. They are straight-line code without
+ * tables or calls of libm. Compilers vectorise them, and their numbers are the same with every C library. */
 #include "td_exponential.h"
 #include "td_random.h"
 #include "td_wide.h"
@@ -11,11 +11,13 @@
 
 /* -- bits ------------------------------------------------------------------------------------------------------------------ */
 
-/* Multipliers and the key's increments (golden ratio, sqrt(3) - 1), from the paper. */
+/* Multipliers of the counter's words, and increments of the key. Both are those of Salmon et al., SC 2011; the increments are
+ * the fractions of the golden ratio and of sqrt(3), times 2^32. */
 static const uint32_t multiplier[2] = {0xD2511F53u, 0xCD9E8D57u};
 static const uint32_t weyl[2] = {0x9E3779B9u, 0xBB67AE85u};
 
-/* Ten rounds over `lanes` counters, word by word; `k` is the key. */
+/* Ten rounds of Philox over `lanes` counters. c0 to c3 hold the words of the counters, which become the random bits; k0 and k1
+ * are the key. */
 static inline void philox(int lanes, uint32_t *restrict c0, uint32_t *restrict c1, uint32_t *restrict c2, uint32_t *restrict c3,
                           uint32_t k0, uint32_t k1) {
     for (int round = 0; round < 10; round++) {
@@ -64,7 +66,8 @@ void td_random_many(uint64_t seed, const uint32_t *pixel, const uint64_t *index,
 enum { MANTISSA = 52, BIAS = 1023 };
 static const uint64_t bits_of_1 = (uint64_t)BIAS << MANTISSA;
 
-/* (whole + 1/2) / 2^52 of the 52 highest bits: neither 0 nor 1. They are the mantissa of a number in [1, 2). */
+/* A uniform number, (whole + 1/2) / 2^52, which is never 0 or 1. `whole` is the 52 highest bits of `high` and `low`. As the
+ * mantissa of a number in [1, 2) it makes 1 + whole / 2^52; subtracting 1 - 2^-53 from that is exact. */
 static inline double uniform(uint32_t high, uint32_t low) {
     const uint64_t whole = ((uint64_t)high << 32 | low) >> (64 - MANTISSA);
     return td_double_of(whole | bits_of_1) - (1 - 0x1p-53);
@@ -82,7 +85,7 @@ void td_random_uniforms_many(const td_random_lanes *bits, double *value) {
 
 /* -- normals --------------------------------------------------------------------------------------------------------------- */
 
-/* sin(2 pi v), |v| <= 1/4: its series, whose first term left out is below 2^-59. */
+/* sin(2 pi v) for |v| <= 1/4, by Taylor's series. The first term that is left out is below 2^-59. */
 static inline double sine_of(double v) {
     const double two_pi = 6.28318530717958647693, x = two_pi * v, z = x * x;
     double sum = 1 / 51090942171709440000.0; /* 1 / 21! */
@@ -98,7 +101,8 @@ static inline double sine_of(double v) {
     return x + x * (z * sum);
 }
 
-/* Box and Muller: radius from one uniform, angle from the other, which is folded to a quarter turn without rounding. */
+/* Two normal numbers from two uniform ones (Box and Muller): the radius comes from `u`, and the angle is `turn` [turns]. The
+ * angle is folded without rounding into the range of sine_of, which ends at a quarter turn. */
 static inline void normals(double u, double turn, double *cosine, double *sine) {
     const double radius = sqrt(-2 * td_logarithm(u)), v = turn - 0.5, beyond = fabs(v) - 0.25;
     *cosine = radius * sine_of(beyond);

@@ -1,4 +1,5 @@
-/* Internal: COLMAP's cameras.txt and cameras.bin, for the readers of its images and of formats that borrow its cameras. */
+/* Internal: reads COLMAP's cameras.txt and cameras.bin, for the reader of COLMAP's images and for readers of other formats that
+ * take their cameras from these files. */
 #ifndef TD_COLMAP_H
 #define TD_COLMAP_H
 
@@ -6,7 +7,7 @@
 
 typedef struct td_colmap_camera {
     uint32_t id;
-    int32_t distorted; /* 1: the model bends lines as no lens here does */
+    int32_t distorted; /* 1: no lens of TIDES has this distortion; `intrinsics` is the pinhole that agrees at the axis */
     tides_intrinsics intrinsics;
 } td_colmap_camera;
 
@@ -15,18 +16,21 @@ typedef struct td_colmap_cameras {
     size_t count, capacity;
 } td_colmap_cameras;
 
-/* 1 where the file's name, folders apart, is `name`. */
+/* 1 if the last part of the path `file`, behind its folders, is `name`. */
 int td_colmap_is_named(const char *file, const char *name);
 
-/* Reads `bytes` that end in a NUL; `file` is for messages. All models; an empty list is TIDES_BAD_FILE. On success the caller
- * frees the list. TIDES_BAD_FILE, TIDES_UNSUPPORTED (an unknown model), TIDES_NO_MEMORY. */
+/* Reads the cameras in `data`: the contents of a cameras.bin if `binary` is 1, else of a cameras.txt. `data` is `bytes` long,
+ * with a NUL behind its last byte. Errors call it `file`. All camera models of COLMAP are read. On success the caller frees
+ * cameras->list. TIDES_BAD_FILE: the data are malformed or hold no camera; TIDES_UNSUPPORTED: an unknown model;
+ * TIDES_NO_MEMORY. */
 tides_status td_colmap_parse_cameras(const char *file, const char *data, size_t bytes, int binary, td_colmap_cameras *cameras,
                                      tides_error *error);
 
-/* The cameras.bin or cameras.txt beside `file`, whichever is of its kind first. TIDES_FILE_NOT_FOUND where there is none. */
+/* Reads the cameras.bin or cameras.txt in the folder that holds `file`. If both exist, it reads cameras.bin if `binary` is 1,
+ * else cameras.txt. TIDES_FILE_NOT_FOUND: neither exists. Other failures are those of td_colmap_parse_cameras. */
 tides_status td_colmap_load_cameras(const char *file, int binary, td_colmap_cameras *cameras, tides_error *error);
 
-/* NULL where there is none. */
+/* The camera with this id, or NULL. */
 const td_colmap_camera *td_colmap_find(const td_colmap_cameras *cameras, uint32_t id);
 
 #endif

@@ -1,7 +1,12 @@
-/* The Event Camera Dataset (Mueggler et al. 2017; rpg.ifi.uzh.ch/davis_data), of each camera: events.txt `t x y p`, images.txt
- * and images/, groundtruth.txt `t px py pz qx qy qz qw` of the camera in the world [m], calib.txt
- * `fx fy cx cy k1 k2 p1 p2 k3`, imu.txt `t ax ay az gx gy gz` where there is an IMU, and as its synthetic sequences
- * depthmaps.txt and depthmaps/ [m]. All times in seconds. */
+/* The layout of the Event Camera Dataset (Mueggler et al. 2017; rpg.ifi.uzh.ch/davis_data). Each camera has these files, whose
+ * times are in seconds:
+ *
+ *   events.txt                  `t x y p`, if the camera makes events
+ *   images.txt, images/         `t FILE`, and the pictures, if the camera makes pictures
+ *   groundtruth.txt             `t px py pz qx qy qz qw`, the camera's pose in the world [m]
+ *   calib.txt                   `fx fy cx cy k1 k2 p1 p2 k3`
+ *   imu.txt                     `t ax ay az gx gy gz` [m/s^2, rad/s], if the sequence has an IMU
+ *   depthmaps.txt, depthmaps/   `t FILE`, and the depth [m]; the original has these in its synthetic sequences only */
 #include "td_dataset.h"
 
 #include <stdlib.h>
@@ -54,7 +59,7 @@ static tides_status picture(td_writer *w, const td_picture *p, tides_error *erro
                : status;
 }
 
-/* 0 where nothing is seen. */
+/* Writes the depth [m] as OpenEXR. Pixels without a depth have 0. */
 static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
     ecd *e = w->state;
     const tides_intrinsics *k = &w->camera->facts.intrinsics;

@@ -1,17 +1,18 @@
-/* Inertial measurements as HDF5: /t [s], /angular_rate [rad/s], /specific_force [m/s^2] and both biases, (n) and (n x 3), each
- * with its unit as an attribute. */
+/* Writes n inertial measurements as HDF5. /t [s] has n values. /angular_rate and /gyroscope_bias [rad/s], /specific_force and
+ * /accelerometer_bias [m/s^2] have n x 3. Each array has its unit in the attribute `unit`. */
 #include "archive/td_h5.h"
 #include "archive/td_h5_driver.h"
 #include "run/td_imu_file.h"
 
-/* The data to write. */
+/* The data to write; `run` is the JSON text of the run that the samples are of. */
 typedef struct all_samples {
     const tides_imu_sample *samples;
     size_t count;
     const char *run;
 } all_samples;
 
-/* An array: a column of the samples, which HDF5 takes out of them by their size. */
+/* Writes one column of the samples as an array of its own. HDF5 sees the samples as a table of doubles, with a row for each
+ * sample, and takes the column out of every row. */
 static herr_t put_array(hid_t file, const td_imu_column *column, const tides_imu_sample *samples, size_t count) {
     const hsize_t shape[2] = {count, column->width}, all[2] = {count, sizeof *samples / sizeof(double)};
     const hsize_t from[2] = {0, column->offset / sizeof(double)};
