@@ -1,13 +1,14 @@
-/* One work-item's share of a tile job: the list of splats over TD_LANES pixels of one 4x4 block, and the planes that result. */
+/* One work-item's share of a tile job. It blends the job's list of splats over TD_LANES pixels of one 4x4 block, and stores
+ * these pixels' values in the job's output planes. */
 #ifndef TD_BLOCK_H
 #define TD_BLOCK_H
 
 #include "decoder.h"
 #include "soft_order.h"
 
-/* Pixel offsets within a 4x4 block of the lanes that begin at pixel `first`. */
+/* Column and row within a 4x4 block of TD_LANES pixels, in row-major order from pixel `first` on. */
 TD_INLINE void td_block_offsets(int first, td_lanes *x, td_lanes *y) {
-    (void)first; /* sixteen lanes begin at 0 */
+    (void)first; /* unused with sixteen lanes, which are the whole block: `first` is 0 */
 #if TD_LANES == 16
     *x = (td_lanes)(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
     *y = (td_lanes)(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
@@ -23,11 +24,13 @@ TD_INLINE void td_block_offsets(int first, td_lanes *x, td_lanes *y) {
 #endif
 }
 
-/* Splats whose alphas are worked out before any of them takes light: eight, after which it is asked whether to go on. */
+/* Splats of a batch: their alphas are computed before the first of them is blended. A batch has at most eight splats, because
+ * td_look_ahead checks after every eighth one whether the list can end. */
 enum { TD_BATCH = TD_LANES < 8 ? TD_LANES : 8 };
 
-/* tau, tau_dot and what is wanted of a batch. Splats don't depend on each other here: while one waits, others go on. A
- * processor looks a hundred operations ahead, which are more splats where a loop is short: three take less time than one. */
+/* Computes tau, tau_dot and `wanted` for a batch. `wanted` is the transmittance that must be left behind a splat for it to
+ * be blended, -1 where the pixel doesn't see the splat. Three short loops take less time than one long loop: the processor's
+ * reorder window is about 100 operations, and in a short loop these belong to more splats, which don't wait for each other. */
 TD_INLINE void td_batch_alphas(const td_list *list, const td_image *image, const int *row, int count,
                                const td_composite *pixels, td_lanes *tau, td_lanes *tau_dot, td_lanes *wanted) {
     td_lanes power[TD_BATCH], rate[TD_BATCH], alpha[TD_BATCH];
@@ -36,19 +39,22 @@ TD_INLINE void td_batch_alphas(const td_list *list, const td_image *image, const
     for (int k = 0; k < count; k++) td_splat_tau(image, alpha[k], rate[k], tau + k, tau_dot + k, wanted + k);
 }
 
-/* a and a_dot of those that are soft: near the next, or reached by the one before. */
+/* Optical depths `a` and their rates for the splats of a batch that are blended in soft order. Splat k is one of them if the
+ * next splat is near in depth (near[k]), or if the splat before it has a near next one (near[k - 1]; `open` for splat 0). */
 TD_INLINE void td_batch_depths(const int *near, int open, int count, const td_lanes *tau, const td_lanes *tau_dot, td_lanes *a,
                                td_lanes *a_dot) {
     for (int k = 0; k < count; k++) {
 #if TD_LANES == 1
-        a[k] = a_dot[k] = 0; /* for compilers that can't see that it isn't read otherwise */
+        a[k] = a_dot[k] = 0; /* for compilers that can't see that values of the other splats aren't read */
 #endif
         if (near[k] | open) td_optical_depth(tau[k], tau_dot[k], a + k, a_dot + k);
         open = near[k];
     }
 }
 
-/* Splat k of a batch to one channel, entry c of its colour: it takes out light with others, or by itself. */
+/* Adds one splat to one colour channel, which is entry c of its colour. In soft order the splat joins the splats that take out
+ * light now, and the channel gets their common light as far as the next splat. In hard order the channel gets the light of this
+ * splat alone. */
 TD_INLINE void td_blend_channel(TD_GLOBAL const td_real *colour, int c, int is_soft, const td_shown *shown, td_lanes a,
                                 td_lanes a_dot, td_real left, td_real m_dot, td_channel *channel) {
     td_lanes value = td_splat(colour[c]), rate = td_splat(colour[3 + c]);
@@ -60,7 +66,8 @@ TD_INLINE void td_blend_channel(TD_GLOBAL const td_real *colour, int c, int is_s
     }
 }
 
-/* Blends splats [first, first + count) of a group. A splat without a near neighbour is blended as in hard order. */
+/* Blends splats [first, first + count) of a group. In soft order, a splat without a neighbour near in depth is blended as
+ * in hard order. */
 TD_INLINE void td_blend_batch(const td_list *list, const td_image *image, const td_group *group, int first, int count,
                               const td_soft_steps *steps, td_soft *soft, td_channels *channels, td_composite *pixels) {
     td_lanes tau[TD_BATCH], tau_dot[TD_BATCH], wanted[TD_BATCH], a[TD_BATCH], a_dot[TD_BATCH];
@@ -90,7 +97,8 @@ TD_INLINE void td_blend_batch(const td_list *list, const td_image *image, const 
     }
 }
 
-/* Blends the splats that touch `block`, in hard or soft depth order; returns how many. */
+/* Blends the splats that touch `block`, in hard or soft depth order; the list ends early where the stop rule says so.
+ * Returns the number of splats blended. */
 TD_INLINE int td_composite_list(const td_list *list, const td_image *image, int block, td_channels *channels,
                                 td_composite *pixels) {
     int blended = 0;
@@ -115,8 +123,8 @@ TD_INLINE int td_composite_list(const td_list *list, const td_image *image, int 
     return blended;
 }
 
-/* Composites pixels [first, first + TD_LANES) of block `block` (0..15) of a job; `out` is where the first one's planes begin,
- * which are TD_BLOCK_PIXELS apart. Returns the number of splats blended. */
+/* Composites pixels [first, first + TD_LANES) of block `block` (0..15) of a job. `out` is the place of pixel `first` in the
+ * block's first plane; each further plane begins TD_BLOCK_PIXELS values later. Returns the number of splats blended. */
 TD_INLINE int td_composite_block(const td_job *job, const td_list *list, const td_image *image,
                                  TD_GLOBAL const td_backdrop *backdrop, int block, int first, TD_GLOBAL td_real *out) {
     td_lanes x, y;
@@ -138,7 +146,7 @@ TD_INLINE int td_composite_block(const td_job *job, const td_list *list, const t
         td_finish_coded(image, channel, signal);
     else
         td_finish_signal(&shown, backdrop->luminance, backdrop->luminance_dot, image->log_eps, signal);
-    if (!td_with_rates(image)) { /* values that aren't stored are left out by compilers */
+    if (!td_with_rates(image)) { /* Y alone is stored; compilers drop the computation of the rest */
         td_store_lanes(out, signal[2]);
         return blended;
     }

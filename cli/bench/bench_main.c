@@ -1,5 +1,5 @@
-/* A program of benchmarks, by a table of them: what is asked for, a run of each, the page of all results. For `tides bench`,
- * and for the tests' own benchmarks of this library (tests/bench/own). */
+/* The main function of a benchmark program, whose benchmarks are in a table. It parses the command line, runs the benchmarks
+ * that were chosen, and writes a page of all results. `tides bench` and the tests' own program (tests/bench/own) use it. */
 #include "bench_main.h"
 #include "bench_page.h"
 
@@ -28,7 +28,7 @@ static int unknown_benchmark(const cli_command *command, const bench_list *all, 
     return cli_usage(command, "no benchmark is called %s; there are %s and all", name, known);
 }
 
-/* -- what is chosen ------------------------------------------------------------------------------------------------------- */
+/* -- checks of --scene and --row ------------------------------------------------------------------------------------------ */
 
 static int32_t is_one_of(const char *name, const char *const *names) {
     for (; *names; names++)
@@ -36,7 +36,7 @@ static int32_t is_one_of(const char *name, const char *const *names) {
     return 0;
 }
 
-/* A built-in scene, or a file. */
+/* The name of a scene must be that of a built-in one, or the path of a file that exists. */
 static int check_scene(const cli_command *command, const bench_entry *of, const char *name) {
     struct stat found;
     if (is_one_of(name, of->names()) || stat(name, &found) == 0) return CLI_GO;
@@ -54,7 +54,8 @@ static int check_row(const cli_command *command, const bench_entry *of, const ch
                      of->name);
 }
 
-/* Scenes and rows, each of the benchmarks that have them. */
+/* Checks the names of --scene and --row. A benchmark that opens devices by itself (own_devices) has rows; all others have
+ * scenes. */
 static int check_names(const cli_command *command, const bench_entry *of, const cli_list *scenes, const cli_list *rows) {
     int code = CLI_GO;
     if (of == &everything && scenes->count + rows->count) return cli_usage(command, "all takes neither --scene nor --row");
@@ -67,7 +68,7 @@ static int check_names(const cli_command *command, const bench_entry *of, const 
 
 /* -- runs ----------------------------------------------------------------------------------------------------------------- */
 
-/* A benchmark, and the page of all that its folder has then. */
+/* Runs one benchmark, then writes the page of all results in its folder, those of earlier runs included. */
 static tides_status run(bench *b, const bench_list *all, const bench_entry *of, const cli_list *names, tides_error *error) {
     tides_status status = cli_make_directory(b->directory, error);
     if (status == TIDES_OK && !of->own_devices) status = tides_device_open(b->common->device, &b->device, error);
@@ -82,8 +83,8 @@ static tides_status run(bench *b, const bench_list *all, const bench_entry *of, 
     return status == TIDES_OK ? bench_page(b, all, error) : status;
 }
 
-/* Runs all benchmarks. Those with processes of their own come first: nothing that has threads may be open in the process that
- * starts them. */
+/* Runs all benchmarks. Benchmarks with own_devices come first, because some of them fork: a process that forks must have no
+ * threads, and an open device has threads. */
 static tides_status run_all(bench *b, const bench_list *all, tides_error *error) {
     static const cli_list none = {.count = 0};
     tides_status status = TIDES_OK;

@@ -1,4 +1,5 @@
-/* tides view: events as a picture, as an animation of pictures, or as a page (view_page.c); or ground truth (view_truth.c). */
+/* `tides view` shows events as a picture, as an animation of pictures, or as a page (view_page.c). It shows ground truth, too
+ * (view_truth.c). */
 #include "recording.h"
 #include "view.h"
 #include "view_page.h"
@@ -13,7 +14,7 @@
 static const struct kind {
     const char *name;
     view_drawer draw;
-    int32_t windows; /* 1: shows a short window, 0: all there is; both may be given */
+    int32_t windows; /* what a picture shows by default, 1: a short window, 0: all events */
     int32_t animates;
 } kinds[] = {{"frame", view_frame, 1, 1},
              {"surface", view_surface, 1, 1},
@@ -22,11 +23,12 @@ static const struct kind {
              {"isi", view_isi, 0, 0}};
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
-/* Where none is given: what is sharp and yet dense in most recordings; a quarter of real time at 25 pictures a second. */
+/* Defaults of --window and --fps. In 10 ms, most recordings have many events and their edges are still sharp. Windows of 10
+ * ms at 25 pictures a second play at a quarter of real time. */
 #define WINDOW_S 0.01
 #define PICTURES_PER_SECOND 25.0
 
-/* The command line's texts; NULL where not given. */
+/* Texts of options on the command line; NULL for an option that isn't given. */
 typedef struct arguments {
     const char *kind, *time, *decay, *bin, *scale, *azimuth, *elevation, *fps, *points, *theme, *most;
 } arguments;
@@ -43,7 +45,7 @@ typedef struct job {
     int32_t has_time;
 
     cli_window recording;
-    uint64_t pictures, events; /* made; of a single one */
+    uint64_t pictures, events; /* pictures drawn so far; events in the stretch that they show */
     int32_t width, height;
 } job;
 
@@ -62,7 +64,8 @@ static int parse_kind(const cli_command *command, const char *name, job *j) {
     return cli_usage(command, "--kind %s: should be frame, surface, xyt, rate, isi or truth", name);
 }
 
-/* A number in [low, high]; left as it is where not given. */
+/* Parses an option's number, which must be in [low, high]. If the option isn't given (`text` is NULL), `number` keeps its
+ * value. */
 static int number_in(const cli_command *command, const char *option, const char *text, double low, double high,
                      double *number) {
     if (!text) return CLI_GO;
@@ -71,7 +74,8 @@ static int number_in(const cli_command *command, const char *option, const char 
     return cli_usage(command, "%s %s: should be %g to %g", option, text, low, high);
 }
 
-/* Takes the kind of output from its name: a video, numbered pictures, or one picture unless it is to move. */
+/* Finds out from the output's name whether it is an animation (a video, or numbered pictures) or a single picture, and rejects
+ * options that don't fit. A .png is a single picture unless --animate is given. */
 static int parse_output(const cli_command *command, const char *fps, const char *most, job *j) {
     if (!j->out) return cli_usage(command, "say where the picture goes: -o OUT.png");
     j->to_stdout = strcmp(j->out, "-") == 0;
@@ -127,7 +131,7 @@ static int parse(const cli_command *command, const arguments *given, job *j) {
     return code;
 }
 
-/* Refuses options of a picture's looks for a page: they are chosen in the page. */
+/* Parses the options of a page. Options for the looks of a picture are rejected: a page has controls for them. */
 static int parse_page(const cli_command *command, const arguments *given, job *j) {
     const arguments *g = given;
     if (g->kind || g->time || g->decay || g->bin || g->scale || g->azimuth || g->elevation || g->fps || g->points || g->theme ||
@@ -145,7 +149,9 @@ static int64_t window_of(const job *j) {
     return j->stretch.window_ns ? j->stretch.window_ns : (int64_t)llround(1e9 * WINDOW_S);
 }
 
-/* The stretch that one picture shows: what was given, all, or a window in the middle. */
+/* The events of a single picture. With --time, these are the window that ends there. Otherwise the stretch is from --start
+ * to --stop, by default the whole recording. The picture has all of it or one window: at --start, else before --stop, else
+ * in the middle. */
 static cli_window shown_once(const job *j) {
     const cli_stretch *s = &j->stretch;
     int64_t first = s->start_ns, stop = s->stop_ns;
@@ -180,7 +186,8 @@ static tides_status make_picture(job *j, tides_error *error) {
     return status;
 }
 
-/* Picture number j->pictures, and the animation itself once the size is known. */
+/* Draws picture number j->pictures and appends it to the animation. The first picture opens the animation, because its size is
+ * that of all pictures. */
 static tides_status add_picture(job *j, const cli_window *shown, tides_animation **animation, tides_error *error) {
     cli_canvas canvas = {.cairo = NULL};
     tides_status status = draw(j, shown, &canvas, error);
@@ -196,7 +203,7 @@ static tides_status add_picture(job *j, const cli_window *shown, tides_animation
     return status;
 }
 
-/* Windows that begin a step apart; a recording without events has one picture. */
+/* Appends one picture for each window; windows begin a step apart. A recording without events gets one picture. */
 static tides_status add_pictures(job *j, tides_animation **animation, tides_error *error) {
     const cli_stretch *s = &j->stretch;
     const int64_t window = window_of(j), step = s->step_ns;
@@ -224,7 +231,8 @@ static tides_status make_animation(job *j, tides_error *error) {
 
 /* ---- the command ---- */
 
-/* Reads what the picture needs; --time alone needs all from the beginning of the window, or of what a surface remembers. */
+/* Reads the events and draws them. With --time the whole recording is read, because --start and --stop can't be given then. The
+ * window that --time ends must overlap the recording. */
 static tides_status run(job *j, tides_error *error) {
     const cli_output written = {j->to_stdout ? NULL : j->out, NULL};
     tides_status status = cli_check_outputs(j->stretch.file, &written, 1, error);
@@ -261,7 +269,8 @@ static int report(const job *j) {
 int cmd_view(const cli_command *command, int argc, char **argv) {
     cli_common common;
     arguments given = {.kind = NULL};
-    /* A surface that has faded by exp(-1) after 30 ms is HOTS's; the eye's place is one where all three axes show. */
+    /* A surface fades to exp(-1) within decay_s; 30 ms is the value of HOTS. The eye of --kind xyt is where all three axes
+     * show. */
     job j = {.common = &common,
              .view = {.decay_s = 0.03, .azimuth_deg = VIEW_AZIMUTH_DEG, .elevation_deg = VIEW_ELEVATION_DEG},
              .pictures_per_second = PICTURES_PER_SECOND};

@@ -4,8 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Appends those of the stretch; `*past` once one lies behind it: events are sorted by time. Where none of them is in the
- * stretch all are looked at: what is to be said then is from when to when they last. */
+/* Appends the events that are within the window's stretch. `*past` becomes 1 at an event behind the stretch: events are
+ * expected in order of time, so that none of the later ones is wanted. While the window is empty, all events are looked at
+ * nevertheless, because the error message for an empty stretch (cli_window_check) says when the recording begins and ends. */
 static tides_status keep(const char *path, cli_window *window, size_t *capacity, const tides_event *events, size_t count,
                          int *past, tides_error *error) {
     for (size_t i = 0; i < count && !(*past && window->count); i++) {
@@ -27,7 +28,7 @@ static tides_status keep(const char *path, cli_window *window, size_t *capacity,
     return TIDES_OK;
 }
 
-/* Files that don't say how large the sensor is are taken at what their events reach. */
+/* Sets the sensor's size [px]. If the file doesn't say it, the size is the smallest that holds the window's events. */
 static void set_size(cli_window *window, const tides_event_facts *facts) {
     window->width = facts->width > 0 ? facts->width : 1;
     window->height = facts->height > 0 ? facts->height : 1;
@@ -48,7 +49,7 @@ tides_status cli_window_read(const char *path, cli_window *window, tides_error *
         if (status == TIDES_OK) status = keep(path, window, &capacity, events, got, &past, error);
     }
     if (status == TIDES_OK) {
-        tides_event_reader_facts(reader, &window->facts); /* some formats know the size only once they are read */
+        tides_event_reader_facts(reader, &window->facts); /* after the events: some formats give the sensor's size late */
         set_size(window, &window->facts);
         window->run_start_ns = window->facts.start_ns;
         window->run_stop_ns = window->facts.stop_ns;

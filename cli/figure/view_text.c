@@ -1,4 +1,4 @@
-/* Headings of pictures: times, numbers, the colours' legend. */
+/* Text on the pictures of `tides view`: intervals and axes of time, numbers, headings, and the legend of ON and OFF. */
 #include "view.h"
 
 #include <math.h>
@@ -10,7 +10,8 @@ view_unit view_unit_for(int64_t first_ns, int64_t stop_ns) {
     return largest >= 1e6 ? (view_unit){"ms", 1e6} : (view_unit){"us", 1e3};
 }
 
-/* Decimals that show `least_ns` in a unit, and never less than a nanosecond. */
+/* The number of decimals that times in `unit` need so that a difference of `least_ns` shows. Differences below a nanosecond get
+ * the decimals of a nanosecond. */
 static int decimals_for(const view_unit *unit, double least_ns) {
     const double digits = ceil(log10(unit->ns) - log10(fmax(least_ns, 1)) - 1e-9);
     return digits > 0 ? (int)digits : 0;
@@ -27,7 +28,7 @@ void view_interval(const cli_window *shown, char text[96]) {
 }
 
 view_axis view_time_axis(const cli_window *shown) {
-    enum { LEAST_NS = 1000, ENOUGH = 20 /* spans from 0 to where three digits no longer tell ticks apart */ };
+    enum { LEAST_NS = 1000, ENOUGH = 20 /* spans: farther from 0, three digits no longer tell ticks apart */ };
     view_axis axis = {.first_ns = shown->first_ns, .stop_ns = shown->stop_ns};
     if (axis.stop_ns < axis.first_ns + LEAST_NS) axis.stop_ns = axis.first_ns + LEAST_NS;
     const double span = (double)(axis.stop_ns - axis.first_ns),
@@ -40,7 +41,7 @@ view_axis view_time_axis(const cli_window *shown) {
     const int64_t round = (int64_t)pow(10, floor(log10(span)));
     const view_unit unit = view_unit_for(axis.first_ns, axis.first_ns);
     axis.origin_ns = axis.first_ns / round * round;
-    if (axis.origin_ns > axis.first_ns) axis.origin_ns -= round; /* division rounds towards 0 */
+    if (axis.origin_ns > axis.first_ns) axis.origin_ns -= round; /* C rounds a negative quotient up */
     axis.unit = view_unit_for(0, axis.stop_ns - axis.origin_ns);
     snprintf(axis.label, sizeof axis.label, "time after %.*f %s [%s]", decimals_for(&unit, (double)round),
              (double)axis.origin_ns / unit.ns, unit.name, axis.unit.name);

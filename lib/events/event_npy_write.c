@@ -1,5 +1,5 @@
-/* Writing events as numpy's arrays: a structured one (.npy), and one per column (.npz), whose events wait in a file of their
- * own until all are there. */
+/* Writes events as numpy arrays. A .npy has one structured array. A .npz has one array per column, one after the other, so
+ * that its events are kept in a temporary file, the spool, until the last one is there. */
 #include "archive/td_npy.h"
 #include "td_base.h"
 #include "td_endian.h"
@@ -8,12 +8,12 @@
 #include <errno.h>
 #include <stdlib.h>
 
-/* Bytes of a packed row, 8 for t, 2 for x, 2 for y, 1 for p; rows written at once. */
+/* RECORD: bytes of a packed row, 2 for x, 2 for y, 8 for t, 1 for p. ROWS: rows that are written at once. */
 enum { RECORD = 13, ROWS = 4096 };
 
 typedef struct npy_writer {
     td_npy_writer *file;
-    FILE *spool; /* .npz: the events, until their columns are written one after the other */
+    FILE *spool; /* .npz: holds the events until their columns are written; NULL for a .npy */
     unsigned char rows[ROWS * 16];
 } npy_writer;
 
@@ -25,14 +25,16 @@ void td_event_npy_discard(td_event_sink *sink) {
     free(w);
 }
 
-/* The library writes beside the name that it is given, which is our .part. */
+/* Opens the array writer. It gets the sink's .part as its path: it writes to a .part of that one, and renames it to the
+ * sink's .part when it is closed. The sink puts its .part in place after that. */
 static tides_status create_writer(td_event_sink *sink, int zipped, tides_error *error) {
     npy_writer *w = td_alloc(1, sizeof *w, error);
     sink->state = w;
     return w ? td_npy_writer_open(sink->part, zipped, &w->file, error) : TIDES_NO_MEMORY;
 }
 
-/* Polarity as int8: tonic's voxel grids lose it where it is bool. Coordinates as int16, which tonic's own readers give. */
+/* Begins a .npy with the dtypes that tonic needs. Polarity is an int8, because tonic's voxel grids lose a polarity that is a
+ * bool. Coordinates are int16, as from tonic's own readers. */
 tides_status td_event_npy_create(td_event_sink *sink, tides_error *error) {
     tides_status status = create_writer(sink, 0, error);
     npy_writer *w = sink->state;
@@ -64,7 +66,7 @@ tides_status td_event_npy_complete(td_event_sink *sink, int64_t stop_ns, tides_e
     (void)stop_ns;
     npy_writer *w = sink->state;
     td_npy_writer *file = w->file;
-    w->file = NULL; /* gone in any case */
+    w->file = NULL; /* td_npy_writer_close frees it, also if it fails */
     return td_npy_writer_close(file, error);
 }
 
@@ -78,7 +80,7 @@ tides_status td_event_npz_create(td_event_sink *sink, tides_error *error) {
     if (!name) return TIDES_NO_MEMORY;
     w->spool = td_part_open(name, sink->path);
     if (!w->spool) status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", name, strerror(errno));
-    remove(name); /* it lives as long as it is open */
+    remove(name); /* the name alone is gone: the spool's bytes exist until it is closed */
     free(name);
     return status;
 }

@@ -1,19 +1,25 @@
-/* LCC (XGRIDS' scanners): a .lcc beside index.bin, data.bin and, of "Quality" and older files, shcoef.bin; perhaps an
- * environment.bin. The .lcc is JSON:
+/* LCC scenes, the format of XGRIDS' scanners. Beside the .lcc lie index.bin and data.bin, and perhaps an environment.bin. A
+ * shcoef.bin (spherical harmonics, SH) lies there if fileType is "Quality", or if there is no fileType but an attribute
+ * "shcoef". The .lcc is JSON:
  *
- *     {"fileType": "Quality" or "Portable", "totalLevel": 2, "splats": [of level 0, of level 1],
- *      "attributes": [{"name": "scale", "min": [x, y, z], "max": [x, y, z]}, {"name": "shcoef", ..}, "envscale", "envshcoef"]}
+ *     {"fileType": "Quality" or "Portable", "totalLevel": 2, "splats": [Gaussians of level 0, of level 1],
+ *      "attributes": [{"name": "scale", "min": [x, y, z], "max": [x, y, z]}, {"name": "shcoef", ..},
+ *                     {"name": "envscale", ..}, {"name": "envshcoef", ..}]}
  *
- * index.bin has a unit of space after the other: int16 x, int16 y, and for each level of detail, the finest first, int32
- * Gaussians, int64 offset into data.bin, int32 bytes there. A Gaussian of data.bin is 32 bytes, little-endian:
+ * index.bin is an array of units of space: int16 x, int16 y, and one run for each level of detail, the finest first. A run is
+ * int32 number of Gaussians, int64 offset of the first one in data.bin, int32 bytes of all. A Gaussian of data.bin is 32 bytes,
+ * little-endian:
  *
- *     float x y z; uint8 r g b a (colour 1/2 + C0 dc and opacity, of 255); uint16 scale x y z (linear, from min to max);
- *     uint32 rotation: three numbers of 10 bits from the lowest on, v sqrt(2) / 1023 - sqrt(1/2), of x y z w without the one
- *     whose number is in the top two bits; uint16 normal x y z, which isn't read
+ *     float x y z; uint8 r g b a, over 255: the colour 1/2 + C0 dc, and the opacity;
+ *     uint16 scale x y z, over 65535: 0 is min, 1 is max of the attribute "scale" (the scale itself, not its logarithm);
+ *     uint32 rotation: the top two bits number the component of x y z w that is left out (it is positive); the other three have
+ *     10 bits each, from the lowest on, where a number v is v sqrt(2) / 1023 - sqrt(1/2);
+ *     uint16 normal x y z, which isn't read
  *
- * and 64 bytes of shcoef.bin, at twice the offset: 15 coefficients, r 11 bits, g 10, b 11 from the lowest on, from min to max,
- * and 4 bytes. environment.bin has both of them side by side. z is up: turned by a quarter about x to the axes of a 3DGS .ply,
- * as splat-transform does. */
+ * Its SH are 64 bytes of shcoef.bin, at twice the offset in data.bin: 15 coefficients of r 11 bits, g 10, b 11 from the lowest
+ * on, from min to max of "shcoef", and 4 bytes that aren't read. A Gaussian of environment.bin is its 32 bytes, followed by its
+ * 64 bytes of SH if the scene has SH. LCC's z is up. The scene is turned by a quarter about x to the axes of a 3DGS .ply, as
+ * splat-transform does. */
 #include "td_base.h"
 #include "td_endian.h"
 #include "td_folder.h"
@@ -30,7 +36,7 @@
 
 enum { RECORD = 32, RECORD_SH = 64, COEFFICIENTS = 16, LEVELS_MAX = 64, UNIT = 4, RUN = 16 };
 
-/* Least and largest value of what is packed, axis by axis or channel by channel. */
+/* The least and the largest value of an attribute, by axis or by colour channel. Packed numbers are fractions between them. */
 typedef struct extent {
     double least[3], most[3];
 } extent;
@@ -40,8 +46,8 @@ typedef struct lcc {
     cJSON *meta;
     int has_sh;
     int64_t levels, level;
-    unsigned char *units; /* index.bin */
-    size_t count;         /* of them */
+    unsigned char *units; /* the bytes of index.bin */
+    size_t count;         /* number of units */
     tides_error *error;
 } lcc;
 
@@ -121,7 +127,7 @@ static tides_status lcc_open(lcc *l, const char *path, const char *part, tides_e
 static double between(const extent *e, size_t k, double part) { return (1 - part) * e->least[k] + part * e->most[k]; }
 
 static void take_rotation(uint32_t word, float q[4]) {
-    const unsigned left_out = word >> 30; /* of x y z w */
+    const unsigned left_out = word >> 30; /* number of a component: 0 is x, 3 is w */
     double xyzw[4] = {0}, rest = 1;
     for (unsigned k = 0; k < 4; k++) {
         if (k == left_out) continue;
@@ -152,7 +158,8 @@ static void take_harmonics(const unsigned char *b, const extent *range, const td
     }
 }
 
-/* The runs of the level, whose Gaussians must all be in data.bin's `size` bytes, and can't be more than it holds. */
+/* Counts the Gaussians of the level's runs. Each run must lie within the `size` bytes of data.bin. The sum must not exceed the
+ * Gaussians that data.bin has room for: runs of a broken file may overlap. */
 static tides_status count_runs(const lcc *l, size_t size, int64_t *count) {
     *count = 0;
     for (size_t i = 0; i < l->count; i++) {
@@ -206,7 +213,7 @@ static tides_status read_level(const lcc *l, td_gaussians *g) {
     return status;
 }
 
-/* 1 where there is an environment. */
+/* 1 if environment.bin exists. */
 static int has_environment(const lcc *l) {
     char *file = td_beside(l->path, names[ENVIRONMENT], NULL);
     const int found = file && td_is_file(file);
@@ -234,7 +241,7 @@ static tides_status read_environment(const lcc *l, td_gaussians *g) {
 }
 
 static tides_status read_all(const lcc *l, td_gaussians *gaussians) {
-    static const double quarter[12] = {1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0}; /* z, which is up, becomes -y */
+    static const double quarter[12] = {1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0}; /* up, which is z, becomes -y */
     td_gaussians parts[2] = {{0}, {0}};
     size_t count = 0;
     tides_status status = read_level(l, &parts[count]);

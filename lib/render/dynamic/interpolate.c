@@ -1,9 +1,11 @@
-/* Interpolation between rows: a network or a callback costs several times what a cubic through rows at two times does.
+/* Interpolation of rows. A row of an expensive motion model (a network or a callback) takes several times as long as a row from
+ * the cubic through two other rows.
  *
- * After each sweep the backend says for every Gaussian of an expensive model by how much the cubic through start and end
- * misses the row in the middle (its misfit, in tolerances of log_luminance and time). Samples in either half then take the
- * cubic for those within 1, and the model for the others (tile_jobs.c). Here: switching that on, asking for the misfits, and
- * the weights of a time. */
+ * A sweep computes rows at the start, the middle and the end of its interval. After it, the backend measures a misfit for
+ * each Gaussian of an expensive model: the distance of the middle row from the cubic through start and end, in units of the
+ * tolerance (of log_luminance, and of time). A sample in the first or the second half of the interval then takes its row
+ * from the cubic through that half's two rows if the misfit is at most 1, and from the model otherwise (tile_jobs.c). This
+ * file switches interpolation on, asks for the misfits, and computes the weights of the cubic at a time. */
 #include "render/dynamic/td_dynamic.h"
 
 #include <stdlib.h>

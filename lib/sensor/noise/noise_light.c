@@ -1,12 +1,14 @@
-/* Noise of the photocurrent behind the photoreceptor's pole: its size and correlation time. */
+/* The noise_law `photocurrent`: standard deviation and correlation time of a pixel's noise at a log-luminance. The shot
+ * noise of the photocurrent is low-passed by the photoreceptor's single pole; noise_rms is added for noise that doesn't
+ * depend on light. */
 #include "td_noise_light.h"
 #include "td_base.h"
 #include "td_math.h"
 
 #include <math.h>
 
-static const double electron_a_s = 1.602176634e-19;
-static const double excess = 2; /* F */
+static const double electron_a_s = 1.602176634e-19; /* the elementary charge, exact in the SI */
+static const double excess = 2; /* F: shot noise of the photodiode, and as much of the photoreceptor (arXiv 2304.04019) */
 
 static tides_status check_currents(const tides_circuit *circuit, tides_error *error) {
     if (!(circuit->photocurrent_a >= 0 && circuit->photocurrent_a <= 1))
