@@ -70,7 +70,8 @@ KERNELS  := $(wildcard kernels/*.h kernels/*.cl)
 LIB_SRC  := $(wildcard lib/*/*.c lib/*/*/*.c)
 CLI_SRC  := $(wildcard cli/*/*.c)
 CLI_INCLUDES := $(addprefix -I,$(wildcard cli/*)) $(CLI_CFLAGS)
-PRESETS  := $(wildcard share/presets/*.json)
+# By name, so that a sensor comes before its variants.
+PRESETS  := $(addsuffix .json,$(sort $(basename $(wildcard share/presets/*.json))))
 PAGE     := $(wildcard share/page/*)
 LIB_OBJ  := $(LIB_SRC:%.c=$(OUT)/%.o) $(OUT)/kernels_embedded.o $(OUT)/presets_embedded.o $(OUT)/page_embedded.o
 CLI_OBJ  := $(CLI_SRC:%.c=$(OUT)/%.o)

@@ -130,6 +130,8 @@ int bench_main(const cli_command *command, const bench_list *all, int argc, char
     cli_catch_interrupt();
     const tides_status status =
         of == &everything ? run_all(&b, all, &error) : run(&b, all, of, of->own_devices ? &rows : &scenes, &error);
+    if (status == TIDES_CANCELLED && of == &everything)
+        return cli_failed("stopped on request; %s has the benchmarks that were finished", b.directory);
     if (status == TIDES_CANCELLED) return cli_failed("stopped on request; nothing was written");
     if (status != TIDES_OK) return cli_fail(&error);
     if (b.failed && of == &everything) return cli_failed("%d rows fail; the tables in %s say why", (int)b.failed, b.directory);

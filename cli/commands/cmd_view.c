@@ -52,7 +52,8 @@ typedef struct job {
 /* ---- the command line ---- */
 
 static int parse_kind(const cli_command *command, const char *name, job *j) {
-    const char *names[KINDS + 1] = {NULL};
+    const char *names[KINDS + 2] = {NULL};
+    names[KINDS] = "truth"; /* of files that aren't events' (below) */
     for (size_t i = 0; i < KINDS; i++) {
         names[i] = kinds[i].name;
         if (strcmp(name ? name : "frame", kinds[i].name) != 0) continue;

@@ -4,17 +4,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Appends the events that are within the window's stretch. `*past` becomes 1 at an event behind the stretch: events are
- * expected in order of time, so that none of the later ones is wanted. While the window is empty, all events are looked at
+/* Events may stand late by so many places, as in text (lib/events/event_text.c puts them in order). */
+enum { LATE_MOST = 65536 };
+
+/* Appends the events that are within the window's stretch. `*past` counts the events behind the stretch since the last one
+ * before its end: after more than may be late none of the others is wanted. While the window is empty, all events are looked at
  * nevertheless, because the error message for an empty stretch (cli_window_check) says when the recording begins and ends. */
 static tides_status keep(const char *path, cli_window *window, size_t *capacity, const tides_event *events, size_t count,
-                         int *past, tides_error *error) {
-    for (size_t i = 0; i < count && !(*past && window->count); i++) {
+                         size_t *past, tides_error *error) {
+    for (size_t i = 0; i < count; i++) {
         const int64_t t = events[i].t;
         const int32_t any = window->seen_ns < window->seen_stop_ns;
         if (!any || t < window->seen_ns) window->seen_ns = t;
         if (!any || t >= window->seen_stop_ns) window->seen_stop_ns = t < INT64_MAX ? t + 1 : t;
-        *past = t >= window->stop_ns;
+        *past = t >= window->stop_ns ? *past + 1 : 0;
         if (*past || t < window->first_ns) continue;
         if (window->count == *capacity) {
             size_t grown = *capacity ? 2 * *capacity : 4096;
@@ -42,9 +45,9 @@ tides_status cli_window_read(const char *path, cli_window *window, tides_error *
     tides_event_reader *reader = NULL;
     tides_event events[1024];
     size_t capacity = 0;
-    int past = 0;
+    size_t past = 0;
     tides_status status = tides_event_reader_open_as(path, window->how, &reader, error);
-    for (size_t got = 1; got && !(past && window->count) && status == TIDES_OK;) {
+    for (size_t got = 1; got && !(past > LATE_MOST && window->count) && status == TIDES_OK;) {
         status = tides_event_reader_read(reader, events, sizeof events / sizeof *events, &got, error);
         if (status == TIDES_OK) status = keep(path, window, &capacity, events, got, &past, error);
     }

@@ -27,7 +27,7 @@ static const char *skip_slashes(const char *text) {
 /* Completes a place that has its path: finds what exists of it. A device or FIFO clears the path. The only failure is
  * TIDES_NO_MEMORY. */
 static tides_status find_place(place *p, tides_error *error) {
-    struct stat there;
+    struct stat there = {0};
     char *above = td_strdup(p->path, error);
     while (above && stat(above, &there) != 0) {
         char *next = td_folder_of(above, error);
@@ -38,7 +38,9 @@ static tides_status find_place(place *p, tides_error *error) {
     }
     if (!above) return TIDES_NO_MEMORY;
     const size_t known = strlen(above);
-    p->rest = skip_slashes(strncmp(p->path, above, known) == 0 ? p->path + known : p->path); /* a bare name has no "./" */
+    const char *behind = strncmp(p->path, above, known) == 0 ? p->path + known : NULL;
+    const int whole = behind && (behind[0] == '/' || behind[0] == '\0' || above[known - 1] == '/'); /* "." isn't in ".x" */
+    p->rest = skip_slashes(whole ? behind : p->path); /* a bare name has no "./" */
     free(above);
     p->device = there.st_dev;
     p->inode = there.st_ino;

@@ -80,7 +80,7 @@ tides_status td_event_npz_create(td_event_sink *sink, tides_error *error) {
     if (!name) return TIDES_NO_MEMORY;
     w->spool = td_part_open(name, sink->path);
     if (!w->spool) status = td_fail(error, TIDES_WRITE_FAILED, "%s: can't be created: %s", name, strerror(errno));
-    remove(name); /* the name alone is gone: the spool's bytes exist until it is closed */
+    if (w->spool) remove(name); /* the name alone is gone: the spool's bytes exist until it is closed */
     free(name);
     return status;
 }
@@ -100,7 +100,7 @@ static size_t put_field(unsigned char *out, const tides_event *e, int column) {
     }
 }
 
-static tides_status write_column(npy_writer *w, int column, tides_error *error) {
+static tides_status write_column(npy_writer *w, const char *path, int column, tides_error *error) {
     tides_event events[256];
     tides_status status = TIDES_OK;
     rewind(w->spool);
@@ -110,6 +110,9 @@ static tides_status write_column(npy_writer *w, int column, tides_error *error) 
         for (size_t i = 0; i < got; i++) out += put_field(out, &events[i], column);
         if (got) status = td_npy_writer_append(w->file, w->rows, got, error);
     }
+    if (status == TIDES_OK && ferror(w->spool))
+        return td_fail(error, TIDES_WRITE_FAILED, "%s: its events can't be read back from their spool: %s", path,
+                       strerror(errno));
     return status;
 }
 
@@ -122,7 +125,7 @@ tides_status td_event_npz_complete(td_event_sink *sink, int64_t stop_ns, tides_e
     if (fflush(w->spool) != 0) return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: its disk is full", sink->part);
     for (int c = 0; c < TD_NPY_COLUMNS; c++) {
         tides_status status = td_npy_writer_begin(w->file, arrays[c].name, arrays[c].dtype, arrays[c].bytes, 1, NULL, error);
-        if (status == TIDES_OK) status = write_column(w, c, error);
+        if (status == TIDES_OK) status = write_column(w, sink->part, c, error);
         if (status != TIDES_OK) return status;
     }
     return td_event_npy_complete(sink, stop_ns, error);

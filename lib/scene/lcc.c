@@ -213,12 +213,13 @@ static tides_status read_level(const lcc *l, td_gaussians *g) {
     return status;
 }
 
-/* 1 if environment.bin exists. */
-static int has_environment(const lcc *l) {
-    char *file = td_beside(l->path, names[ENVIRONMENT], NULL);
-    const int found = file && td_is_file(file);
+/* `*found` becomes 1 if environment.bin exists. */
+static tides_status find_environment(const lcc *l, int *found) {
+    char *file = td_beside(l->path, names[ENVIRONMENT], l->error);
+    if (!file) return TIDES_NO_MEMORY;
+    *found = td_is_file(file);
     free(file);
-    return found;
+    return TIDES_OK;
 }
 
 static tides_status read_environment(const lcc *l, td_gaussians *g) {
@@ -246,7 +247,9 @@ static tides_status read_all(const lcc *l, td_gaussians *gaussians) {
     size_t count = 0;
     tides_status status = read_level(l, &parts[count]);
     count += !status;
-    if (!status && has_environment(l)) {
+    int environment = 0;
+    if (!status) status = find_environment(l, &environment);
+    if (!status && environment) {
         status = read_environment(l, &parts[count]);
         count += !status;
     }
@@ -280,8 +283,10 @@ tides_status td_lcc_files(const char *path, const char *part, td_folder *files, 
     tides_status status = lcc_open(&l, path, part, error);
     char *folder = status ? NULL : td_folder_of(path, error);
     if (!status && !folder) status = TIDES_NO_MEMORY;
+    int environment = 0;
+    if (!status) status = find_environment(&l, &environment);
     for (int i = INDEX; i <= ENVIRONMENT && !status; i++) {
-        if ((i == SHCOEF && !l.has_sh) || (i == ENVIRONMENT && !has_environment(&l))) continue;
+        if ((i == SHCOEF && !l.has_sh) || (i == ENVIRONMENT && !environment)) continue;
         status = td_folder_add(files, folder, names[i], error);
     }
     free(folder);
