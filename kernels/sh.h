@@ -1,13 +1,15 @@
-/* Colour from spherical harmonics and its rate through the view direction (paper, Sec. 3.2). Basis order, signs and
- * constants are INRIA's (Kerbl et al. 2023), degree 4 as in gsplat; colour = max(floor, 1/2 + sum_k Y_k(d) sh_k) per
- * channel, floor 0 in 3DGS. */
+/* Colour of a Gaussian from its spherical harmonics (SH), and the rate of that colour (paper, Sec. 3.2). The rate comes from a
+ * view direction d that turns, and from SH coefficients that change in time. Each channel is max(floor, 1/2 + sum_k Y_k(d)
+ * sh_k), with floor 0 in 3DGS. The basis Y_k has the order, signs and constants of INRIA's code (Kerbl et al. 2023); degree 4
+ * is as in gsplat. */
 #ifndef TD_SH_H
 #define TD_SH_H
 
 #include "dual.h"
 #include "transpose.h"
 
-/* Coefficients are kept in the working precision, or, where the program says so, as the floats that scenes have of them. */
+/* Type of the stored SH coefficients: td_real, or float in programs that define TD_BUILD_SH_FLOAT. Such a program reads the
+ * floats of the scene itself, and widens them as it loads them. */
 #ifdef TD_BUILD_SH_FLOAT
 typedef float td_sh_real;
 #else
@@ -19,17 +21,19 @@ typedef struct td_colour {
     td_dual channel[3];
 } td_colour;
 
-/* Where a group of Gaussians' coefficients are: reals at index + 3 k + channel, rates at rate_index + likewise where
- * `moving`. */
+/* Where the SH coefficients of TD_LANES Gaussians are stored, one Gaussian for each lane. Coefficient k of a channel is
+ * sh[index + 3 k + channel]. Where `moving`, its rate [1/s] is rates[rate_index + 3 k + channel]. */
 typedef struct td_sh_source {
     TD_GLOBAL const td_sh_real *sh;
     TD_GLOBAL const td_real *rates;
     td_index index, rate_index;
     int moving;
-    td_real floor; /* of colour */
+    td_real floor; /* lower bound of each colour channel */
 } td_sh_source;
 
-/* Coefficients of TD_LANES Gaussians, at hand: entry 3 k + channel, and its rate, which means something where `moving`. */
+/* td_sh_numbers gives entry 3 k + channel of the SH coefficients of TD_LANES Gaussians, and the entry's rate. Rates are valid
+ * only where `moving`. With one lane it is only the source, and entries are read when they are needed. With more lanes all
+ * entries are loaded in advance. */
 #if TD_LANES == 1
 
 typedef td_sh_source td_sh_numbers;
@@ -43,7 +47,7 @@ TD_INLINE td_lanes td_sh_rate(const td_sh_numbers *sh, int k) { return td_gather
 
 #else
 
-enum { TD_SH_ROOM = 80 }; /* 3 x 25, and on to a whole row */
+enum { TD_SH_ROOM = 80 }; /* 3 channels x 25 coefficients of degree 4, rounded up to rows of TD_ROW = 16 */
 
 typedef struct td_sh_numbers {
     td_lanes v[TD_SH_ROOM], d[TD_SH_ROOM];
@@ -60,7 +64,8 @@ TD_INLINE void td_load_sh_square(TD_GLOBAL const float *from, td_index index, td
 #define td_load_sh_square td_load_square
 #endif
 
-/* `count` of them, and what follows up to a whole row: buffers have that much room (TD_BUFFER_SLACK). */
+/* Loads `count` entries of each Gaussian, rounded up to whole rows of 16. The last row may reach up to 15 entries past the end
+ * of the buffer. That is safe: TD_BUFFER_SLACK bytes behind every buffer can be read. */
 TD_INLINE void td_load_sh(const td_sh_source *source, int count, td_sh_numbers *numbers) {
     numbers->moving = source->moving;
 #define TD_LOAD_SH_PART(k) td_load_sh_square(source->sh + (first + (k)), source->index, numbers->v + (first + (k)));
@@ -91,7 +96,7 @@ TD_INLINE void td_sh_add(td_colour *colour, td_dual basis, const td_sh_numbers *
     colour->channel[2] = td_sh_add_to(colour->channel[2], basis, sh, 3 * k + 2);
 }
 
-/* Polynomials of the unit direction that several bands share. */
+/* Products of the components of the unit view direction, which several SH degrees use. */
 typedef struct td_sh_direction {
     td_dual x, y, z, xx, yy, zz, xy, yz, xz;
 } td_sh_direction;
@@ -149,7 +154,7 @@ TD_INLINE void td_sh_degree_4(td_colour *colour, const td_sh_direction *d, const
 }
 
 TD_INLINE td_dual td_sh_floor(td_dual channel, td_real floor) {
-    td_mask dark = channel.v <= floor; /* what isn't a number stays so */
+    td_mask dark = channel.v <= floor; /* false for NaN, so a NaN stays a NaN */
     return td_dual_select(channel, td_dual_make(td_splat(floor), td_splat(0.0f)), dark);
 }
 

@@ -1,4 +1,5 @@
-/* Facts about a batch's run in its folder. */
+/* How far a run of a batch has come, by the files in its folder: result.json of a finished run, failure.json of a failed one.
+ * The folder is DIR/NAME: the batch's folder, and the run's name. */
 #include "batch.h"
 
 #include <stdlib.h>
@@ -39,7 +40,7 @@ int32_t batch_has_hash(const char *path, const batch_run *run) {
     return equal;
 }
 
-/* Whether DIR/NAME/`name` can be read. */
+/* Whether the run's folder holds a readable file or folder `name`. */
 static int32_t is_there(const batch_run *run, const char *name) {
     char *path = batch_text("%s/%s", run->directory, name);
     const int32_t there = path && access(path, R_OK) == 0;
@@ -89,6 +90,7 @@ static tides_status look(batch_run *run, tides_error *error) {
 tides_status batch_look(batch *b, tides_error *error) {
     tides_status status = TIDES_OK;
     for (size_t i = 0; status == TIDES_OK && i < b->count; i++)
-        if (b->runs[i].state == BATCH_WAITING) status = look(&b->runs[i], error); /* a run without its inputs has failed */
+        /* Runs whose inputs can't be read have failed before (batch_prepare). */
+        if (b->runs[i].state == BATCH_WAITING) status = look(&b->runs[i], error);
     return status;
 }

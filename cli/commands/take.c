@@ -1,4 +1,5 @@
-/* tides frames, imu and tracks (take.h). */
+/* The common part of `tides frames`, `tides imu` and `tides tracks`: each reads a run file, writes one output, and prints how
+ * much it wrote. */
 #include "take.h"
 
 static int take(const cli_take *what, tides_session *session, const char *output, const cli_common *common) {

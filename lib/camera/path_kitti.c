@@ -1,13 +1,17 @@
-/* Reads poses as matrices by rows, camera to world in OpenCV axes, a line for each: KITTI's odometry has 12 numbers, of 3x4,
- * and no times: poses are spread over `duration` in the order of the lines. Others have all 16, or in front of either a time or
- * the frame's number (KITTI-360), of which td_path_find_unit says what it is. */
+/* Reads text files with one pose for each line: a camera-to-world matrix in OpenCV axes, row by row. A line has 12 numbers (the
+ * upper 3x4 part, as in KITTI's odometry) or 16 (the whole 4x4 matrix).
+ *
+ * One more number may stand in front of them: a time, or the frame's number (KITTI-360). options.time_unit says
+ * which of the two it is. Without that option td_path_find_unit takes it for a time, and fails if it may be a frame's number.
+ *
+ * Poses without times are spread evenly over [0, options.duration], in the order of the lines. */
 #include "camera/td_path_reader.h"
 
 #include "td_base.h"
 
 #include <string.h>
 
-enum { LEAST = 12, MOST = 16 }; /* numbers of a matrix */
+enum { LEAST = 12, MOST = 16 }; /* numbers of a 3x4 and of a 4x4 matrix */
 
 int td_path_is_kitti(int columns) { return columns == LEAST || columns == LEAST + 1 || columns == MOST || columns == MOST + 1; }
 

@@ -1,4 +1,5 @@
-/* Paths of what the generators move, from formulas with exact rates, and a small integrator for what swings and falls. */
+/* Paths of the cameras and objects in generated worlds. A path is sampled from a formula that also gives exact rates. Objects
+ * that swing or fall (pendulum.c, balls.c) have no closed formula: a small integrator gives their motion. */
 #include "generate/td_generate.h"
 #include "td_base.h"
 #include "td_math.h"
@@ -7,9 +8,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FEWEST_SAMPLES 9 /* keeps the looser ends of the spline apart on short paths, as camera/generators.c */
+/* The quintic spline through the samples (camera/curve.c) errs most in its first and last segments. On short paths this many
+ * samples keep those two apart. camera/generators.c has the same number. */
+#define FEWEST_SAMPLES 9
 #define MOST_SAMPLES 5e6 /* 0.8 GB */
-#define STEP_S 0.00025   /* of the integrator: a bounce lasts 15 ms, and the fourth order then leaves 1e-9 of it */
+/* Longest step of the integrator [s]. The fastest motion is the bounce of a ball, half a period of 15 ms (balls.c): 60 steps.
+ * Within the bounce, one step of fourth order then errs by 3e-9 of its amplitude, (pi / 60)^5 / 120. */
+#define STEP_S 0.00025
 
 tides_status td_sample_path(td_pose_at pose, void *shape, const tides_generate_options *options, double step,
                             tides_trajectory **path, tides_error *error) {
@@ -50,7 +55,8 @@ static void turned(void *shape, tides_pose_sample *sample) {
     td_quaternion_about(a, t->rate * sample->time, turn);
     td_quaternion_product(q, turn, sample->quaternion);
     memcpy(sample->position, t->centre, sizeof sample->position);
-    /* The axis in the world: a + 2 w (v x a) + 2 v x (v x a), with q = (w, v). */
+    /* The angular velocity lies along the axis a, turned into the world by q = (w, v). That is a + 2 w (v x a) + 2 v x (v x a),
+     * and t2 is 2 (v x a). */
     for (int k = 0; k < 3; k++) t2[k] = 2 * (q[1 + (k + 1) % 3] * a[(k + 2) % 3] - q[1 + (k + 2) % 3] * a[(k + 1) % 3]);
     for (int k = 0; k < 3; k++)
         sample->angular_velocity[k] =

@@ -1,4 +1,5 @@
-/* Events that have left, put in order: waiting and jitter make them come out of order within a bounded time. */
+/* Puts events that have left the readout's queues in the order of their times. Waiting and jitter disturb that order, but only
+ * within a bounded time: events older than that are final, and go to the sink. */
 #include "td_release.h"
 #include "td_base.h"
 
@@ -23,12 +24,13 @@ tides_status td_release_grow(td_release *release, size_t more, tides_error *erro
 
 size_t td_release_held(const td_release *release) { return release->count; }
 
-/* The order of events of one time. */
+/* Sort key for events of the same time: row, then column, then polarity. */
 static inline uint64_t place_of(const tides_event *event) {
     return (uint64_t)event->y << 24 | (uint64_t)event->x << 8 | (uint64_t)(event->polarity - INT8_MIN);
 }
 
-/* Is x after y? A total order, so that how the stream was pushed doesn't show; most pairs differ in time. */
+/* Is x after y? The order is by time, then place_of, then the time of firing. It is total, so the output doesn't depend on the
+ * sizes of the batches in which events were pushed. Time is compared first, since it decides most pairs. */
 static inline int is_after(const tides_event *x, int64_t x_fired, const tides_event *y, int64_t y_fired) {
     if (x->t != y->t) return x->t > y->t;
     const uint64_t x_place = place_of(x), y_place = place_of(y);
@@ -37,9 +39,11 @@ static inline int is_after(const tides_event *x, int64_t x_fired, const tides_ev
 
 enum { TOGETHER_MAX = 64 }; /* beyond this, comparing all pairs takes longer than sorting */
 
-/* Counts for each event the events before it: a loop without branches, where a sort of a few events in no order would
- * mispredict most of its branches. Keys are whole numbers below 2^53, which doubles hold; keys of one place differ by their
- * turn, which is the order in which the events fired. */
+/* Counts for each event the events with smaller keys: that number is its new index. The counting loop has no branches, whereas
+ * a sort of a few unordered events would mispredict most of its branches.
+ *
+ * A key is place_of and, for events of equal place_of, the index in `events`, which is the order in which they fired. Keys are
+ * whole numbers below 2^53, so doubles hold them exactly. */
 void td_release_order(tides_event *events, int64_t *fired, int32_t count) {
     double key[TOGETHER_MAX], rank[TOGETHER_MAX];
     tides_event event[TOGETHER_MAX];
@@ -59,8 +63,9 @@ void td_release_order(tides_event *events, int64_t *fired, int32_t count) {
     }
 }
 
-/* Puts every event where it belongs. Waiting puts an event less than a tick out of place, and jitter a few of its widths, so
- * each moves a few places. Gives up, with 0, after `moves` of them. */
+/* Insertion sort of all events. It is fast where events are nearly in order: waiting shifts an event by less than a tick, and
+ * jitter by a few of its standard deviations. Returns 0, with the events partly sorted, if more than `moves` moves by one place
+ * are needed; else 1. */
 static int insert_each(td_release *release, size_t moves) {
     tides_event *events = release->events;
     int64_t *fired = release->fired;
@@ -104,7 +109,7 @@ static tides_status sort_all(td_release *release, tides_error *error) {
     return TIDES_OK;
 }
 
-/* How many of the sorted ones left before `certain`. */
+/* The number of events that left before `certain` [ns]. The events are sorted. */
 static size_t count_before(const td_release *release, int64_t certain) {
     size_t low = 0, high = release->count;
     while (low < high) {
@@ -118,7 +123,7 @@ static size_t count_before(const td_release *release, int64_t certain) {
 }
 
 tides_status td_release_emit(td_release *release, int64_t certain, tides_readout_sink sink, void *user, tides_error *error) {
-    const size_t moves_each = 32; /* beyond this a sort is faster */
+    const size_t moves_each = 32; /* if events need more on average, qsort is faster */
     if (!insert_each(release, moves_each * release->count)) {
         tides_status status = sort_all(release, error);
         if (status != TIDES_OK) return status;

@@ -1,4 +1,5 @@
-/* Speed of the image, for samplers that bound its displacement between two renders (ESIM's by motion). */
+/* The fastest motion in the image [px/s]. Adaptive sampling by motion, as in ESIM (TIDES_ESIM_MOTION), needs it to bound the
+ * displacement between two renders. */
 #include "camera/td_trajectory.h"
 #include "td_renderer.h"
 
@@ -8,13 +9,18 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Between the two times that moving splats' places are compared at [s], at most: boxes are single-precision, 3e-5 px at 300 px,
- * which makes 0.06 px/s; and a splat that accelerates by 1000 px/s^2 is misjudged by 0.5 px/s. */
+/* Longest time between the two instants at which the places of a moving splat are compared [s]. Its speed then has two errors.
+ * A shorter time increases the error by rounding: boxes in single precision, 3e-5 px at 300 px, make 0.06 px/s. A longer time
+ * increases the error by acceleration: 1000 px/s^2 makes 0.5 px/s. */
 static const double probe_s = 1e-3;
 
-/* A point X = R p + t of the world, seen by the camera, moves at X_dot = R_dot p + t_dot with p = R^T (X - t); its place on the
- * screen, u = fx X/Z + cx, at u_dot = fx (X_dot - (X/Z) Z_dot) / Z, and v likewise; K Dd K^-1 times that
- * through a lens. The point of a pixel lies on its ray at the depth that was rendered there. */
+/* Speed [px/s] on the screen of the point, at rest in the world, that pixel (x, y) shows. In the camera's coordinates the point
+ * (X, Y, Z) lies on the ray through the pixel's centre, at the depth Z that was rendered there.
+ *
+ * With the point at p in the world, (X, Y, Z) = R p + t, so that p = R^T ((X, Y, Z) - t). It moves in the camera's coordinates
+ * at R_dot p + t_dot. Its place on the screen is u = fx X/Z + cx, and moves at u_dot = fx (X_dot - (X/Z) Z_dot) / Z; v is
+ * alike. Through a lens with distortion d the velocity is K Dd K^-1 (u_dot, v_dot), where K is diag(fx, fy), and Dd the
+ * derivative of d. */
 static double pixel_flow(const td_image *image, const td_view *view, int x, int y, double Z) {
     double ray[3] = {0, 0, 1.0}, p[3], moved[3];
     td_ray_of(image, x + 0.5, y + 0.5, &ray[0], &ray[1]);
@@ -33,7 +39,8 @@ static double pixel_flow(const td_image *image, const td_view *view, int x, int 
     return td_hypot(image->fx * u, image->fy * v) / Z;
 }
 
-/* Flow of the image by the camera's own motion, as if everything were at rest. Pixels without depth show nothing that moves. */
+/* Raises *fastest to the fastest motion that the camera alone causes, as if all objects were at rest. Pixels without depth show
+ * no splat, and are skipped. */
 static tides_status camera_flow(const tides_renderer *renderer, const tides_trajectory *camera, double time, const double *Z,
                                 double *fastest, tides_error *error) {
     const td_image *image = &renderer->image;
@@ -59,8 +66,8 @@ static tides_status moves_itself(const tides_renderer *renderer, int object, int
     return status;
 }
 
-/* How far a splat's middle goes from one box to the other [px]; 0 where it isn't on the screen, or fades at the near plane,
- * where its box is the whole image. */
+/* Distance between the centres of two boxes of one splat, at two times [px]. It is 0 if either box is outside the screen. It is
+ * also 0 if either box is the whole image, which the sweep gives to splats that cross the near plane. */
 static double displacement(const td_image *image, const float *from, const float *to) {
     const float width = (float)image->width, height = (float)image->height;
     for (int k = 0; k < 2; k++) {
@@ -71,7 +78,8 @@ static double displacement(const td_image *image, const float *from, const float
     return 0.5 * td_hypot((double)to[0] + to[2] - from[0] - from[2], (double)to[1] + to[3] - from[1] - from[3]);
 }
 
-/* Flow of splats that move by themselves, the camera's motion included: how far they go in a short while. */
+/* Raises *fastest to the fastest motion of splats in objects that move, with the camera's motion included. The speed of a splat
+ * is the displacement of its box between `time` and `other`, divided by the time between them. */
 static tides_status own_flow(tides_renderer *renderer, const tides_trajectory *camera, double time, double other,
                              double *fastest, tides_error *error) {
     const td_store *store = &renderer->store;

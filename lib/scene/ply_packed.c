@@ -1,12 +1,17 @@
-/* Compressed PLY (PlayCanvas, SuperSplat, gsplat): quantised within chunks of 256 Gaussians. binary_little_endian, with
+/* Reads compressed PLY files (PlayCanvas, SuperSplat, gsplat). Values are quantised between bounds that each chunk of 256
+ * Gaussians has of its own. The format is binary_little_endian, with the elements
  *     element chunk   float min_x .. max_z, min_scale_x .. max_scale_z, and in newer files min_r .. max_b
  *     element vertex  uint packed_position, packed_rotation, packed_scale, packed_color
  *     element sh      optional: uchar f_rest_0 .., channel by channel as in a plain 3DGS .ply
  *
- * Position and scale (natural logarithm): 11, 10 and 11 bits from the highest, between the chunk's bounds. Colour: red,
- * green, blue, opacity of 8 bits from the highest; the colours between the chunk's bounds where it has them. Rotation: 2 bits
- * that name the largest of w x y z, then the others by 10 bits, (v / 1023 - 1/2) sqrt(2). f_rest: 8 (n - 1/2), where n is
- * (v + 1/2) / 256, but 0 for 0 and 1 for 255: writers truncate, so that is each step's middle. */
+ * Words are filled from the highest bit down; v is the stored whole number.
+ *   packed_position, packed_scale   x, y and z in 11, 10 and 11 bits, between the chunk's bounds; scales are natural logarithms
+ *   packed_color                    red, green, blue and opacity in 8 bits each; colours lie between the chunk's bounds, or
+ *                                   between 0 and 1 if the file has no bounds of colour; opacity lies between 0 and 1
+ *   packed_rotation                 2 bits: which of w, x, y, z is the largest; then the other three, in that order, in 10
+ *                                   bits each, as (v / 1023 - 1/2) sqrt(2)
+ *   f_rest                          8 (n - 1/2), with n = 0 for v = 0, n = 1 for v = 255, and else n = (v + 1/2) / 256
+ * Writers store v = floor(256 n), so (v + 1/2) / 256 is the middle of the values that become v. */
 #include "td_base.h"
 #include "td_endian.h"
 #include "td_splat.h"
@@ -15,7 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* PlayCanvas's compressed PLY: splats of a chunk share its bounds, 18 floats, and are four 32-bit words each. */
+/* A chunk is 256 Gaussians with 18 common bounds (floats). Each Gaussian is four 32-bit words. */
 enum { CHUNK = 256, BOUNDS = 18, PACKED = 4 };
 
 static const char *const bound_names[BOUNDS] = {"min_x",       "min_y",       "min_z",       "max_x",       "max_y",
@@ -28,8 +33,8 @@ typedef struct packed {
     const td_ply_file *file;
     const td_ply_header *header;
     const td_ply_element *chunk, *vertex, *sh;
-    float *bounds;           /* chunk->count rows of BOUNDS; colours from 0 to 1 where the file has none */
-    size_t at[PACKED], row;  /* bytes within a row of vertex, and of the row */
+    float *bounds;           /* (chunk->count x BOUNDS); bounds of colour are 0 and 1 if the file has none */
+    size_t at[PACKED], row;  /* byte offset of each packed word in a row of vertex; bytes of that row */
     size_t vertices, sh_row; /* where the rows of vertex and of sh begin in the file */
     tides_error *error;
 } packed;
@@ -38,7 +43,7 @@ static const td_ply_property *properties_of(const packed *p, const td_ply_elemen
     return p->header->properties + element->first_property;
 }
 
-/* The property's number; element->properties where it isn't there. */
+/* Index of the property `name` among the element's properties; their count, element->properties, if there is none. */
 static size_t find(const packed *p, const td_ply_element *element, const char *name) {
     size_t i = 0;
     while (i < element->properties && !td_ply_word_is(properties_of(p, element)[i].name, name)) i++;
@@ -54,7 +59,7 @@ static tides_status fail(const packed *p, const char *text) {
     return td_fail(p->error, TIDES_BAD_FILE, "%s: a compressed PLY %s", p->file->path, text);
 }
 
-/* Bytes before property `end` of a row, which must be of single numbers; 0 where there is a list. */
+/* Bytes of a row before property `end`; 0 if one of the properties before it is a list, since rows then differ in size. */
 static size_t offset_of(const packed *p, const td_ply_element *element, size_t end) {
     size_t bytes = 0;
     for (size_t i = 0; i < end; i++) {
@@ -88,7 +93,8 @@ static tides_status check_chunk(const packed *p) {
                    CHUNK);
 }
 
-/* The degree of element sh, whose properties must be uchar f_rest_0, f_rest_1 and so on, in order. */
+/* Finds the SH degree: that of element sh, or 0 if there is none. The element's properties must be uchar f_rest_0, f_rest_1
+ * and so on, in order. */
 static tides_status check_sh(const packed *p, int32_t *degree) {
     *degree = 0;
     if (!p->sh) return TIDES_OK;
@@ -110,7 +116,8 @@ static tides_status check_sh(const packed *p, int32_t *degree) {
                    p->sh->line, count);
 }
 
-/* Where the bounds go. Colours may be missing, all six. */
+/* Directs each bound of element chunk to its place in p->bounds. A file may lack the six bounds of colour, but only all of
+ * them. */
 static tides_status bind_bounds(const packed *p, td_ply_column *columns) {
     int coloured = find(p, p->chunk, bound_names[12]) < p->chunk->properties;
     for (size_t b = 0; b < (coloured ? BOUNDS : 12u); b++) {
@@ -123,7 +130,7 @@ static tides_status bind_bounds(const packed *p, td_ply_column *columns) {
     return TIDES_OK;
 }
 
-/* Reads the bounds, and finds where the other elements' rows are; whatever else is there is skipped. */
+/* Reads the bounds from element chunk, and finds where the rows of elements vertex and sh begin. Other elements are skipped. */
 static tides_status read_elements(packed *p) {
     td_ply_cursor cursor = {p->header->body, p->header->lines};
     td_ply_column *columns = td_alloc(p->chunk->properties, sizeof *columns, p->error);
@@ -138,7 +145,8 @@ static tides_status read_elements(packed *p) {
     return status;
 }
 
-/* Nothing is asked for that the file has no bytes for; the chunks are fewer than the vertices. */
+/* Allocates and reads the bounds. A header may claim any number of rows, so the rows of vertex are first checked against the
+ * size of the file. That check is enough for the bounds too: there are no more chunks than vertices. */
 static tides_status make_bounds(packed *p) {
     const td_ply_cursor start = {p->header->body, p->header->lines};
     tides_status status = td_ply_rows_fit(p->file, p->header, p->vertex, &start, p->error);
@@ -150,13 +158,13 @@ static tides_status make_bounds(packed *p) {
     return read_elements(p);
 }
 
-/* `bits` bits of `word` from `shift` on, as a part of 1. */
+/* The number in `bits` bits of `word`, of which bit `shift` is the lowest, scaled to [0, 1]. */
 static double unit(uint32_t word, unsigned shift, unsigned bits) {
     uint32_t most = (1u << bits) - 1;
     return (double)(word >> shift & most) / most;
 }
 
-/* Entry k of 3 between bounds [first + k] and [first + 3 + k]. */
+/* Component k of 3, at fraction t from its lower bound, bounds[first + k], to its upper bound, bounds[first + 3 + k]. */
 static double between(const float *bounds, size_t first, size_t k, double t) {
     return (double)bounds[first + k] * (1 - t) + (double)bounds[first + 3 + k] * t;
 }

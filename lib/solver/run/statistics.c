@@ -1,17 +1,19 @@
-/* The statistics of a run: the one table of them, and how they are put together when somebody asks.
+/* The statistics of a run: the table that lists them all, and tides_simulator_stats, which fills in their values.
  *
- * Counts are made where things happen (comparator, sensor, refinement, renderer); here they are collected, joined with those
- * of the parts of the run before a restore, and what follows from them is worked out. The tool's --stats, checkpoints,
- * bindings and the undoing of a step walk the table: a new statistic is a field of tides_stats and a row here, which says
- * where in the simulator it is counted, if not in that field of its own tides_stats. */
+ * Comparator, sensor, refinement of steps, and renderer count their own work. tides_simulator_stats collects these counts. It
+ * joins them with the counts from before the run was restored from a checkpoint. From the result it derives the other values.
+ *
+ * The tool's --stats, checkpoints, language bindings and the undoing of a step all walk the table. So a new statistic needs
+ * a field of tides_stats and a row of the table. If the simulator doesn't count it in that field of its own `stats`, the
+ * row says where the counter is. */
 #include "solver/td_simulator.h"
 
 #include <pthread.h>
 
-/* A row as the public has it, and where the simulator counts it, as a uint64_t or a double. */
+/* A row of the table: its public part, and the place of its counter, which is a uint64_t or a double. */
 typedef struct counted {
     tides_stat stat;
-    size_t source; /* in tides_simulator; IN_STATS: its tides_stats, or the renderer's, or worked out */
+    size_t source; /* offset of the counter in tides_simulator; IN_STATS: in its `stats` or the renderer's, or derived */
 } counted;
 #define IN_STATS ((size_t)-1)
 
@@ -22,7 +24,7 @@ typedef struct counted {
 #define WORST(name, member, source) ROW(name, "thresholds", REAL, LARGEST, member, offsetof(tides_simulator, source))
 #define REAL(name, unit, joined, member) ROW(name, unit, REAL, joined, member, IN_STATS)
 
-/* In the order of --stats; what stands before a point is the group that the rest is in. */
+/* In the order of --stats. In a name with a point, the part before the point names the group. */
 static const counted table[] = {
     COUNT("events", DERIVED, events),
     COUNTED("events_on", events_on, done.work.counts.events_on),
@@ -144,7 +146,8 @@ void td_stats_take(const tides_simulator *s, tides_stats *stats) {
             memcpy((char *)stats + table[i].stat.offset, (const char *)s + table[i].source, sizeof(uint64_t));
 }
 
-/* Wall time is spent, whatever is undone. */
+/* 1 for sums of time. td_stats_put, which undoes a step, leaves them as they are: the time of an undone step has been spent all
+ * the same. */
 static int is_spent(const tides_stat *row) { return row->joined == TIDES_JOIN_SUM && strcmp(row->unit, "s") == 0; }
 
 void td_stats_put(tides_simulator *s, const tides_stats *stats) {
@@ -158,7 +161,7 @@ void td_stats_put(tides_simulator *s, const tides_stats *stats) {
     }
 }
 
-/* Collects this simulator's counts, and the settings that it has found. */
+/* Collects the counts since the start or the last restore, and the settings that the run file left to the simulator. */
 static void collect(const tides_simulator *s, tides_stats *stats) {
     td_stats_take(s, stats);
     tides_renderer_stats(s->renderer, &stats->render);
@@ -169,7 +172,7 @@ static void collect(const tides_simulator *s, tides_stats *stats) {
     stats->tolerance = s->given.tolerance;
 }
 
-/* Joins the counts from before a restore. */
+/* Joins `before`, the counts from before a restore, to those after it: adds sums, and keeps the larger of two maxima. */
 static void join(tides_stats *stats, const tides_stats *before) {
     for (size_t i = 0; i < ROWS; i++) {
         const tides_stat *row = &table[i].stat;
@@ -179,7 +182,8 @@ static void join(tides_stats *stats, const tides_stats *before) {
     }
 }
 
-/* Stages that are timed, and `other`: the rest of the run time, so that the parts sum to the whole. */
+/* Derives time_other_s, the run time outside all timed stages, so that the times of all stages sum to the run time. Derives the
+ * simulated time and the real-time factor, too. */
 static void derive_times(const tides_simulator *s, tides_stats *stats) {
     const tides_render_stats *render = &stats->render;
     const double known = render->time_build_s + render->time_motion_s + render->time_sweep_s + render->time_project_s +
@@ -190,7 +194,8 @@ static void derive_times(const tides_simulator *s, tides_stats *stats) {
     stats->real_time_factor = stats->run_time_s > 0 ? stats->simulated_s / stats->run_time_s : 0;
 }
 
-/* Without a readout all events are given to the sink. Its own counts go through a checkpoint with its queues. */
+/* Without a readout, all events count as written, unless filters drop them. With one, its arbiter's counts already
+ * include the run before a restore, since a checkpoint holds them together with the queues. */
 static void derive_readout(const tides_simulator *s, tides_stats *stats) {
     tides_readout_stats readout;
     stats->events_written = stats->events;
@@ -203,7 +208,7 @@ static void derive_readout(const tides_simulator *s, tides_stats *stats) {
     stats->worst_delay_s = readout.worst_delay_s;
 }
 
-/* They count in what a checkpoint holds of them. */
+/* The filters' counts already include the run before a restore: they are part of the state that a checkpoint holds. */
 static void derive_filters(const tides_simulator *s, tides_stats *stats) {
     tides_filter_stats filters;
     if (!s->filters.filter) return;
