@@ -37,7 +37,7 @@ offers "voxel" tides export e.h5 --as v
 offers "fano" tides metrics a.h5 b.h5 --only fa
 offers "isi,fano" tides metrics a.h5 b.h5 --only isi,fa
 offers "esim esim-fixed" tides compare run.json --methods es
-offers "davis240 davis346" tides simulate --set sensor.preset = dav
+offers "davis240 davis240-frames davis346 davis346-frames" tides simulate --set sensor.preset = dav
 offers "esim" tides simulate --set method = es
 touch events.h5 other.txt
 mkdir folder
