@@ -9,7 +9,8 @@
 
 #include "layout.h"
 
-/* An entry: the light that the splat takes (point_splats.h), its light, its depth, growth = depth_dot / depth, and which path it has. */
+/* An entry: the light that the splat takes (point_splats.h), its light, its depth, growth = depth_dot / depth,
+ * and its path. */
 enum {
     TD_E_TAKES = 0,
     TD_E_TAKES_DOT,

@@ -41,8 +41,8 @@ static td_point_paths td_paths_make(__global const int *path, __global const td_
     return paths;
 }
 
-/* Arrays that points need of the `count` Gaussians in `seen`: their curves, c from row[2 c] to row[2 c + 1], lengths[c] seconds apart,
- * depths (Gaussians) to be sorted by, and `records` of tests. */
+/* Arrays that points need of the `count` Gaussians in `seen`: their curves, c from row[2 c] to row[2 c + 1], lengths[c]
+ * seconds apart, depths (Gaussians) to be sorted by, and `records` of tests. */
 typedef struct td_splats_to_make {
     __global const td_real *rows, *rows_beside, *lengths;
     __global const int *row, *seen;
