@@ -17,8 +17,8 @@ enum {
     FEW_BENT = 64        /* so many that move, of which one may be off by more than it should */
 };
 
-/* A signal that returns within the interval does so in step with its nodes: no middle shows it, but paths that are halved stray as
- * far as before. That far counts [px], where halving leaves more than half of it. */
+/* A signal that returns within the interval does so in step with its nodes: no middle shows it, but paths that are halved
+ * stray as far as before. That far counts [px], where halving leaves more than half of it. */
 static const double strays_px = 1e-3, strays_share = 0.5;
 
 /* Samples nearer than this to another are it [s]. */

@@ -135,8 +135,8 @@ tides_status td_renderer_points(tides_renderer *renderer, const tides_trajectory
                                 td_point_value *values, tides_error *error);
 
 /* td_renderer_points in two calls, between which a device may be at work while the caller does something else: its arguments
- * must stay as they are until `end`, or until `drop` where nobody wants the values any more. One lot at a time; whatever else the
- * renderer is asked for in between waits for it. 1: `begin` does return before that, and many lots cost no more than one. */
+ * must stay as they are until `end`, or until `drop` where nobody wants the values any more. One lot at a time;
+ * other calls of the renderer wait for it. 1: `begin` does return before that, and many lots cost no more than one. */
 tides_status td_renderer_points_begin(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points,
                                       size_t count, td_point_value *values, tides_error *error);
 tides_status td_renderer_points_end(tides_renderer *renderer, tides_error *error);
