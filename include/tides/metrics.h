@@ -199,9 +199,9 @@ TIDES_MUST_CHECK TIDES_API tides_status tides_metrics_compare(const tides_event 
  * far above the rate around, for at most 5 ms), and hot pixels (ten events and five times as many as the third busiest pixel
  * within 2 px). The caller frees it with tides_blemishes_free. */
 typedef struct tides_blemishes {
-    int64_t *burst; /* (bursts x 2): [start, stop) in ns, ascending, apart */
-    uint16_t *hot;  /* (hots x 2): x, y, row by row */
-    size_t bursts, hots;
+    int64_t *burst;                    /* (bursts x 2): [start, stop) in ns, ascending, apart */
+    uint16_t *hot;                     /* (hots x 2): x, y, row by row */
+    size_t bursts, hots;               /* numbers of bursts and of hot pixels */
     uint64_t burst_events, hot_events; /* of the recording: in bursts; of hot pixels outside of them */
 } tides_blemishes;
 
