@@ -3290,7 +3290,7 @@ class tides_metric(Structure):
 class tides_blemishes(Structure):
     """int64_t *burst; /* (bursts x 2): [start, stop) in ns, ascending, apart */
     uint16_t *hot; /* (hots x 2): x, y, row by row */
-    size_t bursts, hots;
+    size_t bursts, hots; /* numbers of bursts and of hot pixels */
     uint64_t burst_events, hot_events; /* of the recording: in bursts; of hot pixels outside of them */
     """
 
