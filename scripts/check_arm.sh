@@ -7,7 +7,7 @@
 #              DETERMINISM a folder of `tides bench determinism --quick`, LIMIT seconds for a test, TESTS, RUNS, POCL_RUNS
 #              those to run
 set -u
-root=${ROOT:-/var/tmp/tides_arm64/root} native=${NATIVE:-build/release/tides} limit=${LIMIT:-1800}
+root=${ROOT:-$PWD/build/arm64} native=${NATIVE:-build/release/tides} limit=${LIMIT:-1800}
 compiler=${CC:-aarch64-linux-gnu-gcc --sysroot=$root}
 multiarch=aarch64-linux-gnu config=arm
 out=build/$config
@@ -101,21 +101,22 @@ done
 # -- PoCL --------------------------------------------------------------------------------------------------------------
 # It starts a linker, which must be arm64's too: a chroot, and a kernel that hands arm64's programs to qemu (binfmt_misc). It asks
 # /proc and /sys what there is, and LLVM /proc/cpuinfo, which is that of a Cortex-A72 (Raspberry Pi 4) here.
+place=/opt/tides # in the chroot
 inside() {
     # shellcheck disable=SC2016 # its own words
     timeout "$limit" unshare --mount sh -c 'mount -t proc proc "$0/proc" && mount -t sysfs sysfs "$0/sys" &&
-        mount --bind "$0/work/cpuinfo" "$0/proc/cpuinfo" && exec env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/work \
-        POCL_CACHE_DIR=/work/cache chroot "$0" /work/tides "$@"' "$root" "$@"
+        mount --bind "$0$1/cpuinfo" "$0/proc/cpuinfo" && place=$1 && shift && exec env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME="$place" \
+        POCL_CACHE_DIR="$place/cache" chroot "$0" "$place/tides" "$@"' "$root" "$place" "$@"
 }
 if [ "$(id -u)" != 0 ]; then
     say left "PoCL: chroots need root"
 elif ! chroot "$root" /bin/true 2>/dev/null; then
     say left "PoCL: the kernel doesn't hand arm64's programs to qemu (binfmt_misc; apt install binfmt-support)"
 else
-    mkdir -p "$root/work/cache" "$root/proc" "$root/sys" "$root/tmp" "$root$folder" "$root$work"
-    cp -L "$out/tides" "$out"/libtides.so.? "$root/work"
+    mkdir -p "$root$place/cache" "$root/proc" "$root/sys" "$root/tmp" "$root$folder" "$root$work"
+    cp -L "$out/tides" "$out"/libtides.so.? "$root$place"
     printf '%s\t: %s\n' processor 0 Features 'fp asimd evtstrm crc32 cpuid' 'CPU implementer' 0x41 'CPU architecture' 8 \
-        'CPU variant' 0x0 'CPU part' 0xd08 'CPU revision' 3 >"$root/work/cpuinfo"
+        'CPU variant' 0x0 'CPU part' 0xd08 'CPU revision' 3 >"$root$place/cpuinfo"
     inside devices
     cp -r "$folder/." "$root$folder"
     for name in ${POCL_RUNS-fixed default sensor}; do compare "$name" cpu "$root" inside; done
