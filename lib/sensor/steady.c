@@ -62,8 +62,7 @@ static int holds(const pixel *p) { return p->held > 0 && p->sensor->sensor.refra
 
 /* The reference is where the noise, at `n` when the pixel fired, has come by the end of its refractory period. */
 static void hold(pixel *p, double n, double normal) {
-    const double l = p->held / p->tau;
-    p->o = -(td_exp(-l) * n + p->sigma * sqrt(-td_expm1(-2 * l)) * normal);
+    p->o = -td_noise_moved(td_noise_move_of(p->sigma, p->held / p->tau), n, normal);
 }
 
 /* An event of this kind: 1 ON, -1 OFF; 0: one of shot noise or a hot pixel, which re-references. */
@@ -136,13 +135,14 @@ static void settle(pixel *p, double n) {
 
 static double follow_path(pixel *p, double now, double first, double spacing) {
     double x[PATH + 1], normal[2] = {0, 0}, until = 0;
-    const double l = spacing / p->tau, rho = td_exp(-l), change = p->sigma * sqrt(-td_expm1(-2 * l));
+    const double l = spacing / p->tau;
+    const td_noise_move move = td_noise_move_of(p->sigma, l);
     const double less = -td_expm1(-l), variance = 4 * p->sigma * p->sigma * less / (2 - less); /* tanh(l / 2) */
     x[0] = first;
     for (int k = 0; k < PATH; k++) { /* stationary: backwards it is the same process */
         const td_random_bits bits = draw(p);
         td_random_normals(&bits, normal);
-        x[k + 1] = rho * x[k] + change * normal[0];
+        x[k + 1] = td_noise_moved(move, x[k], normal[0]);
     }
     settle(p, x[PATH]);
     for (int k = PATH; k > 0; k--) cross(p, x[k], x[k - 1], spacing, variance, &until);

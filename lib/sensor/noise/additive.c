@@ -35,6 +35,8 @@ static tides_status take_light(td_additive_noise *noise, double *tau_ns, tides_e
                    1e9 / (two_pi * *tau_ns), largest_cutoff_hz);
 }
 
+td_noise_move td_noise_move_of(double sigma, double l) { return (td_noise_move){td_exp(-l), sigma * sqrt(-td_expm1(-2 * l))}; }
+
 tides_status td_additive_noise_make(const tides_sensor *sensor, double log_eps, td_additive_noise *noise, tides_error *error) {
     double tau_ns = 1e9 / (two_pi * sensor->noise_cutoff_hz);
     memset(noise, 0, sizeof *noise);
@@ -54,8 +56,7 @@ tides_status td_additive_noise_make(const tides_sensor *sensor, double log_eps, 
     noise->seed = sensor->seed;
     noise->threshold = fmin(sensor->threshold_on, sensor->threshold_off);
     noise->spacing_ns = tau_ns / segments_per_tau;
-    noise->rho = td_exp(-1 / segments_per_tau);
-    noise->change = noise->sigma * sqrt(-td_expm1(-2 / segments_per_tau));
+    noise->move = td_noise_move_of(noise->sigma, 1 / segments_per_tau);
     td_noise_bridge_make(noise, noise->spacing_ns * segments_per_tau, noise->threshold);
     if (noise->varies) noise->reach = 0; /* td_noise_sweep has it */
     return TIDES_OK;
@@ -119,10 +120,10 @@ static void finish(const td_additive_noise *noise, td_noise_segment *segment) {
         size_of(noise, segment->own, segment->light, &segment->sigma, &segment->tau_ns);
         const double l = noise->spacing_ns / segment->tau_ns;
         segment->reach = td_noise_reach(segment->sigma, l);
-        segment->end = td_exp(-l) * segment->begin + segment->sigma * sqrt(-td_expm1(-2 * l)) * normal;
+        segment->end = td_noise_moved(td_noise_move_of(segment->sigma, l), segment->begin, normal);
     } else {
         segment->reach = noise->reach;
-        segment->end = noise->rho * segment->begin + noise->change * normal;
+        segment->end = td_noise_moved(noise->move, segment->begin, normal);
     }
 }
 
@@ -202,7 +203,7 @@ static int64_t begin_lanes(const td_additive_noise *noise, double start_ns, doub
 /* Advances the lanes by the normals n(point + after), where these belong to their segments. */
 static inline void advance(const td_additive_noise *noise, double after, const double *restrict normal, lanes *restrict l) {
     for (int i = 0; i < TD_RANDOM_LANES; i++) {
-        const double point = l->point[i] + after, next = noise->rho * l->x[i] + noise->change * normal[i];
+        const double point = l->point[i] + after, next = td_noise_moved(noise->move, l->x[i], normal[i]);
         double x = l->x[i];
         x = point > l->first[i] ? next : x;
         x = point <= l->last[i] + 1 ? x : l->x[i];

@@ -29,13 +29,21 @@ typedef struct td_noise_level {
 
 enum { TD_NOISE_DEPTH_MAX = 22 }; /* nodes of the tree share a word with the random numbers' purpose */
 
+/* The process over a length l of tau: x becomes keeps x + adds n, with n standard normal. */
+typedef struct td_noise_move {
+    double keeps, adds; /* e^-l; sigma sqrt(1 - e^-2l) */
+} td_noise_move;
+td_noise_move td_noise_move_of(double sigma, double l);
+static inline double td_noise_moved(td_noise_move move, double x, double normal) { return move.keeps * x + move.adds * normal; }
+
 typedef struct td_additive_noise {
     int on;
     uint64_t seed;
-    double spacing_ns;         /* d */
-    double sigma, rho, change; /* of grid points; change = sigma sqrt(1 - rho^2) */
-    int varies;                /* segments have their own numbers; those here are only bounds */
-    double spread;             /* noise_sigma */
+    double spacing_ns;  /* d */
+    double sigma;       /* of grid points */
+    td_noise_move move; /* from one grid point to the next */
+    int varies;         /* segments have their own numbers; those here are only bounds */
+    double spread;      /* noise_sigma */
     td_noise_light light;
     double threshold;                             /* the nearest level */
     double reach;                                 /* how far beyond its ends the noise goes on a segment, at most */
