@@ -33,7 +33,7 @@ static int32_t leaps(const uint32_t *rate, size_t bins, size_t bin) {
 int32_t td_bursts_in(const uint32_t *rate, size_t bins, uint8_t *burst) {
     int32_t count = 0;
     for (size_t i = 0; i < bins; i++) {
-        size_t end = i, last = i;
+        size_t end = i + 1, last = i;
         if (!leaps(rate, bins, i)) continue;
         for (; end < bins && end - last <= SILENT; end++)
             if (leaps(rate, bins, end)) last = end;

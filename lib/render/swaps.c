@@ -6,6 +6,7 @@
  * shorter needs splats so large that the turn takes their depths past each other fast, and one that comes back within the
  * interval needs depths that stray by the reach from going straight. Splats of different bodies are looked at wherever their
  * depths meet. Splats that motion models move aren't searched, since their paths aren't known. */
+#include "camera/td_rotation.h"
 #include "scene/td_scene.h"
 #include "td_extremes.h"
 #include "td_math.h"
@@ -94,7 +95,7 @@ static tides_status find_groups(const tides_renderer *renderer, struct td_swaps 
 /* How far apart two rows of views are. */
 static double apart(const double *a, const double *b) {
     const double way[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
+    return td_length3(way);
 }
 
 /* Views at the ends of so many parts of the interval: renderer->views. */
@@ -108,12 +109,11 @@ static tides_status find_views(tides_renderer *renderer, const tides_trajectory 
 
 /* Largest turn in a part of the row of a view that makes depths. */
 static double most_turned(const tides_renderer *renderer, int parts) {
-    static const double nothing[3] = {0, 0, 0};
     const size_t objects = (size_t)renderer->store.objects;
     double most = 0;
     for (size_t i = 0; i < (size_t)parts * objects; i++) {
         const double *from = renderer->views[i].r + 6, *to = renderer->views[i + objects].r + 6;
-        most = td_greater(most, apart(from, to) / apart(from, nothing));
+        most = td_greater(most, apart(from, to) / td_length3(from));
     }
     return most;
 }
@@ -151,10 +151,9 @@ static double turning_of(const td_swap_samples *at, int object) {
 
 /* How far the row that makes depths would go in the interval at the greatest rate that its samples have. */
 static double turned_by(const td_swap_samples *at, int object) {
-    static const double nothing[3] = {0, 0, 0};
     double most = 0;
     for (int k = 0; k <= at->parts; k++)
-        most = td_greater(most, apart(at->view[(size_t)k * (size_t)at->objects + (size_t)object].r_dot + 6, nothing));
+        most = td_greater(most, td_length3(at->view[(size_t)k * (size_t)at->objects + (size_t)object].r_dot + 6));
     return most * at->h * at->parts;
 }
 
@@ -256,20 +255,20 @@ static void take_splat(const tides_renderer *renderer, const struct td_swaps *sw
 /* Takes the splats of a tile's list that may swap. It takes none where all are of one body and no splat may swap within its
  * own. */
 static tides_status take_splats(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at, int tile,
-                                int *count, int *bodies, tides_error *error) {
+                                int *count, int *bodies, int *within, tides_error *error) {
     const int *first = renderer->candidates.first, *list = renderer->candidates.list;
-    int group = -1, any = 0, some = 0;
-    *count = *bodies = 0;
+    int group = -1, some = 0;
+    *count = *bodies = *within = 0;
     for (int i = first[tile]; i < first[tile + 1]; i++) {
         const int g = list[i];
         if (g < 0 || swaps->may[g] == MAY_NOT) continue;
         const int own = swaps->group[renderer->store.object[g]];
-        any |= swaps->may[g] >= MAY_SHORTLY;
+        *within |= swaps->may[g] >= MAY_SHORTLY;
         *bodies |= group >= 0 && own != group;
         group = own;
         some++;
     }
-    if (!any && !*bodies) return TIDES_OK;
+    if (!*within && !*bodies) return TIDES_OK;
     tides_status status = td_reserve((void **)&swaps->splat, &swaps->splat_capacity, (size_t)some, sizeof *swaps->splat, error);
     const size_t each = 2 * ((size_t)at->parts + 1);
     if (status == TIDES_OK)
@@ -328,8 +327,8 @@ static void look_within(td_swap_tile *of, const td_swap_splat *all, int count, d
 static tides_status look_in(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at, int tile,
                             tides_error *error) {
     const double near = TD_SWAP_REACH * renderer->image.soft_depth;
-    int count, bodies;
-    tides_status status = take_splats(renderer, swaps, at, tile, &count, &bodies, error);
+    int count, bodies, within;
+    tides_status status = take_splats(renderer, swaps, at, tile, &count, &bodies, &within, error);
     const int across = renderer->candidates.tiles_x;
     td_swap_tile of = {.swaps = swaps,
                        .image = &renderer->image,
@@ -344,8 +343,10 @@ static tides_status look_in(const tides_renderer *renderer, struct td_swaps *swa
         qsort(swaps->splat, (size_t)count, sizeof *swaps->splat, by_depth);
         look_across(&of, swaps->splat, count, near);
     }
-    qsort(swaps->splat, (size_t)count, sizeof *swaps->splat, by_start);
-    look_within(&of, swaps->splat, count, near);
+    if (within) {
+        qsort(swaps->splat, (size_t)count, sizeof *swaps->splat, by_start);
+        look_within(&of, swaps->splat, count, near);
+    }
     return of.status;
 }
 

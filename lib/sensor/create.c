@@ -90,7 +90,7 @@ static void set_noise(td_shot_noise *noise, const td_maps *maps, size_t i, uint3
     if (td_maps_has(maps, TD_MAP_HOT, pixel)) noise->own[TD_NOISE_HOT][i] = 1e-9 * maps->map[TD_MAP_HOT][pixel];
 }
 
-static void draw_pixel(td_sensor *sensor, const td_maps *maps, size_t i, uint32_t pixel) {
+static void draw_pixel(td_sensor *sensor, const td_maps *maps, double leak, size_t i, uint32_t pixel) {
     const tides_sensor *s = &sensor->sensor;
     double on = s->threshold_on, off = s->threshold_off, normal[2];
     if (s->threshold_parity != 0) {
@@ -106,7 +106,7 @@ static void draw_pixel(td_sensor *sensor, const td_maps *maps, size_t i, uint32_
     }
     if (td_maps_has(maps, TD_MAP_ON, pixel)) on = maps->map[TD_MAP_ON][pixel];
     if (td_maps_has(maps, TD_MAP_OFF, pixel)) off = maps->map[TD_MAP_OFF][pixel];
-    double rate = 1e-9 * leak_of(s);
+    double rate = leak;
     if (s->leak_sigma > 0 && rate > 0) {
         td_random_bits bits = td_random(s->seed, pixel, 0, TD_RANDOM_LEAK);
         td_random_normals(&bits, normal);
@@ -138,10 +138,11 @@ static void draw_pixel(td_sensor *sensor, const td_maps *maps, size_t i, uint32_
 }
 
 static void draw_pixels(td_sensor *sensor, const td_maps *maps, const td_tile *tiles, int32_t tile_count) {
+    const double leak = 1e-9 * leak_of(&sensor->sensor);
     for (size_t t = 0, i = 0; t < (size_t)tile_count; t++)
         for (int32_t k = 0; k < tiles[t].count; k++) {
             int32_t x = tiles[t].x0 + k % tiles[t].width, y = tiles[t].y0 + k / tiles[t].width;
-            draw_pixel(sensor, maps, i++, (uint32_t)y * (uint32_t)sensor->image_width + (uint32_t)x);
+            draw_pixel(sensor, maps, leak, i++, (uint32_t)y * (uint32_t)sensor->image_width + (uint32_t)x);
         }
 }
 

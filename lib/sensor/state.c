@@ -58,7 +58,6 @@ double td_sensor_worst_residual(const td_sensor *sensor, const double *L, const 
     return worst;
 }
 
-/* A pixel that has never fired keeps the very bits of its initial value, a NaN's too. */
 void td_sensor_set_wake(td_sensor *sensor, size_t pixel) {
     double wake;
     td_shot_noise_next(&sensor->noise, pixel, &wake);
@@ -67,6 +66,7 @@ void td_sensor_set_wake(td_sensor *sensor, size_t pixel) {
     sensor->wake[pixel] = wake;
 }
 
+/* A pixel that has never fired keeps the very bits of its initial value, a NaN's too. */
 void td_sensor_resume(td_sensor *sensor) {
     const td_pixels *p = &sensor->pixels;
     for (size_t i = 0; i < sensor->count; i++) {

@@ -30,14 +30,21 @@ typedef struct corners {
     double time_ns[CORNERS], value[CORNERS];
 } corners;
 
+static double variance_of(double sigma, double tangent) { return 4 * sigma * sigma * tangent; }
+
 /* The numbers of parts of length l / tau: with m = 1 - e^-l, tanh(l / 2) = m / (2 - m) and 1 / cosh(l / 2) is
  * 2 e^(-l/2) / (2 - m). */
 static td_noise_level level_of(double sigma, double l) {
     const double m = -td_expm1(-l), tangent = m / (2 - m);
-    return (td_noise_level){4 * sigma * sigma * tangent, td_exp(-0.5 * l) / (2 - m), sigma * sqrt(tangent)};
+    return (td_noise_level){variance_of(sigma, tangent), td_exp(-0.5 * l) / (2 - m), sigma * sqrt(tangent)};
 }
 
-double td_noise_reach(double sigma, double l) { return sqrt(0.5 * q_max * level_of(sigma, l).variance); }
+static double reach_of(double variance) { return sqrt(0.5 * q_max * variance); }
+
+double td_noise_reach(double sigma, double l) {
+    const double m = -td_expm1(-l);
+    return reach_of(variance_of(sigma, m / (2 - m)));
+}
 
 void td_noise_bridge_make(td_additive_noise *noise, double tau_ns, double threshold) {
     double l = noise->spacing_ns / tau_ns;
@@ -47,7 +54,7 @@ void td_noise_bridge_make(td_additive_noise *noise, double tau_ns, double thresh
         int fine = noise->level[depth].variance <= finest * finest * threshold * threshold;
         if ((depth >= DEPTH_MIN && fine) || depth == TD_NOISE_DEPTH_MAX) break;
     }
-    noise->reach = sqrt(0.5 * q_max * noise->level[0].variance);
+    noise->reach = reach_of(noise->level[0].variance);
 }
 
 /* The noise as it is on this segment, in `own` where it varies. */
