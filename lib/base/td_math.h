@@ -8,16 +8,23 @@
 #ifndef TD_MATH_H
 #define TD_MATH_H
 
-double td_exp(double x);             /* < 1 ulp */
-double td_expm1(double x);           /* e^x - 1, < 3 ulp */
-double td_ln(double x);              /* natural logarithm, < 2.2 ulp (td_log is the kernels, in their precision) */
-double td_log1p(double x);           /* log(1 + x), < 3 ulp */
-double td_pow(double x, double y);   /* x^y of x >= 0, < 0.6 ulp, so that 10^n is exact up to 22; NaN for x < 0, whatever y */
-double td_sin(double x);             /* < 1 ulp, for any finite x */
-double td_cos(double x);             /* < 1.2 ulp, likewise */
-double td_tan(double x);             /* < 3 ulp */
-double td_atan2(double y, double x); /* the angle of (x, y), < 2 ulp; signs of zeros and infinities as C99 has them */
-double td_acos(double x);            /* < 3 ulp */
-double td_hypot(double x, double y); /* < 2 ulp */
+/* The result depends on the arguments alone, so that compilers hoist and merge the calls, as they do with libm's. */
+#if defined(__GNUC__)
+#define TD_CONST __attribute__((__const__))
+#else
+#define TD_CONST
+#endif
+
+double td_exp(double x) TD_CONST;             /* < 1 ulp */
+double td_expm1(double x) TD_CONST;           /* e^x - 1, < 3 ulp */
+double td_ln(double x) TD_CONST;              /* natural logarithm, < 2.2 ulp (td_log is the kernels, in their precision) */
+double td_log1p(double x) TD_CONST;           /* log(1 + x), < 3 ulp */
+double td_pow(double x, double y) TD_CONST;   /* x^y of x >= 0, < 0.6 ulp, 10^n exact up to 22; NaN for x < 0, whatever y */
+double td_sin(double x) TD_CONST;             /* < 1 ulp, for any finite x */
+double td_cos(double x) TD_CONST;             /* < 1.2 ulp, likewise */
+double td_tan(double x) TD_CONST;             /* < 3 ulp */
+double td_atan2(double y, double x) TD_CONST; /* the angle of (x, y), < 2 ulp; signs of zeros and infinities as C99 has them */
+double td_acos(double x) TD_CONST;            /* < 3 ulp */
+double td_hypot(double x, double y) TD_CONST; /* < 2 ulp */
 
 #endif

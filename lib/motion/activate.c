@@ -33,8 +33,9 @@ void td_activate(const double mean[3], const double log_scale[3], const double q
     td_rotation_from_quaternion(q, r);
     for (int i = 0; i < 3; i++) geometry[TD_G_MEAN + i] = geometry[TD_G_ORIGIN + i] = mean[i];
     geometry[TD_G_OPACITY] = sigmoid(opacity_logit);
+    const double scale[3] = {td_exp(log_scale[0]), td_exp(log_scale[1]), td_exp(log_scale[2])};
     for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) geometry[TD_G_FACTOR + 3 * i + j] = r[3 * i + j] * td_exp(log_scale[j]);
+        for (int j = 0; j < 3; j++) geometry[TD_G_FACTOR + 3 * i + j] = r[3 * i + j] * scale[j];
 }
 
 void td_activate_rates(const double mean_dot[3], const double log_scale[3], const double log_scale_dot[3],
@@ -50,7 +51,8 @@ void td_activate_rates(const double mean_dot[3], const double log_scale[3], cons
     double opacity = sigmoid(opacity_logit);
     for (int i = 0; i < 3; i++) rates[TD_G_MEAN + i] = rates[TD_G_ORIGIN + i] = mean_dot[i];
     rates[TD_G_OPACITY] = opacity * (1 - opacity) * opacity_logit_dot;
+    const double scale[3] = {td_exp(log_scale[0]), td_exp(log_scale[1]), td_exp(log_scale[2])};
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-            rates[TD_G_FACTOR + 3 * i + j] = (r_dot[3 * i + j] + r[3 * i + j] * log_scale_dot[j]) * td_exp(log_scale[j]);
+            rates[TD_G_FACTOR + 3 * i + j] = (r_dot[3 * i + j] + r[3 * i + j] * log_scale_dot[j]) * scale[j];
 }

@@ -127,16 +127,11 @@ static tides_status lcc_open(lcc *l, const char *path, const char *part, tides_e
 static double between(const extent *e, size_t k, double part) { return (1 - part) * e->least[k] + part * e->most[k]; }
 
 static void take_rotation(uint32_t word, float q[4]) {
-    const unsigned left_out = word >> 30; /* number of a component: 0 is x, 3 is w */
-    double xyzw[4] = {0}, rest = 1;
-    for (unsigned k = 0; k < 4; k++) {
-        if (k == left_out) continue;
-        xyzw[k] = (word & 1023) / 1023.0 * sqrt(2) - sqrt(0.5);
-        rest -= xyzw[k] * xyzw[k];
-        word >>= 10;
-    }
-    xyzw[left_out] = sqrt(rest > 0 ? rest : 0);
-    for (size_t k = 0; k < 4; k++) q[k] = (float)xyzw[(k + 3) % 4];
+    double others[3];
+    float xyzw[4];
+    for (size_t k = 0; k < 3; k++, word >>= 10) others[k] = (word & 1023) / 1023.0 * sqrt(2) - sqrt(0.5);
+    td_splat_rebuild(others, word & 3, xyzw);
+    for (size_t k = 0; k < 4; k++) q[k] = xyzw[(k + 3) % 4];
 }
 
 static void take_record(const unsigned char *b, const extent *scale, const td_gaussians *g, size_t i) {
@@ -158,12 +153,17 @@ static void take_harmonics(const unsigned char *b, const extent *range, const td
     }
 }
 
+/* The run of unit i at the level that is read. */
+static const unsigned char *run_of(const lcc *l, size_t i) {
+    return l->units + (UNIT + RUN * (size_t)l->levels) * i + UNIT + RUN * (size_t)l->level;
+}
+
 /* Counts the Gaussians of the level's runs. Each run must lie within the `size` bytes of data.bin. The sum must not exceed the
  * Gaussians that data.bin has room for: runs of a broken file may overlap. */
 static tides_status count_runs(const lcc *l, size_t size, int64_t *count) {
     *count = 0;
     for (size_t i = 0; i < l->count; i++) {
-        const unsigned char *run = l->units + (UNIT + RUN * (size_t)l->levels) * i + UNIT + RUN * (size_t)l->level;
+        const unsigned char *run = run_of(l, i);
         const uint64_t n = td_le32(run), offset = td_le64(run + 4);
         if (n > size / RECORD || offset > size - n * RECORD)
             return td_fail(l->error, TIDES_BAD_FILE, "%s: unit %zu of its index.bin isn't within data.bin: truncated?", l->path,
@@ -179,7 +179,7 @@ static void take_runs(const lcc *l, const unsigned char *data, const unsigned ch
                       const td_gaussians *g) {
     size_t at = 0;
     for (size_t i = 0; i < l->count; i++) {
-        const unsigned char *run = l->units + (UNIT + RUN * (size_t)l->levels) * i + UNIT + RUN * (size_t)l->level;
+        const unsigned char *run = run_of(l, i);
         const size_t n = td_le32(run), offset = (size_t)td_le64(run + 4);
         for (size_t k = 0; k < n; k++, at++) {
             take_record(data + offset + RECORD * k, &ranges[0], g, at);

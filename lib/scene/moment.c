@@ -60,6 +60,14 @@ static void put(double *to, int64_t i, const double *values, int width) {
     if (to) memcpy(to + width * i, values, (size_t)width * sizeof *to);
 }
 
+static void put_shape(const tides_theta *to, int64_t i, const double mean[3], const double log_scale[3], const double q[4],
+                      double logit) {
+    put(to->mean, i, mean, 3);
+    put(to->log_scale, i, log_scale, 3);
+    put(to->quaternion, i, q, 4);
+    put(to->opacity_logit, i, &logit, 1);
+}
+
 static void put_own_sh(const arrays *a, int64_t i) {
     const int64_t width = 3 * (int64_t)td_sh_coefficients(a->own->sh_degree);
     for (int64_t k = 0; a->theta->sh && k < width; k++) a->theta->sh[width * i + k] = a->own->sh[width * i + k];
@@ -78,10 +86,7 @@ static void put_row(void *user, int64_t i, const double *geometry, const double 
     }
     td_quaternion_from_rotation(rotation, q);
     const double opacity = fmin(fmax(geometry[TD_G_OPACITY], least), 1 - least), logit = td_ln(opacity / (1 - opacity));
-    put(a->theta->mean, i, mean, 3);
-    put(a->theta->log_scale, i, log_scale, 3);
-    put(a->theta->quaternion, i, q, 4);
-    put(a->theta->opacity_logit, i, &logit, 1);
+    put_shape(a->theta, i, mean, log_scale, q, logit);
     if (!sh)
         put_own_sh(a, i);
     else if (a->theta->sh)
@@ -98,10 +103,7 @@ static void put_resting(const arrays *a) {
             log_scale[k] = g->log_scale[3 * i + k];
         }
         for (int k = 0; k < 4; k++) q[k] = g->quaternion[4 * i + k];
-        put(a->theta->mean, i, mean, 3);
-        put(a->theta->log_scale, i, log_scale, 3);
-        put(a->theta->quaternion, i, q, 4);
-        put(a->theta->opacity_logit, i, &logit, 1);
+        put_shape(a->theta, i, mean, log_scale, q, logit);
         put_own_sh(a, i);
     }
 }

@@ -81,6 +81,7 @@ static uint32_t smallest_three(const double q[4]) {
 static void pack_spz(unsigned char *to, const td_gaussians *g, double scale, int bits) {
     const double flips[3] = {1, -1, -1}; /* to right, up, back */
     const size_t n = (size_t)g->count, coefficients = td_sh_coefficients(g->sh_degree);
+    const double ln_scale = td_ln(scale);
     unsigned char *alpha = to + 9 * n, *colour = alpha + n, *size = colour + 3 * n, *rotation = size + 3 * n,
                   *sh = rotation + 4 * n;
     for (size_t i = 0; i < n; i++) {
@@ -93,7 +94,7 @@ static void pack_spz(unsigned char *to, const td_gaussians *g, double scale, int
             const double mean = scale * td_gaussians_mean(g, (int64_t)i, (int)k);
             put_fixed(to + 9 * i + 3 * k, k ? -mean : mean, bits);
             colour[3 * i + k] = to_byte(255 * (0.15 * own[k] + 0.5));
-            size[3 * i + k] = to_byte(16 * (g->log_scale[3 * i + k] + td_ln(scale) + 10));
+            size[3 * i + k] = to_byte(16 * (g->log_scale[3 * i + k] + ln_scale + 10));
         }
         alpha[i] = to_byte(255 * td_splat_opacity(g->opacity_logit[i]));
         td_put_le32(rotation + 4 * i, smallest_three(q));
@@ -118,29 +119,35 @@ static void put_spz_header(unsigned char *to, const td_gaussians *g, int bits, u
 }
 
 /* Header, record, table, and each array as a frame. Arrays that are empty have neither. */
-static tides_status write_spz(const char *path, const td_gaussians *g, int bits, const unsigned char *plain,
-                              tides_error *error) {
+static tides_status write_spz(const char *path, const td_gaussians *g, double scale, int bits, tides_error *error) {
     const size_t n = (size_t)g->count, rest = td_sh_coefficients(g->sh_degree) - 1,
                  each[SPZ_ARRAYS] = {9, 1, 3, 3, 4, 3 * rest};
     const unsigned streams = rest ? SPZ_ARRAYS : SPZ_ARRAYS - 1;
-    size_t at = SPZ_HEADER + SPZ_RECORD + SPZ_ENTRY * streams, room = at;
-    for (size_t i = 0; i < streams; i++) room += ZSTD_compressBound(n * each[i]);
-    unsigned char *file = td_alloc(room, 1, error);
-    if (!file) return TIDES_NO_MEMORY;
-    put_spz_header(file, g, bits, streams);
-    tides_status status = TIDES_OK;
+    size_t at = SPZ_HEADER + SPZ_RECORD + SPZ_ENTRY * streams, room = at, row = 0;
+    for (size_t i = 0; i < streams; i++) {
+        room += ZSTD_compressBound(n * each[i]);
+        row += each[i];
+    }
+    unsigned char *plain = td_alloc(n, row, error), *file = plain ? td_alloc(room, 1, error) : NULL;
+    tides_status status = file ? TIDES_OK : TIDES_NO_MEMORY;
+    if (!status) {
+        pack_spz(plain, g, scale, bits);
+        put_spz_header(file, g, bits, streams);
+    }
+    const unsigned char *next = plain;
     for (size_t i = 0; i < streams && !status; i++) {
         unsigned char *entry = file + SPZ_HEADER + SPZ_RECORD + SPZ_ENTRY * i;
-        const size_t packed = ZSTD_compress(file + at, room - at, plain, n * each[i], LEVEL);
+        const size_t packed = ZSTD_compress(file + at, room - at, next, n * each[i], LEVEL);
         if (ZSTD_isError(packed))
             status = td_fail(error, TIDES_NO_MEMORY, "%s: can't be packed: %s", path, ZSTD_getErrorName(packed));
         td_put_le64(entry, packed);
         td_put_le64(entry + 8, n * each[i]);
-        plain += n * each[i];
+        next += n * each[i];
         at += packed;
     }
     if (!status) status = tides_file_write(path, file, at, error);
     free(file);
+    free(plain);
     return status;
 }
 
@@ -148,10 +155,5 @@ tides_status td_spz_write(const char *path, const td_gaussians *g, double scale,
     const int bits = fractional_bits(g, scale);
     if (bits < 0)
         return td_fail(error, TIDES_UNSUPPORTED, "%s: .spz holds coordinates below %d: save the scene as .ply", path, FIXED);
-    unsigned char *plain = td_alloc((size_t)g->count, 9 + 1 + 3 + 3 + 4 + 3 * (td_sh_coefficients(g->sh_degree) - 1), error);
-    if (!plain) return TIDES_NO_MEMORY;
-    pack_spz(plain, g, scale, bits);
-    tides_status status = write_spz(path, g, bits, plain, error);
-    free(plain);
-    return status;
+    return write_spz(path, g, scale, bits, error);
 }

@@ -87,6 +87,9 @@ float td_splat_log_scale(double scale);
 double td_splat_opacity(float logit);
 void td_splat_unit(const float q[4], double out[4]);
 
+/* A quaternion of its three components but the largest, and which that is (0 to 3), all in one order: wxyz or another. */
+void td_splat_rebuild(const double others[3], unsigned largest, float q[4]);
+
 /* -- spz_axes.c: what extends a .spz -- */
 
 typedef struct td_spz_records {
@@ -114,8 +117,5 @@ tides_status td_spz_turn(const td_spz_axes *axes, td_gaussians *gaussians, tides
 tides_status td_splat_write(const char *path, const td_gaussians *gaussians, double scale, tides_error *error);
 tides_status td_spz_write(const char *path, const td_gaussians *gaussians, double scale, tides_error *error);
 tides_status td_gltf_write(const char *path, const td_gaussians *gaussians, double scale, tides_error *error);
-
-/* Quaternion wxyz of its three components but the largest, in order, and which that is (0..3 in w, x, y, z order). */
-void td_splat_rebuild(const double others[3], unsigned largest, float q[4]);
 
 #endif

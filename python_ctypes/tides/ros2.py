@@ -11,7 +11,6 @@ it measures latency and rate.
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 import tempfile
@@ -273,15 +272,12 @@ def follow(follower: Follower, silence_s: float | None) -> int:
 
 
 def run(given: argparse.Namespace) -> int:
-    settings: dict[str, Any] = {}
+    settings: dict[str, str] = {}
     for one in given.set:
         key, equals, value = one.partition("=")
         if not equals:
             raise ValueError(f"--set {one}: KEY=VALUE is needed")
-        try:
-            settings[key] = json.loads(value)
-        except json.JSONDecodeError:
-            settings[key] = value
+        settings[key] = value
     session = Session(given.run, settings, given.device)
     bus = Bus(given.domain, given.loopback)
     node = Node(session, bus, given.name, given.frame, given.images, not (given.no_clock or given.poses))
