@@ -45,20 +45,11 @@ tides_status compare_score(comparison *c, compare_row *row, tides_error *error) 
 static tides_status run_again(comparison *c, const compare_row *row, uint64_t seed, cli_stream *kept, tides_error *error) {
     char text[COMPARE_SETTING];
     cli_list more = row->found;
-    cli_stream stream = {.events = NULL};
-    tides_session *session = NULL;
     snprintf(text, sizeof text, "seed=\"%llu\"", (unsigned long long)seed);
     more.items[more.count++] = text;
     if (!tides_run_gives(c->session.run, "sensor.initial")) more.items[more.count++] = "sensor.initial=random";
-    tides_status status = compare_configure(c, row->name, compare_ideal(c), &more, NULL, &session, error);
     c->progress.label = "floor";
-    if (status == TIDES_OK)
-        status = tides_session_run(session, cli_keep, &stream, cli_progress_step, &c->progress, NULL, error);
-    cli_progress_end(&c->progress);
-    tides_session_close(session);
-    if (status == TIDES_OK) status = compare_fair_events(c, &stream, kept, error);
-    free(stream.events);
-    return status;
+    return compare_run_fair(c, row, &more, kept, error);
 }
 
 static tides_status of_seeds(comparison *c, const compare_row *row, tides_error *error) {
