@@ -108,16 +108,10 @@ static const char *transfer_of(const tides_scene *scene) {
 /* How it was trained, and what a user may not expect of it. */
 static void tag_facts(const tides_scene *scene, cJSON *facts) {
     static const char *const names[] = {NULL, "plain", "antialiased", "mixed"}; /* TIDES_TRAINED_* */
-    const char *trained = names[tides_scene_trained(scene)], *line = tides_scene_notes(scene);
+    const char *trained = names[tides_scene_trained(scene)];
     if (trained) cJSON_AddStringToObject(facts, "trained", trained);
     cJSON_AddStringToObject(facts, "colour_transfer", transfer_of(scene));
-    cJSON *notes = *line ? cJSON_AddArrayToObject(facts, "notes") : NULL;
-    for (size_t length; *line; line += length + (line[length] == '\n')) {
-        char note[1024];
-        length = strcspn(line, "\n");
-        snprintf(note, sizeof note, "%.*s", (int)length, line);
-        cJSON_AddItemToArray(notes, cJSON_CreateString(note));
-    }
+    cli_add_notes(facts, tides_scene_notes(scene));
 }
 
 static tides_status scene_facts(const char *file, cJSON *facts, tides_error *error) {
@@ -195,18 +189,6 @@ static tides_status extent_facts(const tides_trajectory *path, cJSON *facts, tid
     return TIDES_OK;
 }
 
-/* Lines of text as a list. */
-static void add_notes(const char *notes, cJSON *facts) {
-    cJSON *list = *notes ? cJSON_AddArrayToObject(facts, "notes") : NULL;
-    while (*notes) {
-        char line[512];
-        const size_t length = strcspn(notes, "\n");
-        snprintf(line, sizeof line, "%.*s", (int)length, notes);
-        cJSON_AddItemToArray(list, cJSON_CreateString(line));
-        notes += length + (notes[length] == '\n');
-    }
-}
-
 static tides_status path_facts(const char *file, cJSON *facts, tides_error *error) {
     tides_path_options options;
     tides_path_options_defaults(&options);
@@ -227,7 +209,7 @@ static tides_status path_facts(const char *file, cJSON *facts, tides_error *erro
     intrinsics_facts(&path.intrinsics, facts);
     if (path.distorted) cJSON_AddStringToObject(facts, "lens", "unknown");
     if (path.untimed) cJSON_AddStringToObject(facts, "times", "none: spread evenly over camera.duration_s");
-    add_notes(path.notes, facts);
+    cli_add_notes(facts, path.notes);
     status = extent_facts(path.trajectory, facts, error);
     tides_trajectory_destroy(path.trajectory);
     return status;

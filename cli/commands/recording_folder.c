@@ -126,12 +126,6 @@ tides_status recording_folder_facts(const char *folder, cJSON *facts) {
     if (recording_folder_read(folder, &found, &why) != TIDES_OK) return TIDES_OK;
     add_facts(&found, facts);
     recording_folder_lines(&found, text, sizeof text);
-    cJSON *notes = *text ? cJSON_AddArrayToObject(facts, "notes") : NULL;
-    for (char *line = text, *end; *line; line = end + (*end != 0)) {
-        char one[512];
-        end = line + strcspn(line, "\n");
-        snprintf(one, sizeof one, "%.*s", (int)(end - line), line);
-        cJSON_AddItemToArray(notes, cJSON_CreateString(one));
-    }
+    cli_add_notes(facts, text);
     return TIDES_OK;
 }
