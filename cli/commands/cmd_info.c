@@ -248,8 +248,9 @@ static void event_facts(const tides_event_summary *s, cJSON *facts) {
     label_facts(s->labels, facts);
 }
 
-/* How it was read, where the file leaves that open; and what of it is no event. */
-static tides_status events_facts(const char *file, const tides_event_reading *how, cJSON *facts, tides_error *error) {
+/* How it was read, where the file leaves that open; and what of it is no event. `out` (nullable) gets the summary. */
+static tides_status events_facts(const char *file, const tides_event_reading *how, cJSON *facts, tides_event_summary *out,
+                                 tides_error *error) {
     tides_event_reader *reader = NULL;
     tides_event_summary summary;
     tides_event_facts told;
@@ -261,6 +262,7 @@ static tides_status events_facts(const char *file, const tides_event_reading *ho
         if (told.read_as[0]) cJSON_AddStringToObject(facts, "read_as", told.read_as);
         if (told.dropped) cJSON_AddNumberToObject(facts, "invalid_dropped", (double)told.dropped);
         if (told.zero != TIDES_ZERO_EVENT) cli_add_seconds(facts, "zero_s", told.zero_ns);
+        if (out) *out = summary;
     }
     tides_event_reader_close(reader);
     return status;
@@ -278,7 +280,7 @@ static tides_status open_events(const char *file) {
 /* HDF5 holds events or a scene; a file that is neither is reported with both reasons. */
 static tides_status hdf5_facts(const char *file, cJSON *facts, tides_error *error) {
     tides_error events = {TIDES_OK, ""}, scene = {TIDES_OK, ""};
-    if (events_facts(file, NULL, facts, &events) == TIDES_OK) return TIDES_OK;
+    if (events_facts(file, NULL, facts, NULL, &events) == TIDES_OK) return TIDES_OK;
     /* Events, and the parts or options that their reader lacks. */
     if (events.status == TIDES_UNSUPPORTED || events.status == TIDES_BAD_ARGUMENT) {
         *error = events;
@@ -414,8 +416,12 @@ static tides_status array_facts(const char *start, size_t got, cJSON *facts) {
 /* Facts of a folder. Where it holds no events, the path's reader has the best reason to give. */
 static tides_status folder_facts(const char *file, cJSON *facts, tides_error *error) {
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
-    if (open_events(file) != TIDES_FILE_NOT_FOUND)
-        return events_facts(file, NULL, facts, error) == TIDES_OK ? recording_folder_facts(file, facts) : error->status;
+    if (open_events(file) != TIDES_FILE_NOT_FOUND) {
+        tides_event_summary summary;
+        const tides_status events = events_facts(file, NULL, facts, &summary, error);
+        if (events == TIDES_OK) recording_folder_facts(file, &summary, facts);
+        return events;
+    }
     const tides_status status = path_facts(file, facts, error);
     if (status != TIDES_FILE_NOT_FOUND) return status;
     if (tides_file_foreign(file, error) != TIDES_OK) return TIDES_BAD_FILE;
@@ -445,7 +451,7 @@ static tides_status facts_of(const char *file, cJSON *facts, tides_error *error)
     if (memcmp(head, "\x89HDF\r\n\x1a\n", 8) == 0) return hdf5_facts(file, facts, error);
     if (memcmp(head, "\x76\x2f\x31\x01", 4) == 0) return exr_facts(file, facts, error);
     const tides_status events = open_events(file);
-    if (events == TIDES_OK || events == TIDES_BAD_ARGUMENT) return events_facts(file, NULL, facts, error);
+    if (events == TIDES_OK || events == TIDES_BAD_ARGUMENT) return events_facts(file, NULL, facts, NULL, error);
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
     if (memcmp(head, "\x93NUMPY", 6) == 0) return array_facts(head, got, facts);
     const tides_status foreign = tides_file_foreign(file, error);
@@ -470,7 +476,7 @@ int cmd_info(const cli_command *command, int argc, char **argv) {
     cJSON *facts = cJSON_CreateObject();
     cJSON_AddStringToObject(facts, "file", file);
     const tides_status status = !facts      ? TIDES_OK
-                                : as_events ? events_facts(file, &how, facts, &error)
+                                : as_events ? events_facts(file, &how, facts, NULL, &error)
                                             : facts_of(file, facts, &error);
     if (status != TIDES_OK) {
         cJSON_Delete(facts);
