@@ -108,16 +108,10 @@ static const char *transfer_of(const tides_scene *scene) {
 /* How it was trained, and what a user may not expect of it. */
 static void tag_facts(const tides_scene *scene, cJSON *facts) {
     static const char *const names[] = {NULL, "plain", "antialiased", "mixed"}; /* TIDES_TRAINED_* */
-    const char *trained = names[tides_scene_trained(scene)], *line = tides_scene_notes(scene);
+    const char *trained = names[tides_scene_trained(scene)];
     if (trained) cJSON_AddStringToObject(facts, "trained", trained);
     cJSON_AddStringToObject(facts, "colour_transfer", transfer_of(scene));
-    cJSON *notes = *line ? cJSON_AddArrayToObject(facts, "notes") : NULL;
-    for (size_t length; *line; line += length + (line[length] == '\n')) {
-        char note[1024];
-        length = strcspn(line, "\n");
-        snprintf(note, sizeof note, "%.*s", (int)length, line);
-        cJSON_AddItemToArray(notes, cJSON_CreateString(note));
-    }
+    cli_add_notes(facts, tides_scene_notes(scene));
 }
 
 static tides_status scene_facts(const char *file, cJSON *facts, tides_error *error) {
@@ -195,18 +189,6 @@ static tides_status extent_facts(const tides_trajectory *path, cJSON *facts, tid
     return TIDES_OK;
 }
 
-/* Lines of text as a list. */
-static void add_notes(const char *notes, cJSON *facts) {
-    cJSON *list = *notes ? cJSON_AddArrayToObject(facts, "notes") : NULL;
-    while (*notes) {
-        char line[512];
-        const size_t length = strcspn(notes, "\n");
-        snprintf(line, sizeof line, "%.*s", (int)length, notes);
-        cJSON_AddItemToArray(list, cJSON_CreateString(line));
-        notes += length + (notes[length] == '\n');
-    }
-}
-
 static tides_status path_facts(const char *file, cJSON *facts, tides_error *error) {
     tides_path_options options;
     tides_path_options_defaults(&options);
@@ -227,7 +209,7 @@ static tides_status path_facts(const char *file, cJSON *facts, tides_error *erro
     intrinsics_facts(&path.intrinsics, facts);
     if (path.distorted) cJSON_AddStringToObject(facts, "lens", "unknown");
     if (path.untimed) cJSON_AddStringToObject(facts, "times", "none: spread evenly over camera.duration_s");
-    add_notes(path.notes, facts);
+    cli_add_notes(facts, path.notes);
     status = extent_facts(path.trajectory, facts, error);
     tides_trajectory_destroy(path.trajectory);
     return status;
@@ -266,8 +248,9 @@ static void event_facts(const tides_event_summary *s, cJSON *facts) {
     label_facts(s->labels, facts);
 }
 
-/* How it was read, where the file leaves that open; and what of it is no event. */
-static tides_status events_facts(const char *file, const tides_event_reading *how, cJSON *facts, tides_error *error) {
+/* How it was read, where the file leaves that open; and what of it is no event. `out` (nullable) gets the summary. */
+static tides_status events_facts(const char *file, const tides_event_reading *how, cJSON *facts, tides_event_summary *out,
+                                 tides_error *error) {
     tides_event_reader *reader = NULL;
     tides_event_summary summary;
     tides_event_facts told;
@@ -279,6 +262,7 @@ static tides_status events_facts(const char *file, const tides_event_reading *ho
         if (told.read_as[0]) cJSON_AddStringToObject(facts, "read_as", told.read_as);
         if (told.dropped) cJSON_AddNumberToObject(facts, "invalid_dropped", (double)told.dropped);
         if (told.zero != TIDES_ZERO_EVENT) cli_add_seconds(facts, "zero_s", told.zero_ns);
+        if (out) *out = summary;
     }
     tides_event_reader_close(reader);
     return status;
@@ -296,7 +280,7 @@ static tides_status open_events(const char *file) {
 /* HDF5 holds events or a scene; a file that is neither is reported with both reasons. */
 static tides_status hdf5_facts(const char *file, cJSON *facts, tides_error *error) {
     tides_error events = {TIDES_OK, ""}, scene = {TIDES_OK, ""};
-    if (events_facts(file, NULL, facts, &events) == TIDES_OK) return TIDES_OK;
+    if (events_facts(file, NULL, facts, NULL, &events) == TIDES_OK) return TIDES_OK;
     /* Events, and the parts or options that their reader lacks. */
     if (events.status == TIDES_UNSUPPORTED || events.status == TIDES_BAD_ARGUMENT) {
         *error = events;
@@ -432,8 +416,12 @@ static tides_status array_facts(const char *start, size_t got, cJSON *facts) {
 /* Facts of a folder. Where it holds no events, the path's reader has the best reason to give. */
 static tides_status folder_facts(const char *file, cJSON *facts, tides_error *error) {
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
-    if (open_events(file) != TIDES_FILE_NOT_FOUND)
-        return events_facts(file, NULL, facts, error) == TIDES_OK ? recording_folder_facts(file, facts) : error->status;
+    if (open_events(file) != TIDES_FILE_NOT_FOUND) {
+        tides_event_summary summary;
+        const tides_status events = events_facts(file, NULL, facts, &summary, error);
+        if (events == TIDES_OK) recording_folder_facts(file, &summary, facts);
+        return events;
+    }
     const tides_status status = path_facts(file, facts, error);
     if (status != TIDES_FILE_NOT_FOUND) return status;
     if (tides_file_foreign(file, error) != TIDES_OK) return TIDES_BAD_FILE;
@@ -463,7 +451,7 @@ static tides_status facts_of(const char *file, cJSON *facts, tides_error *error)
     if (memcmp(head, "\x89HDF\r\n\x1a\n", 8) == 0) return hdf5_facts(file, facts, error);
     if (memcmp(head, "\x76\x2f\x31\x01", 4) == 0) return exr_facts(file, facts, error);
     const tides_status events = open_events(file);
-    if (events == TIDES_OK || events == TIDES_BAD_ARGUMENT) return events_facts(file, NULL, facts, error);
+    if (events == TIDES_OK || events == TIDES_BAD_ARGUMENT) return events_facts(file, NULL, facts, NULL, error);
     if (tides_scene_is_file(file)) return scene_facts(file, facts, error);
     if (memcmp(head, "\x93NUMPY", 6) == 0) return array_facts(head, got, facts);
     const tides_status foreign = tides_file_foreign(file, error);
@@ -488,7 +476,7 @@ int cmd_info(const cli_command *command, int argc, char **argv) {
     cJSON *facts = cJSON_CreateObject();
     cJSON_AddStringToObject(facts, "file", file);
     const tides_status status = !facts      ? TIDES_OK
-                                : as_events ? events_facts(file, &how, facts, &error)
+                                : as_events ? events_facts(file, &how, facts, NULL, &error)
                                             : facts_of(file, facts, &error);
     if (status != TIDES_OK) {
         cJSON_Delete(facts);

@@ -69,17 +69,20 @@ static void find_lens(const char *folder, recording_folder *found) {
     free(text);
 }
 
+void recording_folder_look(const char *folder, recording_folder *found) {
+    find_frames(folder, found);
+    find_poses(folder, found);
+    find_lens(folder, found);
+}
+
 tides_status recording_folder_read(const char *folder, recording_folder *found, tides_error *error) {
     tides_event_reader *reader = NULL;
     memset(found, 0, sizeof *found);
     tides_status status = tides_event_reader_open(folder, NULL, &reader, error);
     if (status == TIDES_OK) status = tides_event_reader_summary(reader, &found->events, error);
     tides_event_reader_close(reader);
-    if (status != TIDES_OK) return status;
-    find_frames(folder, found);
-    find_poses(folder, found);
-    find_lens(folder, found);
-    return TIDES_OK;
+    if (status == TIDES_OK) recording_folder_look(folder, found);
+    return status;
 }
 
 void recording_folder_lines(const recording_folder *f, char *text, size_t size) {
@@ -119,19 +122,11 @@ static void add_facts(const recording_folder *f, cJSON *facts) {
     if (f->lens_count) cJSON_AddItemToObject(facts, "calib", cJSON_CreateDoubleArray(f->lens, f->lens_count));
 }
 
-tides_status recording_folder_facts(const char *folder, cJSON *facts) {
-    recording_folder found;
-    tides_error why;
+void recording_folder_facts(const char *folder, const tides_event_summary *summary, cJSON *facts) {
+    recording_folder found = {.events = *summary};
     char text[512];
-    if (recording_folder_read(folder, &found, &why) != TIDES_OK) return TIDES_OK;
+    recording_folder_look(folder, &found);
     add_facts(&found, facts);
     recording_folder_lines(&found, text, sizeof text);
-    cJSON *notes = *text ? cJSON_AddArrayToObject(facts, "notes") : NULL;
-    for (char *line = text, *end; *line; line = end + (*end != 0)) {
-        char one[512];
-        end = line + strcspn(line, "\n");
-        snprintf(one, sizeof one, "%.*s", (int)(end - line), line);
-        cJSON_AddItemToArray(notes, cJSON_CreateString(one));
-    }
-    return TIDES_OK;
+    cli_add_notes(facts, text);
 }

@@ -19,8 +19,10 @@ typedef struct recording_folder {
 
 /* Looks into `folder`, as datasets come. TIDES_FILE_NOT_FOUND where it holds no events; what else it lacks is left empty. */
 tides_status recording_folder_read(const char *folder, recording_folder *found, tides_error *error);
-/* Adds what is beside the events of a folder, with those lines as notes; TIDES_OK, whatever there is. */
-tides_status recording_folder_facts(const char *folder, cJSON *facts);
+/* Fills the rest of `found`, which holds the summary of the folder's events and is empty otherwise. */
+void recording_folder_look(const char *folder, recording_folder *found);
+/* Adds what is beside the events of a folder, which `summary` is of, with those lines as notes. */
+void recording_folder_facts(const char *folder, const tides_event_summary *summary, cJSON *facts);
 /* Lines on what frames and events are to each other: of other cameras, of other times; "" where nothing is to be said. */
 void recording_folder_lines(const recording_folder *found, char *text, size_t size);
 

@@ -1,5 +1,5 @@
 /* `tides compare`: every method on one run, against its exact stream or a recording. Files from the bottom up: compare_find,
- * compare_fair and compare_mask, compare_settings, compare_score, compare_exact, compare_run, compare_search, then the results:
+ * compare_mask, compare_settings, compare_fair, compare_score, compare_exact, compare_run, compare_search, then the results:
  * compare_report, compare_table, compare_print, the figures, compare_page. */
 #ifndef CLI_COMPARE_H
 #define CLI_COMPARE_H
@@ -82,6 +82,9 @@ void compare_interval(const comparison *c, int32_t reference, int64_t *start_ns,
 tides_status compare_read(comparison *c, tides_error *error);
 /* Copies the part of a stream that is compared with the recording to `kept`, which the caller frees. */
 tides_status compare_fair_events(const comparison *c, const cli_stream *stream, cli_stream *kept, tides_error *error);
+/* Runs the row's method with the settings `more` on top; `kept` gets the part that is compared, which the caller frees. */
+tides_status compare_run_fair(comparison *c, const compare_row *row, const cli_list *more, cli_stream *kept,
+                              tides_error *error);
 /* compare_mask.c: fair->mask of its file. */
 tides_status compare_mask_read(compare_fair *fair, int32_t width, int32_t height, tides_error *error);
 

@@ -1,5 +1,6 @@
-/* Chooses the part of a recording and of the streams that is compared. Time: the stretch that both have, or the one that was
- * asked for. Pixels: neither masked nor hot. Events: none in bursts that the readout of frames makes. */
+/* Chooses the part of a recording and of the streams that is compared, and runs methods for that part alone. Time: the
+ * stretch that both have, or the one that was asked for. Pixels: neither masked nor hot. Events: none in bursts that the
+ * readout of frames makes. */
 #include "compare.h"
 
 #include <stdlib.h>
@@ -23,6 +24,20 @@ tides_status compare_fair_events(const comparison *c, const cli_stream *stream, 
         if (counts(c, &stream->events[i])) kept->events[kept->count++] = stream->events[i];
     kept->count = tides_blemishes_leave_out(&c->fair.blemishes, kept->events, kept->count);
     return TIDES_OK;
+}
+
+tides_status compare_run_fair(comparison *c, const compare_row *row, const cli_list *more, cli_stream *kept,
+                              tides_error *error) {
+    cli_stream stream = {.events = NULL};
+    tides_session *session = NULL;
+    tides_status status = compare_configure(c, row->name, compare_ideal(c), more, NULL, &session, error);
+    if (status == TIDES_OK)
+        status = tides_session_run(session, cli_keep, &stream, cli_progress_step, &c->progress, NULL, error);
+    cli_progress_end(&c->progress);
+    tides_session_close(session);
+    if (status == TIDES_OK) status = compare_fair_events(c, &stream, kept, error);
+    free(stream.events);
+    return status;
 }
 
 /* -- the recording ------------------------------------------------------------------------------------------------------ */

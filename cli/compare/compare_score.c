@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { OF_RECORDINGS = TIDES_METRICS_DEFAULT | TIDES_METRIC_MATCH, OF_EXACT = TIDES_METRICS_DEFAULT | TIDES_METRIC_MATCH };
+enum { WANTED = TIDES_METRICS_DEFAULT | TIDES_METRIC_MATCH };
 
 tides_status compare_measure(comparison *c, const tides_event *events, size_t count, const cli_stream *stream,
                              int32_t reference, uint32_t wanted, tides_metrics *metrics, cJSON **json, tides_error *error) {
@@ -28,12 +28,12 @@ tides_status compare_score(comparison *c, compare_row *row, tides_error *error) 
     cli_stream kept;
     /* Straight lines between frames are TIDES's own way there: it isn't held against itself. */
     if (c->with_exact && !(c->session.frames && strcmp(row->name, "tides") == 0))
-        status = compare_measure(c, c->exact.events, c->exact.count, &row->stream, COMPARE_EXACT, OF_EXACT, NULL,
+        status = compare_measure(c, c->exact.events, c->exact.count, &row->stream, COMPARE_EXACT, WANTED, NULL,
                                  &row->against[COMPARE_EXACT], error);
     if (status != TIDES_OK || !c->recording_file) return status;
     status = compare_fair_events(c, &row->stream, &kept, error);
     if (status == TIDES_OK)
-        status = compare_measure(c, c->recording.events, c->recording.count, &kept, COMPARE_RECORDING, OF_RECORDINGS, NULL,
+        status = compare_measure(c, c->recording.events, c->recording.count, &kept, COMPARE_RECORDING, WANTED, NULL,
                                  &row->against[COMPARE_RECORDING], error);
     free(kept.events);
     return status;
@@ -45,20 +45,11 @@ tides_status compare_score(comparison *c, compare_row *row, tides_error *error) 
 static tides_status run_again(comparison *c, const compare_row *row, uint64_t seed, cli_stream *kept, tides_error *error) {
     char text[COMPARE_SETTING];
     cli_list more = row->found;
-    cli_stream stream = {.events = NULL};
-    tides_session *session = NULL;
     snprintf(text, sizeof text, "seed=\"%llu\"", (unsigned long long)seed);
     more.items[more.count++] = text;
     if (!tides_run_gives(c->session.run, "sensor.initial")) more.items[more.count++] = "sensor.initial=random";
-    tides_status status = compare_configure(c, row->name, compare_ideal(c), &more, NULL, &session, error);
     c->progress.label = "floor";
-    if (status == TIDES_OK)
-        status = tides_session_run(session, cli_keep, &stream, cli_progress_step, &c->progress, NULL, error);
-    cli_progress_end(&c->progress);
-    tides_session_close(session);
-    if (status == TIDES_OK) status = compare_fair_events(c, &stream, kept, error);
-    free(stream.events);
-    return status;
+    return compare_run_fair(c, row, &more, kept, error);
 }
 
 static tides_status of_seeds(comparison *c, const compare_row *row, tides_error *error) {
@@ -67,8 +58,8 @@ static tides_status of_seeds(comparison *c, const compare_row *row, tides_error 
     tides_status status = run_again(c, row, seed, &one, error);
     if (status == TIDES_OK) status = run_again(c, row, seed + 1, &other, error);
     if (status == TIDES_OK)
-        status = compare_measure(c, one.events, one.count, &other, COMPARE_RECORDING, OF_RECORDINGS, NULL,
-                                 &c->floors[COMPARE_SEEDS], error);
+        status = compare_measure(c, one.events, one.count, &other, COMPARE_RECORDING, WANTED, NULL, &c->floors[COMPARE_SEEDS],
+                                 error);
     free(one.events);
     free(other.events);
     return status;

@@ -31,21 +31,15 @@ static void write_found(search *s, const double *values) {
 /* The score of some values of the searched keys; infinite where the method refuses them. */
 static tides_status attempt(search *s, const double *values, double *score, tides_error *error) {
     comparison *c = s->c;
-    tides_session *session = NULL;
-    cli_stream stream = {.events = NULL}, kept = {.events = NULL};
+    cli_stream kept = {.events = NULL};
     tides_metrics metrics;
     *score = INFINITY;
     write_found(s, values);
-    tides_status status = compare_configure(c, s->row->name, compare_ideal(c), &s->row->found, NULL, &session, error);
-    if (status == TIDES_OK)
-        status = tides_session_run(session, cli_keep, &stream, cli_progress_step, &c->progress, NULL, error);
-    tides_session_close(session);
-    if (status == TIDES_OK) status = compare_fair_events(c, &stream, &kept, error);
+    tides_status status = compare_run_fair(c, s->row, &s->row->found, &kept, error);
     if (status == TIDES_OK)
         status = compare_measure(c, c->recording.events, c->recording.count, &kept, COMPARE_RECORDING,
                                  TIDES_METRIC_VICTOR_PURPURA, &metrics, NULL, error);
     if (status == TIDES_OK) *score = metrics.victor_purpura_fraction;
-    free(stream.events);
     free(kept.events);
     s->runs++;
     cli_progress_end(&c->progress);

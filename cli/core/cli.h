@@ -120,6 +120,7 @@ int cli_failed(const char *format, ...) CLI_PRINTF(1, 2);
 int cli_usage(const cli_command *command, const char *format, ...) CLI_PRINTF(2, 3); /* CLI_USAGE */
 void cli_note(const cli_common *common, const char *format, ...) CLI_PRINTF(2, 3);   /* only with -v */
 void cli_tell_lines(const cli_common *common, const char *lines);                    /* each line one; not with -q */
+void cli_add_notes(cJSON *facts, const char *lines); /* as a list, "notes", where there are any; 1023 bytes of a line */
 /* Prints facts as JSON, or as aligned text; deletes them. NULL facts: out of memory. */
 int cli_print_facts(cJSON *facts, int32_t json);
 /* cli_print_facts for --json and --quiet: with --quiet alone nothing is printed. */

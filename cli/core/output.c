@@ -53,6 +53,16 @@ void cli_tell_lines(const cli_common *common, const char *lines) {
     }
 }
 
+void cli_add_notes(cJSON *facts, const char *lines) {
+    cJSON *notes = *lines ? cJSON_AddArrayToObject(facts, "notes") : NULL;
+    for (size_t length; *lines; lines += length + (lines[length] == '\n')) {
+        char line[1024];
+        length = strcspn(lines, "\n");
+        snprintf(line, sizeof line, "%.*s", (int)length, lines);
+        cJSON_AddItemToArray(notes, cJSON_CreateString(line));
+    }
+}
+
 tides_status(cli_error)(tides_error *error, tides_status status, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);

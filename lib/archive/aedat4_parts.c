@@ -1,5 +1,5 @@
-/* AEDAT 4's containers: flatbuffers, whose tables are read field by field, and the XML that says which stream is what. For the
- * reader of events and that of frames. */
+/* AEDAT 4's containers: flatbuffers, whose tables are read field by field, the header, and the XML that says which stream is
+ * what. For the reader of events and that of frames. */
 #include "td_aedat4_parts.h"
 
 #include "td_endian.h"
@@ -64,4 +64,25 @@ int td_aedat4_next(const char *xml, const char *from, const char *type, td_aedat
     const char *source = td_aedat4_attribute(t->type, "source");
     take_text(source && (!t->end || source < t->end) ? source : NULL, t->name, sizeof t->name);
     return 1;
+}
+
+tides_status td_aedat4_damaged(const char *path, tides_error *error) {
+    return td_fail(error, TIDES_BAD_FILE, "%s: its AEDAT 4 header (IOHE) is damaged", path);
+}
+
+tides_status td_aedat4_header(td_flat header, const char *path, int32_t *compression, uint64_t *end, char **xml,
+                              tides_error *error) {
+    size_t table = td_flat_root(header, "IOHE"), length = 0;
+    if (!table) return td_aedat4_damaged(path, error);
+    size_t packing = td_flat_field(header, table, 0, 4), position = td_flat_field(header, table, 1, 8);
+    const unsigned char *text = td_flat_vector(header, table, 2, 1, &length);
+    if (!text) return td_aedat4_damaged(path, error);
+    *compression = packing ? (int32_t)td_le32(header.data + packing) : TD_AEDAT4_NONE;
+    if (*compression < 0 || *compression > TD_AEDAT4_ZSTD_HIGH)
+        return td_fail(error, TIDES_UNSUPPORTED, "%s: compression %d isn't known: NONE, LZ4 and ZSTD are", path, *compression);
+    *end = position ? td_le64(header.data + position) : 0;
+    *xml = td_alloc(length + 1, 1, error);
+    if (!*xml) return TIDES_NO_MEMORY;
+    memcpy(*xml, text, length);
+    return TIDES_OK;
 }

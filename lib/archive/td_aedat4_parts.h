@@ -34,11 +34,22 @@ const char *td_aedat4_attribute(const char *from, const char *key);
 /* The next stream of a type behind `from`; 0 where there is none. Its texts end where the next stream's node begins. */
 int td_aedat4_next(const char *xml, const char *from, const char *type, td_aedat4_told *told);
 
+/* TIDES_BAD_FILE: the header of `path` is damaged. */
+tides_status td_aedat4_damaged(const char *path, tides_error *error);
+/* Reads the header (IOHE) of `path`: compression, where packets end as it says [byte] (0: it doesn't), and the description of
+ * the streams, a text that the caller frees. TIDES_BAD_FILE, TIDES_UNSUPPORTED for another compression, TIDES_NO_MEMORY:
+ * there is no text then. */
+tides_status td_aedat4_header(td_flat header, const char *path, int32_t *compression, uint64_t *end, char **xml,
+                              tides_error *error);
+
 /* Unpack one frame into `*out`, which grows with `*capacity`; `*got` bytes, at most `most`. TIDES_BAD_FILE where the bytes
  * are no such frame, or unpack to more; TIDES_NO_MEMORY. */
 tides_status td_lz4_unpack(const unsigned char *data, size_t bytes, size_t most, unsigned char **out, size_t *capacity,
                            size_t *got, tides_error *error);
 tides_status td_zstd_unpack(const unsigned char *data, size_t bytes, size_t most, unsigned char **out, size_t *capacity,
                             size_t *got, tides_error *error);
+/* Whichever of them a header's compression is, which isn't TD_AEDAT4_NONE. */
+tides_status td_aedat4_unpack(int32_t compression, const unsigned char *data, size_t bytes, size_t most, unsigned char **out,
+                              size_t *capacity, size_t *got, tides_error *error);
 
 #endif

@@ -60,3 +60,8 @@ tides_status td_zstd_unpack(const unsigned char *data, size_t bytes, size_t most
     ZSTD_freeDCtx(context);
     return status;
 }
+
+tides_status td_aedat4_unpack(int32_t compression, const unsigned char *data, size_t bytes, size_t most, unsigned char **out,
+                              size_t *capacity, size_t *got, tides_error *error) {
+    return (compression >= TD_AEDAT4_ZSTD ? td_zstd_unpack : td_lz4_unpack)(data, bytes, most, out, capacity, got, error);
+}

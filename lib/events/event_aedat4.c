@@ -72,27 +72,14 @@ static tides_status parse_description(td_event_stream *stream, const char *xml, 
     return TIDES_OK;
 }
 
-static tides_status bad_header(const td_event_stream *stream, tides_error *error) {
-    return td_fail(error, TIDES_BAD_FILE, "%s: its AEDAT 4 header (IOHE) is damaged", stream->input.path);
-}
-
 static tides_status parse_header(td_event_stream *stream, td_flat header, tides_error *error) {
     aedat4_state *state = stream->state;
-    size_t table = td_flat_root(header, "IOHE"), length = 0;
-    if (!table) return bad_header(stream, error);
-    size_t compression = td_flat_field(header, table, 0, 4), position = td_flat_field(header, table, 1, 8);
-    const unsigned char *text = td_flat_vector(header, table, 2, 1, &length);
-    if (!text) return bad_header(stream, error);
-    state->compression = compression ? (int32_t)td_le32(header.data + compression) : 0;
-    if (state->compression < 0 || state->compression > TD_AEDAT4_ZSTD_HIGH)
-        return td_fail(error, TIDES_UNSUPPORTED, "%s: compression %d isn't known: NONE, LZ4 and ZSTD are", stream->input.path,
-                       state->compression);
-    uint64_t end = position ? td_le64(header.data + position) : 0;
+    char *xml = NULL;
+    uint64_t end = 0;
+    tides_status status = td_aedat4_header(header, stream->input.path, &state->compression, &end, &xml, error);
+    if (status != TIDES_OK) return status;
     state->end = end > stream->input.at && end <= stream->input.size ? end : stream->input.size;
-    char *xml = td_alloc(length + 1, 1, error);
-    if (!xml) return TIDES_NO_MEMORY;
-    memcpy(xml, text, length);
-    tides_status status = parse_description(stream, xml, error);
+    status = parse_description(stream, xml, error);
     free(xml);
     return status;
 }
@@ -117,11 +104,11 @@ static tides_status unpack(td_event_stream *stream, size_t packed, td_flat *payl
     aedat4_state *state = stream->state;
     *payload = (td_flat){state->packed, packed};
     if (state->compression == TD_AEDAT4_NONE) return TIDES_OK;
-    int zstd = state->compression >= TD_AEDAT4_ZSTD;
     size_t bytes = 0;
-    tides_status status = (zstd ? td_zstd_unpack : td_lz4_unpack)(state->packed, packed, PACKET_MOST, &state->payload,
-                                                                  &state->payload_capacity, &bytes, error);
-    if (status == TIDES_BAD_FILE) return bad_packet(stream, zstd ? "isn't Zstandard" : "isn't an LZ4 frame", error);
+    tides_status status = td_aedat4_unpack(state->compression, state->packed, packed, PACKET_MOST, &state->payload,
+                                           &state->payload_capacity, &bytes, error);
+    if (status == TIDES_BAD_FILE)
+        return bad_packet(stream, state->compression >= TD_AEDAT4_ZSTD ? "isn't Zstandard" : "isn't an LZ4 frame", error);
     *payload = (td_flat){state->payload, bytes};
     return status;
 }
@@ -210,7 +197,7 @@ static tides_status open_aedat4(td_event_stream *stream, tides_error *error) {
     tides_status status = td_input_copy(&stream->input, start, sizeof start, error);
     if (status != TIDES_OK) return status;
     size_t bytes = td_le32(start + TD_AEDAT4_MAGIC_BYTES);
-    if (bytes > TD_AEDAT4_HEADER_MOST || bytes > stream->input.size) return bad_header(stream, error);
+    if (bytes > TD_AEDAT4_HEADER_MOST || bytes > stream->input.size) return td_aedat4_damaged(stream->input.path, error);
     unsigned char *header = td_alloc(bytes, 1, error);
     if (!header) return TIDES_NO_MEMORY;
     status = td_input_copy(&stream->input, header, bytes, error);

@@ -99,9 +99,8 @@ static tides_status read_packet(tides_frames *frames, const place *where, size_t
         return cut_off(frames, error);
     const unsigned char *data = r->packed;
     if (r->compression != TD_AEDAT4_NONE) {
-        status = (r->compression >= TD_AEDAT4_ZSTD ? td_zstd_unpack : td_lz4_unpack)(r->packed, where->bytes, PACKET_MOST,
-                                                                                     &r->payload, &r->payload_capacity, &bytes,
-                                                                                     error);
+        status = td_aedat4_unpack(r->compression, r->packed, where->bytes, PACKET_MOST, &r->payload, &r->payload_capacity,
+                                  &bytes, error);
         if (status != TIDES_OK) return status;
         data = r->payload;
     }
@@ -131,28 +130,14 @@ static tides_status read_frame(tides_frames *frames, size_t index, double *Y, ti
 
 /* -- the file -------------------------------------------------------------------------------------------------------------- */
 
-static tides_status bad_header(const tides_frames *frames, tides_error *error) {
-    return td_fail(error, TIDES_BAD_FILE, "%s: its AEDAT 4 header (IOHE) is damaged", frames->path);
-}
-
 static tides_status parse_header(tides_frames *frames, td_flat header, tides_error *error) {
     recording *r = frames->state;
-    const size_t table = td_flat_root(header, "IOHE");
-    size_t length = 0;
-    if (!table) return bad_header(frames, error);
-    const size_t compression = td_flat_field(header, table, 0, 4), position = td_flat_field(header, table, 1, 8);
-    const unsigned char *text = td_flat_vector(header, table, 2, 1, &length);
     td_aedat4_told told, other;
-    if (!text) return bad_header(frames, error);
-    r->compression = compression ? (int32_t)td_le32(header.data + compression) : TD_AEDAT4_NONE;
-    const uint64_t end = position ? td_le64(header.data + position) : 0;
+    char *xml = NULL;
+    uint64_t end = 0;
+    const tides_status status = td_aedat4_header(header, frames->path, &r->compression, &end, &xml, error);
+    if (status != TIDES_OK) return status;
     if (end > 0 && end < r->end) r->end = end;
-    if (r->compression < 0 || r->compression > TD_AEDAT4_ZSTD_HIGH)
-        return td_fail(error, TIDES_UNSUPPORTED, "%s: compression %d isn't known: NONE, LZ4 and ZSTD are", frames->path,
-                       r->compression);
-    char *xml = td_alloc(length + 1, 1, error);
-    if (!xml) return TIDES_NO_MEMORY;
-    memcpy(xml, text, length);
     const int found = td_aedat4_next(xml, xml, "FRME", &told),
               several = found && td_aedat4_next(xml, told.type, "FRME", &other);
     r->stream = found ? told.number : -1;
@@ -173,12 +158,12 @@ static tides_status open_header(tides_frames *frames, tides_error *error) {
     if (fread(start, 1, sizeof start, r->file) != sizeof start || memcmp(start, TD_AEDAT4_MAGIC, TD_AEDAT4_MAGIC_BYTES) != 0)
         return td_fail(error, TIDES_BAD_FILE, "%s: isn't AEDAT 4", frames->path);
     const size_t bytes = td_le32(start + TD_AEDAT4_MAGIC_BYTES);
-    if (bytes > TD_AEDAT4_HEADER_MOST || bytes > r->end) return bad_header(frames, error);
+    if (bytes > TD_AEDAT4_HEADER_MOST || bytes > r->end) return td_aedat4_damaged(frames->path, error);
     header = td_alloc(bytes, 1, error);
     if (!header) return TIDES_NO_MEMORY;
     const tides_status status = fread(header, 1, bytes, r->file) == bytes
                                     ? parse_header(frames, (td_flat){header, bytes}, error)
-                                    : bad_header(frames, error);
+                                    : td_aedat4_damaged(frames->path, error);
     free(header);
     return status;
 }
