@@ -76,11 +76,8 @@ void recording_folder_look(const char *folder, recording_folder *found) {
 }
 
 tides_status recording_folder_read(const char *folder, recording_folder *found, tides_error *error) {
-    tides_event_reader *reader = NULL;
     memset(found, 0, sizeof *found);
-    tides_status status = tides_event_reader_open(folder, NULL, &reader, error);
-    if (status == TIDES_OK) status = tides_event_reader_summary(reader, &found->events, error);
-    tides_event_reader_close(reader);
+    const tides_status status = tides_events_summary(folder, &found->events, error);
     if (status == TIDES_OK) recording_folder_look(folder, found);
     return status;
 }

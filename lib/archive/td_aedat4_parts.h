@@ -8,6 +8,7 @@
 #define TD_AEDAT4_MAGIC "#!AER-DAT4.0\r\n"
 enum { TD_AEDAT4_MAGIC_BYTES = 14, TD_AEDAT4_NONE = 0, TD_AEDAT4_ZSTD = 3, TD_AEDAT4_ZSTD_HIGH = 4 };
 enum { TD_AEDAT4_HEADER_MOST = 1 << 24 /* bytes: an XML of a few kilobytes in every recorder */ };
+enum { TD_AEDAT4_PACKET_MOST = 1 << 28 /* bytes of one packet, unpacked: 16 million events */ };
 
 /* A flatbuffer without its size prefix. */
 typedef struct td_flat {

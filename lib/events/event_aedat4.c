@@ -10,10 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    PACKET_MOST = 1 << 28 /* bytes of one packet, unpacked: 16 million events */
-};
-
 typedef struct aedat4_state {
     int32_t compression, stream, frames; /* streams' numbers; frames -1: there are none */
     uint64_t end;                        /* of the packets [byte] */
@@ -105,7 +101,7 @@ static tides_status unpack(td_event_stream *stream, size_t packed, td_flat *payl
     *payload = (td_flat){state->packed, packed};
     if (state->compression == TD_AEDAT4_NONE) return TIDES_OK;
     size_t bytes = 0;
-    tides_status status = td_aedat4_unpack(state->compression, state->packed, packed, PACKET_MOST, &state->payload,
+    tides_status status = td_aedat4_unpack(state->compression, state->packed, packed, TD_AEDAT4_PACKET_MOST, &state->payload,
                                            &state->payload_capacity, &bytes, error);
     if (status == TIDES_BAD_FILE)
         return bad_packet(stream, state->compression >= TD_AEDAT4_ZSTD ? "isn't Zstandard" : "isn't an LZ4 frame", error);

@@ -12,7 +12,7 @@
 
 /* Fields of a frame, by number. */
 enum { TIME = 0, EXPOSED_FROM = 3, EXPOSED_TO = 4, FORMAT = 5, WIDTH = 6, HEIGHT = 7, LEFT = 8, TOP = 9, PIXELS = 10 };
-enum { GREY = 0, BGR = 16, BGRA = 24, PACKET_MOST = 1 << 28 /* bytes */, COUNT_MOST = 100000000 };
+enum { GREY = 0, BGR = 16, BGRA = 24, COUNT_MOST = 100000000 };
 
 typedef struct place {
     uint64_t at; /* of the packet's payload [byte] */
@@ -99,8 +99,8 @@ static tides_status read_packet(tides_frames *frames, const place *where, size_t
         return cut_off(frames, error);
     const unsigned char *data = r->packed;
     if (r->compression != TD_AEDAT4_NONE) {
-        status = td_aedat4_unpack(r->compression, r->packed, where->bytes, PACKET_MOST, &r->payload, &r->payload_capacity,
-                                  &bytes, error);
+        status = td_aedat4_unpack(r->compression, r->packed, where->bytes, TD_AEDAT4_PACKET_MOST, &r->payload,
+                                  &r->payload_capacity, &bytes, error);
         if (status != TIDES_OK) return status;
         data = r->payload;
     }
@@ -196,7 +196,7 @@ static tides_status list_frames(tides_frames *frames, tides_error *error) {
             fread(head, 1, sizeof head, r->file) != sizeof head)
             return cut_off(frames, error);
         const place where = {at + sizeof head, td_le32(head + 4)};
-        if (where.bytes > r->end - where.at || where.bytes > PACKET_MOST) return cut_off(frames, error);
+        if (where.bytes > r->end - where.at || where.bytes > TD_AEDAT4_PACKET_MOST) return cut_off(frames, error);
         if ((int32_t)td_le32(head) == r->stream) status = list_frame(frames, where, error);
         at = where.at + where.bytes;
     }
