@@ -145,7 +145,7 @@ one() { # PROGRAM: a line 'WORD PROGRAM (seconds of the processor)'
     local name=${1#"$out"/tests/} said=$work/said.$BASHPID used code word reason
     TIMEFORMAT=%U
     # shellcheck disable=SC2030,SC3045
-    used=$( { time (ulimit -St "$limit"; exec "$1" >"$said" 2>&1 </dev/null) 2>/dev/null; } 2>&1)
+    used=$( { time (ulimit -St "$limit"; "$1" >"$said" 2>&1 </dev/null); code=$?; } 2>&1; exit $code)
     code=$?
     case $code in
         0 | 77) word=ok; grep -qE '^\[  PASSED  \] [1-9]' "$said" || word=skip ;;
