@@ -55,7 +55,7 @@ static tides_status moment_take(tides_renderer *r, const tides_trajectory *camer
         name_splats(r, m->splat);
         status = td_renderer_views(r, camera, &time, 1, error);
     }
-    if (status == TIDES_OK) memcpy(m->views, r->views, (size_t)r->store.objects * sizeof *m->views);
+    if (status == TIDES_OK) memcpy(m->views, r->scratch.views, (size_t)r->store.objects * sizeof *m->views);
     return status;
 }
 
