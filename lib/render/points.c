@@ -1,9 +1,8 @@
-/* Pixels at times of their own, for the solver, which solves events on them. They are worked out one by one (kernels/points.h):
- * rows of record paths for the interval swept last when it is first asked for, lists of the tiles that points are in, and the
- * points, tile by tile.
+/* Single pixels at single times, for the solver, which places events on them: rows of record paths for the interval swept last
+ * when it is first asked for, lists of the tiles that have points, and then the points, tile by tile.
  *
- * An instant that is kept has an engine of its own beside the scene in double that all have in common: in turns on one engine,
- * preparing it again for each interval cost as much as the points that were spared by asking for it late. */
+ * A kept instant has an engine of its own beside the shared scene in double. In turns on one engine, preparing it again for each
+ * interval cost as much as the points that were spared by asking for it late. */
 #include "td_point_nodes.h"
 #include "td_point_order.h"
 #include "td_points_direct.h"
@@ -397,9 +396,9 @@ static tides_status exact_points(tides_renderer *renderer, const tides_trajector
 
 static td_points *of_swept(tides_renderer *renderer) {
     const td_candidates *lists = &renderer->candidates;
-    const double start = renderer->sweep.interval[0], stop = renderer->sweep.interval[1];
-    const double shortest = (stop - start) / (1 << td_dynamic_finest(&renderer->dynamic));
-    renderer->points->at = (td_point_span){lists->first, lists->list, start, stop, shortest, lists->serial};
+    const double *swept = renderer->sweep.interval;
+    const double shortest = (swept[1] - swept[0]) / (1 << td_dynamic_finest(&renderer->dynamic));
+    renderer->points->at = (td_point_span){lists->first, lists->list, swept[0], swept[1], shortest, lists->serial};
     return renderer->points;
 }
 
@@ -446,6 +445,7 @@ static tides_status keep_views(tides_renderer *renderer, const tides_trajectory 
 static tides_status keep_instant(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error) {
     const td_candidates *lists = &renderer->candidates;
     const size_t tiles = (size_t)renderer->stats.tiles + 1, candidates = (size_t)lists->first[tiles - 1];
+    const double *swept = renderer->sweep.interval;
     td_points_destroy(renderer->kept);
     renderer->kept = NULL;
     tides_status status = create_points(renderer, renderer->points->nodes.exact, &renderer->kept, error);
@@ -457,8 +457,7 @@ static tides_status keep_instant(tides_renderer *renderer, const tides_trajector
     if (!p->own_first || !p->own_list) return TIDES_NO_MEMORY;
     memcpy(p->own_first, lists->first, tiles * sizeof *p->own_first);
     memcpy(p->own_list, lists->list, candidates * sizeof *p->own_list);
-    p->at =
-        (td_point_span){p->own_first, p->own_list, renderer->sweep.interval[0], renderer->sweep.interval[0], 0, lists->serial};
+    p->at = (td_point_span){p->own_first, p->own_list, swept[0], swept[0], 0, lists->serial};
     return TIDES_OK;
 }
 

@@ -34,8 +34,8 @@ tides_status td_renderer_interpolate(tides_renderer *renderer, double tolerance,
 
 /* -- stopping -------------------------------------------------------------------------------------------------------------- */
 
-/* From now on `interrupt` (NULL: none) is asked before each launch of tiles or points. If it returns other than 0, the work under
- * way ends with TIDES_CANCELLED: its results must not be used, and the renderer is as good as before. */
+/* From now on `interrupt` (NULL: none) is called before each launch of tiles or points. If it returns other than 0, the work
+ * under way ends with TIDES_CANCELLED: its results must not be used, and the renderer is as good as before. */
 typedef int (*td_interrupt)(void *user);
 void td_renderer_set_interrupt(tides_renderer *renderer, td_interrupt interrupt, void *user);
 

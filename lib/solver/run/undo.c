@@ -10,8 +10,8 @@ static const int64_t usual_at_first = 16;
 
 /* -- asking ---------------------------------------------------------------------------------------------------------------- */
 
-/* A td_interrupt. Before the step's first launch nothing has been done since progress was asked last. How many are to come isn't
- * known: after as many as the step before took, half of this one is said to be done, so that it never seems to go back. */
+/* A td_interrupt. Before the step's first launch nothing has been done since progress was asked last. The number of
+ * launches to come is unknown: after as many as the last step took, half of this one counts as done. So it never goes back. */
 static int ask(void *user) {
     const tides_simulator *s = user;
     td_asking *asking = &((tides_simulator *)user)->asking;
