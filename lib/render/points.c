@@ -1,8 +1,8 @@
 /* Single pixels at single times, for the solver, which places events on them: rows of record paths for the interval swept last
  * when it is first asked for, lists of the tiles that have points, and then the points, tile by tile.
  *
- * A kept instant has an engine of its own beside the shared scene in double. In turns on one engine, preparing it again for each
- * interval cost as much as the points that were spared by asking for it late. */
+ * A kept instant has an engine of its own beside the shared scene in double. In turns on one engine, preparing it again for
+ * each interval cost as much as the points that were spared by asking for it late. */
 #include "td_point_nodes.h"
 #include "td_point_order.h"
 #include "td_points_direct.h"
