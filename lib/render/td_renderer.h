@@ -174,7 +174,7 @@ typedef struct td_renderer_scratch {
     size_t empty_capacity, frame_capacity, in_order_capacity;
 } td_renderer_scratch;
 
-/* Whom the renderer asks before each launch whether to go on. */
+/* The callers that may stop the work before each launch, or watch it. */
 typedef struct td_renderer_control {
     td_interrupt interrupt; /* the solver; NULL: none */
     void *user;             /* its argument */
