@@ -146,7 +146,7 @@ tides_status td_points_create_engine(const tides_renderer *renderer, const td_im
 tides_status td_point_take(const td_point *point, const double *found, td_point_value *value, tides_error *error);
 void td_points_destroy(td_points *points);
 
-/* What the renderer knows of the interval that was swept last. Arrays are in the store's order. */
+/* Knowledge of the interval that was swept last. Arrays are in the store's order. */
 typedef struct td_swept {
     double interval[2];    /* its ends [s after the epoch] */
     double *times;         /* (td_sweep_times) of the pieces in hand */
