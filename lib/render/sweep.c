@@ -106,9 +106,14 @@ static tides_status sweep_boxes(tides_renderer *renderer, const tides_trajectory
 static tides_status sweep_moved(tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                                 tides_error *error) {
     if (!renderer->dynamic.gaussians) return TIDES_OK;
-    tides_status status = td_dynamic_sweep_rows(&renderer->dynamic, renderer->backend, (const double *)renderer->scratch.views,
-                                                renderer->sweep.strays.bound, start, stop, renderer->row_limit,
-                                                renderer->sweep.boxes, renderer->sweep.travel, error);
+    const td_dynamic_sweep sweep = {.views = (const double *)renderer->scratch.views,
+                                    .strays = renderer->sweep.strays.bound,
+                                    .start = start,
+                                    .stop = stop,
+                                    .row_limit = renderer->row_limit,
+                                    .boxes = renderer->sweep.boxes,
+                                    .travel = renderer->sweep.travel};
+    tides_status status = td_dynamic_sweep_rows(&renderer->dynamic, renderer->backend, &sweep, error);
     return status == TIDES_OK ? td_dynamic_sweep_pieces(renderer, camera, start, stop, error) : status;
 }
 
@@ -132,9 +137,9 @@ tides_status td_renderer_sweep_alone(tides_renderer *renderer, const tides_traje
     renderer->sweep.interval[0] = start;
     renderer->sweep.interval[1] = stop;
     if (status == TIDES_OK) status = note_moves(renderer, camera, error);
+    const td_stray_interval interval = {renderer->scene, camera, renderer->epoch, start, stop, renderer->sweep.object_moves};
     if (status == TIDES_OK)
-        status = td_strays_find(&renderer->sweep.strays, renderer->scene, &renderer->store, &renderer->image, camera,
-                                renderer->epoch, start, stop, renderer->sweep.object_moves, error);
+        status = td_strays_find(&renderer->sweep.strays, &renderer->store, &renderer->image, &interval, error);
     if (status == TIDES_OK) status = sweep_boxes(renderer, camera, start, stop, error);
     if (status == TIDES_OK) status = sweep_moved(renderer, camera, start, stop, error);
     double begun = td_now();
