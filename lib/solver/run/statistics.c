@@ -133,8 +133,10 @@ double tides_stat_value(const tides_stats *stats, const tides_stat *row) {
 void td_stat_set(tides_stats *stats, const tides_stat *row, double value) {
     char *at = (char *)stats + row->offset;
     const uint64_t count = row->type == TIDES_STAT_COUNT ? (uint64_t)value : 0;
+    const int32_t whole = row->type == TIDES_STAT_WHOLE ? (int32_t)value : 0;
     if (row->type == TIDES_STAT_REAL) memcpy(at, &value, sizeof value);
     if (row->type == TIDES_STAT_COUNT) memcpy(at, &count, sizeof count);
+    if (row->type == TIDES_STAT_WHOLE) memcpy(at, &whole, sizeof whole);
 }
 
 /* -- of a run -------------------------------------------------------------------------------------------------------------- */
