@@ -100,7 +100,7 @@ static tides_status put_column(td_npy_writer *npz, const column *c, const void *
     if (!values) return TIDES_NO_MEMORY;
     for (size_t i = 0; i < count; i++) memcpy(values + i * c->bytes, (const char *)records + i * size + c->offset, c->bytes);
     const tides_status status = /* NOLINTNEXTLINE(clang-analyzer-core.DivideZero): no tracks without a point (`choose`) */
-        td_npy_writer_put(npz, c->name, c->dtype, c->item, c->ndim, c->inner, values, count / row, error);
+        td_npy_writer_put(npz, &(td_npy_form){c->name, c->dtype, c->item, c->ndim, c->inner}, values, count / row, error);
     free(values);
     return status;
 }
