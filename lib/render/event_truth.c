@@ -1,4 +1,4 @@
-/* Ground truth of events: each one's pixel at the very time that it fired, in jobs of one block. */
+/* Ground truth of events: of each event's pixel at the exact time at which it fired, by jobs of one block each. */
 #include "td_renderer.h"
 #include "tides/truth.h"
 
@@ -7,10 +7,11 @@
 
 enum { EVENTS_AT_ONCE = 1024 };
 
-/* Candidate lists hold for all events of a launch: the longer it is, the more of them miss their tile [ns]. */
+/* Longest span of time of a launch [ns]. All its events share candidate lists, and in a longer span more boxes touch each
+ * tile. */
 static const int64_t longest_ns = 5000000;
 
-/* A launch's room. */
+/* Memory for a launch. */
 typedef struct launch {
     double *times, *planes; /* (EVENTS_AT_ONCE), (EVENTS_AT_ONCE x TD_OUT_TRUTH x TD_TILE_PIXELS) */
     td_request *requests;   /* (EVENTS_AT_ONCE) */
@@ -18,7 +19,8 @@ typedef struct launch {
 
 static int64_t time_of(const tides_event *events, const int64_t *fired, size_t i) { return fired ? fired[i] : events[i].t; }
 
-/* How many of the events from the first one on lie within longest_ns, and when: in order, but for what a readout did. */
+/* The number of events, from the first on, within longest_ns, and their span of time. Events are in order, up to a readout's
+ * delays. */
 static size_t take_some(const tides_event *events, const int64_t *fired, size_t count, int64_t span[2]) {
     size_t taken = 0;
     span[0] = span[1] = time_of(events, fired, 0);
@@ -41,7 +43,7 @@ static void take_values(const td_request *request, int pixel, const double *plan
     truth->reserved = 0;
 }
 
-/* Events within one launch; times count from `epoch_ns`, which is the renderer's epoch. */
+/* Handles the events of one launch; times count from `epoch_ns`, the renderer's epoch. */
 static tides_status run_launch(tides_renderer *r, const tides_trajectory *camera, const tides_event *events,
                                const int64_t *fired, size_t count, const int64_t span[2], int64_t epoch_ns, const launch *l,
                                tides_event_truth *truth, tides_error *error) {
@@ -64,7 +66,7 @@ static tides_status run_all(tides_renderer *r, const tides_trajectory *camera, c
                             size_t count, const launch *l, tides_event_truth *truth, tides_error *error) {
     const int64_t second = 1000000000, epoch = time_of(events, fired, 0) / second;
     tides_status status = TIDES_OK;
-    td_renderer_set_epoch(r, (double)epoch); /* so that nanoseconds resolve at 1.4e9 s */
+    td_renderer_set_epoch(r, (double)epoch); /* keeps nanoseconds at times of 1.4e9 s */
     for (size_t from = 0; from < count && status == TIDES_OK;) {
         int64_t span[2];
         const size_t some = take_some(events + from, fired ? fired + from : NULL, count - from, span);
