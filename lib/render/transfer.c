@@ -23,8 +23,8 @@ static td_transfer transfer_of(int32_t kind, double gamma) {
     return kind == TIDES_TRANSFER_SRGB ? srgb : power;
 }
 
-/* The least power of two that is enough, with a factor of 2 to spare: of what comes half is on top of 2 stop times what is
- * there (channels.h). None is where nothing is seen of any channel. */
+/* Colour still to come above which compositing can't stop, since it changes any pixel's L by more than `stop`. It is the
+ * least such power of two, with a factor of 2 to spare; infinite if no channel has luminance. */
 static double sure_of(const td_image *image) {
     const double white = td_white(image);
     double sure = 1;

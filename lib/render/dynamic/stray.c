@@ -140,7 +140,7 @@ static double cubic(double x0, double r0, double x1, double r1, double h, double
     return x0 + s * s * (3 - 2 * s) * (x1 - x0) + h * s * rest * (rest * r0 - s * r1);
 }
 
-/* A view against the cubic through two others `h` seconds apart, at share s of the way. */
+/* Compares a view with the cubic through two others, which are `h` seconds apart, at share s of the interval. */
 static void compare(const td_view *from, const td_view *to, double h, double s, const td_view *view, double origin[2][3],
                     most_off *most) {
     double dr[9], dt[3], sum = 0;
