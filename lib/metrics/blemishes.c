@@ -1,5 +1,5 @@
-/* Finds the events of a recording that its light didn't cause: bursts of the readout of frames (td_bursts.h), and hot pixels. A
- * simulation of light makes none of them, so a comparison leaves them out of both streams. */
+/* Finds the events of a recording that its light didn't cause: bursts by the readout of frames, and hot pixels. A simulation of
+ * light has none of them, so that a comparison leaves them out of both streams. */
 #include "td_metrics.h"
 
 #include "td_bursts.h"
@@ -9,14 +9,14 @@
 #include <string.h>
 
 enum {
-    REACH = 2,      /* px around a pixel that it is held against */
-    RANK = 3,       /* the busiest two of them may be hot themselves */
-    HOT_LEAST = 10, /* events, */
-    HOT_TIMES = 5   /* and so many times its neighbours' */
+    REACH = 2,      /* px: a pixel is compared with its neighbours up to here */
+    RANK = 3,       /* with the third busiest of them: the two busiest may be hot themselves */
+    HOT_LEAST = 10, /* events that a hot pixel has at least, */
+    HOT_TIMES = 5   /* and times that of its neighbour */
 };
 #define SPAN_MOST_S 20000.0 /* 80 million bins */
 
-/* Bins of bursts as stretches, from the recording's first event on. */
+/* Converts bins in bursts to intervals of time, from the recording's first event on. */
 static tides_status take_bursts(tides_blemishes *found, const uint8_t *burst, size_t bins, int64_t first_ns,
                                 tides_error *error) {
     const double bin_ns = 1e9 * TD_BURST_BIN_S;
@@ -94,7 +94,7 @@ static tides_status find_hot(const uint32_t *counts, int32_t width, int32_t heig
     return status;
 }
 
-/* Whether the event lies within a burst; *next: the first that ends after it, of events in order of time. */
+/* 1 where the event lies within a burst. *next is the first burst that ends after it; events come in order of time. */
 static int in_burst(const tides_blemishes *b, size_t *next, int64_t t) {
     while (*next < b->bursts && b->burst[2 * *next + 1] <= t) ++*next;
     return *next < b->bursts && t >= b->burst[2 * *next];

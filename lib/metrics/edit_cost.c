@@ -1,10 +1,10 @@
-/* Victor-Purpura distance (Victor & Purpura 1996): the least cost of turning one train into another, where adding or
- * removing an event costs 1 and shifting it costs `cost` per time.
+/* Victor-Purpura distance (Victor & Purpura 1996): the least cost of turning one train into another. Adding or removing an
+ * event costs 1, and shifting it `cost` per time.
  *
  * A shift pays where it is cheaper than removing and adding. So the distance is count_a + count_b - the largest sum, over
- * pairings in order, of (2 - cost |dt|), and events further apart than 2 / cost are never paired: as in align.c, a row of
- * the table only needs the window of b around a's time. Only the sum is wanted, so one row is kept, and columns left of the
- * window stay as they are. */
+ * pairings in order, of (2 - cost |dt|). Events farther apart than 2 / cost are never paired. So a row of the dynamic program's
+ * table only needs a window of b around a's time. Only the sum is needed: one row is kept, and columns left of the window stay
+ * unchanged. */
 #include "td_metrics.h"
 
 double td_edit_cost(const int64_t *a, size_t count_a, const int64_t *b, size_t count_b, double cost_per_ns, double *score) {

@@ -1,7 +1,7 @@
-/* Intervals between the events of each pixel, and the inverse Gaussians fitted to them: IG-NLL (paper, Sec. 4.3).
+/* Intervals between the events of each pixel, and inverse Gaussians fitted to them: IG-NLL (paper, Sec. 4.3).
  *
- * The density is sqrt(shape / (2 pi tau^3)) exp(-shape (tau - mean)^2 / (2 mean^2 tau)), so that everything follows from four
- * means over the intervals: of tau, 1/tau, log tau, and their number. */
+ * The density is sqrt(shape / (2 pi tau^3)) exp(-shape (tau - mean)^2 / (2 mean^2 tau)). So all results follow from the number
+ * of intervals and three means over them: of tau, 1/tau and log tau. */
 #include "td_metrics.h"
 
 #include "td_math.h"
@@ -26,7 +26,8 @@ static void add_interval(moments *m, int64_t interval_ns, double floor_s) {
     td_sum_add(&m->logarithm, td_ln(tau));
 }
 
-/* Intervals of one pixel, each kind; those of any two consecutive events also go to `list`, whose new length is returned. */
+/* The intervals of one pixel by kind of pair. Intervals of consecutive events also go to `list`, whose new length is
+ * returned. */
 static size_t pixel_intervals(const uint64_t *train, size_t count, double floor_s, moments kinds[TIDES_PAIRS], uint64_t *list,
                               size_t length) {
     int64_t last[2] = {-1, -1}; /* of each polarity */
@@ -47,7 +48,7 @@ static size_t pixel_intervals(const uint64_t *train, size_t count, double floor_
 
 static double mean_tau(const moments *m) { return td_sum_of(&m->tau) / (double)m->count; }
 
-/* mean(1/tau) - 1/mean(tau): 1/shape before it is kept off 0, where a train is regular. */
+/* mean(1/tau) - 1/mean(tau), which is 1/shape. It is 0 for a regular train, where the caller bounds it. */
 static double spread(const moments *m) {
     const double difference = td_sum_of(&m->inverse) / (double)m->count - 1.0 / mean_tau(m);
     return difference > 0 ? difference : 0.0; /* below 0 by rounding only: Jensen */
@@ -69,7 +70,7 @@ static double negative_log_likelihood(const moments *m, const tides_interval_fit
            f->shape_s / (2.0 * f->mean_s * f->mean_s) * (mean_tau(m) - 2.0 * f->mean_s + f->mean_s * f->mean_s * mean_inverse);
 }
 
-/* The difference of two such, without the terms that cancel. */
+/* The difference of two negative log-likelihoods, without the terms that cancel. */
 static double excess(const moments *m, const tides_interval_fit *own, const tides_interval_fit *other) {
     const double away = own->mean_s - other->mean_s;
     return 0.5 * (td_ln(own->shape_s / other->shape_s) + (other->shape_s - own->shape_s) * spread(m)) +

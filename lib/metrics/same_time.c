@@ -6,10 +6,10 @@
 #include <stdlib.h>
 
 typedef struct tile_count {
-    size_t group, count; /* which group of simultaneous events the count is of */
+    size_t group, count; /* number of a group of simultaneous events; events of it in the tile */
 } tile_count;
 
-/* Events of one group that share their tile. */
+/* Number of events of one group that share their tile with another. */
 static size_t shared_tiles(const tides_event *events, size_t count, size_t group, int32_t tile, size_t across,
                            tile_count *tiles) {
     size_t shared = 0;
@@ -17,7 +17,7 @@ static size_t shared_tiles(const tides_event *events, size_t count, size_t group
         tile_count *here = &tiles[(size_t)(events[i].y / tile) * across + (size_t)(events[i].x / tile)];
         if (here->group != group) *here = (tile_count){group, 0};
         here->count++;
-        /* The second one makes the first one shared too. */
+        /* The second event also makes the first one shared. */
         shared += here->count == 2 ? 2 : here->count > 2;
     }
     return shared;

@@ -1,4 +1,4 @@
-/* Sorting many numbers and summing them without loss, for the parts of tides_metrics_compare. */
+/* Sorts many numbers, and sums them without rounding errors, for the parts of tides_metrics_compare. */
 #include "td_metrics.h"
 
 #include "td_sort.h"

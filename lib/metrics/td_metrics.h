@@ -6,7 +6,7 @@
 #include "td_base.h"
 #include "tides/metrics.h"
 
-/* A stream as it is compared: cropped, counted from the start and the region's corner, floored to ticks; and once more pixel by
+/* A stream as it is compared: cropped, relative to the start and the region's corner, rounded down to ticks; and sorted by
  * pixel. */
 typedef struct td_stream {
     tides_event *events; /* in order of time */
@@ -20,12 +20,12 @@ static inline int td_train_on(uint64_t entry) { return (int)(entry & 1); }
 
 typedef struct td_compare {
     const tides_metrics_options *options;
-    int32_t width, height; /* [px] of what is compared */
+    int32_t width, height; /* [px] of the region */
     int64_t span_ns;       /* stop - start */
     td_stream reference, simulated;
     tides_progress progress;
     void *user;
-    tides_metrics *metrics; /* being filled */
+    tides_metrics *metrics; /* results */
     tides_error *error;
 } td_compare;
 
@@ -40,39 +40,39 @@ static inline tides_status td_compare_report(const td_compare *c, double fractio
     return td_fail(c->error, TIDES_CANCELLED, "stopped on request");
 }
 
-/* stream.c: what one stream must be, and how far both reach. */
+/* stream.c: checks one stream, and extends the size and times that both need. */
 typedef struct td_extent {
     int64_t first_ns, last_ns;
-    int32_t width, height; /* [px] that the events need; 0 where there are none */
+    int32_t width, height; /* [px] needed by the events; 0 without events */
 } td_extent;
 tides_status td_stream_check(const tides_event *events, size_t count, const char *name, const tides_metrics_options *options,
                              td_extent *extent, tides_error *error);
-/* The part of a stream that lies in the interval and the region, times floored to tick_ns (0: not). `train` is only made
- * where wanted. */
+/* The part of a stream in the interval and the region, with times rounded down to tick_ns (0: not). `train` is made where
+ * with_train. */
 tides_status td_stream_make(const tides_event *events, size_t count, const td_compare *c, int64_t tick_ns, int with_train,
                             td_stream *stream);
 void td_stream_release(td_stream *stream);
-int64_t td_floor_to(int64_t value, int64_t step); /* downwards, of negative values too; step 0: value */
+int64_t td_floor_to(int64_t value, int64_t step); /* rounds down, also negative values; step 0: unchanged */
 
-/* sort.c: ascending; `scratch` is memory for as many values. */
+/* sort.c: sorts in ascending order; `scratch` has room for as many values. */
 void td_sort_values(uint64_t *values, uint64_t *scratch, size_t count);
 
-/* Between the middle two where `count` (above 0) is even. */
+/* The median, between the middle two where `count` (above 0) is even. */
 double td_median(const uint64_t *sorted, size_t count);
 
-/* A sum with the rounding errors of its additions added back (Neumaier 1974). Zero it to begin with. */
+/* A sum that adds the rounding errors of its additions back (Neumaier 1974); zeroed at first. */
 typedef struct td_sum {
     double total, lost;
 } td_sum;
 void td_sum_add(td_sum *sum, double value);
 static inline double td_sum_of(const td_sum *sum) { return sum->total + sum->lost; }
 
-/* isi_spike.c: of `count` intervals [ns]. */
+/* isi_spike.c: the spike ratio of `count` intervals [ns]. */
 tides_status td_isi_spike(const uint64_t *intervals, size_t count, const tides_metrics_options *options, double *spike,
                           tides_error *error);
-/* isi_distance.c: W1 of log10 of sorted intervals [ns], none counted as shorter than floor_ns. */
+/* isi_distance.c: Wasserstein-1 distance of log10 of sorted intervals [ns]; shorter ones count as floor_ns. */
 double td_isi_distance(const uint64_t *a, size_t count_a, const uint64_t *b, size_t count_b, double floor_ns);
-/* edit_cost.c: Victor-Purpura distance of two ascending lists of times [ns]; `score` is memory for count_b + 1 values. */
+/* edit_cost.c: Victor-Purpura distance of two ascending lists of times [ns]; `score` has room for count_b + 1 values. */
 double td_edit_cost(const int64_t *a, size_t count_a, const int64_t *b, size_t count_b, double cost_per_ns, double *score);
 /* speed.c: v of the reference [px/s]; NaN where nothing moves. */
 tides_status td_compare_speed(const td_compare *c, double *speed);
@@ -91,12 +91,12 @@ tides_status td_compare_chamfer(td_compare *c);
 tides_status td_compare_trains(td_compare *c);
 tides_status td_compare_kernel(td_compare *c);
 
-/* metrics_table.c: what computes values, one after the other, up to a row without a function. */
+/* metrics_table.c: the parts in their order, up to one without a function. */
 typedef struct td_metric_part {
-    uint32_t wanted; /* any of these */
+    uint32_t wanted; /* it is called where any of these is wanted */
     const char *stage;
     tides_status (*compute)(td_compare *);
-    int by_pixel; /* 1: goes through the trains of td_stream */
+    int by_pixel; /* 1: it uses the trains of td_stream */
 } td_metric_part;
 extern const td_metric_part td_metric_parts[];
 

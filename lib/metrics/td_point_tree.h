@@ -9,17 +9,17 @@ typedef struct td_point {
     double at[3];
 } td_point;
 
-/* The points in the order of the tree: the middle of each range splits it. Borrows both arrays. */
+/* Points in the order of the tree: the middle of each range splits it. The arrays are the caller's. */
 typedef struct td_point_tree {
     const td_point *points;
-    const uint8_t *axes; /* (count): along which each middle point splits */
+    const uint8_t *axes; /* (count) the axis along which each middle point splits */
     size_t count;
 } td_point_tree;
 
-/* Reorders `points`; neighbours in the new order are near in space. n log n. */
+/* Builds a tree, in n log n. Reorders `points`; neighbours in the new order are near in space. */
 td_point_tree td_point_tree_build(td_point *points, uint8_t *axes, size_t count);
 
-/* The squared distance from `query` to the nearest point, or `bound` where none is nearer than that. */
+/* The squared distance from `query` to the nearest point, at most `bound`. */
 double td_point_tree_nearest(const td_point_tree *tree, const td_point *query, double bound);
 
 #endif
