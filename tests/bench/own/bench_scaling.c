@@ -1,5 +1,5 @@
-/* tides bench scaling: how cost grows with what a scene has. Points are measured in processes of their own; exponents are
- * fitted to processor time, which others on the machine hardly lengthen, and targets are about those and about shares of it. */
+/* tides bench scaling: growth of cost with the size of a scene. Points are measured in processes of their own. Exponents are
+ * fitted to processor time, which other load hardly affects, and targets are about exponents and about shares of time. */
 #include "bench_scaling.h"
 #include "bench_stability.h"
 #include "bench_targets.h"
