@@ -11,8 +11,8 @@ static const int64_t usual_at_first = 16;
 
 /* -- asking ---------------------------------------------------------------------------------------------------------------- */
 
-/* A td_heed, called before a launch; it asks only from a step's second launch on. The number of launches to come isn't known.
- * After as many as the step before had, half of this step counts as done, so that progress never goes back. */
+/* A td_interrupt, called before a launch; it asks only from a step's second launch on. The number of launches to come isn't
+ * known. After as many as the last step took, half of this step counts as done, so that progress never goes back. */
 static int ask(void *user) {
     const tides_simulator *s = user;
     td_asking *asking = &((tides_simulator *)user)->asking;
@@ -24,7 +24,7 @@ static int ask(void *user) {
 
 void td_ask_begin(tides_simulator *s, tides_progress progress, void *user) {
     s->asking = (td_asking){progress, user, 0, usual_at_first, 0};
-    if (progress) td_renderer_set_heed(s->renderer, ask, s);
+    if (progress) td_renderer_set_interrupt(s->renderer, ask, s);
 }
 
 void td_ask_step(tides_simulator *s) {
@@ -34,7 +34,7 @@ void td_ask_step(tides_simulator *s) {
 
 void td_ask_end(tides_simulator *s) {
     s->asking.progress = NULL;
-    td_renderer_set_heed(s->renderer, NULL, NULL);
+    td_renderer_set_interrupt(s->renderer, NULL, NULL);
 }
 
 /* -- undoing --------------------------------------------------------------------------------------------------------------- */
