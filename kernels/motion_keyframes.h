@@ -1,7 +1,7 @@
 /* Raw parameters given at frames (Dynamic3DGaussians, sequences of .ply files), joined by cubics. On the interval between two
  * frames, a span of tau, with u in [0, 1],
  *
- *  x = x_0 + (3 u^2 - 2 u^3) (x_1 - x_0) + span (u - 2 u^2 + u^3) x_0' + span (u^3 - u^2) x_1'
+ *   x = x_0 + (3 u^2 - 2 u^3) (x_1 - x_0) + span (u - 2 u^2 + u^3) x_0' + span (u^3 - u^2) x_1'
  *
  * The host computes the slopes x', of a C2 spline or by Catmull and Rom. The weights are equal for all Gaussians, and come with
  * the moment. Values at frames aren't changed by packing, so that x_1 - x_0 is exact where they are close. */

@@ -1,8 +1,8 @@
 /* SpacetimeGaussians (Li et al. 2024): means are cubics of the time since each Gaussian's own centre, quaternions are linear,
  * and opacity is a bell in time.
  *
- *  dt = tau - centre                  mean = mean_0 + c_1 dt + c_2 dt^2 + c_3 dt^3
- *  q = q_0 + q_dot dt, normalised     opacity = opacity_0 exp(-(dt / width)^2)
+ *   dt = tau - centre                  mean = mean_0 + c_1 dt + c_2 dt^2 + c_3 dt^3
+ *   q = q_0 + q_dot dt, normalised     opacity = opacity_0 exp(-(dt / width)^2)
  *
  * Scales don't change. The full model has nine features; dt multiplies the last three. */
 #ifndef TD_MOTION_POLYNOMIAL_H

@@ -1,8 +1,8 @@
 /* 4-D Gaussians seen at a time (4d-gaussian-splatting of Fudan, Yang et al. 2024). Sliced at tau, such a Gaussian is one in
  * space: its mean drifts evenly, its covariance is constant, and its opacity is a bell.
  *
- *  dt = tau - centre     mean = mean_0 + velocity dt     opacity = opacity_0 marginal     marginal = exp(-dt^2 / (2 variance))
- *  sh_j = sum_k cos(2 pi k dt / period) sh_kj
+ *   dt = tau - centre     mean = mean_0 + velocity dt     opacity = opacity_0 marginal     marginal = exp(-dt^2 / (2 variance))
+ *   sh_j = sum_k cos(2 pi k dt / period) sh_kj
  *
  * The trainer's renderer drops Gaussians with marginal <= 0.05: a jump of 5 % of the opacity. In a continuous image (`fades`)
  * opacity falls by a C2 step from there to a tenth of it, and Gaussians above 0.05 look the same. For SH, the direction of view

@@ -1,7 +1,7 @@
 /* From colours to light: light = f(colour), channel by channel, for scenes whose colours were trained on coded pictures
  * (image.transfer). IEC 61966-2-1 (sRGB) and powers have one form,
  *
- *  f(x) = ((x + offset) scale)^gamma  above the joint, x slope up to it.
+ *   f(x) = ((x + offset) scale)^gamma  above the joint, x slope up to it.
  *
  * f continues above 1 by the same power, and below 0 along its tangent in 0 (for a power: as 0). So f is C1 in 0 and in 1, and
  * f' never falls. The two parts of sRGB differ in slope by 2 % at 0.04045: a kink of the standard. td_transfer_colour is the

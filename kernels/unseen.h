@@ -3,13 +3,13 @@
  * The number is given as `travel`, in diameters. The step controller halves steps until a splat travels less than half a
  * diameter in each, so that n pieces are asked for by a travel of n / 2. Motion that is smooth within the interval asks for no
  * pieces, because the controller's own samples show it. Pieces are asked for by
- *  - a mean that passes a pixel: its way in the splat's diameters;
- *  - an ellipse that turns or grows: the way of its edge. That is half the relative change of the variance along some
- *    direction; for a needle of half-axes r1 > r2 that turns by phi, phi r1 / (2 r2);
- *  - an object's path that isn't the cubic through its ends, until it is to a hundredth of a pixel;
- *  - Gaussians that move by themselves, where their model changes more than three samples of an interval show: place, shape,
- *    opacity or colour aren't the cubics through coarser samples' values and rates;
- *  - a splat that appears from behind the near plane and is gone at both ends. */
+ *   - a mean that passes a pixel: its way in the splat's diameters;
+ *   - an ellipse that turns or grows: the way of its edge. That is half the relative change of the variance along some
+ *     direction; for a needle of half-axes r1 > r2 that turns by phi, phi r1 / (2 r2);
+ *   - an object's path that isn't the cubic through its ends, until it is to a hundredth of a pixel;
+ *   - Gaussians that move by themselves, where their model changes more than three samples of an interval show: place, shape,
+ *     opacity or colour aren't the cubics through coarser samples' values and rates;
+ *   - a splat that appears from behind the near plane and is gone at both ends. */
 #ifndef TD_UNSEEN_H
 #define TD_UNSEEN_H
 

@@ -2,28 +2,28 @@
  * ablations, and parts that this library adds. A row is one line of the table below. The exact stream is that of pixels which
  * are neither masked nor read out, for every row.
  *
- *  full                     cubic, error control tile by tile: the default. No risk-gated refinement, no mixed-visibility
- *                           masking, no readout (paper).
- *  risk_only                the paper's controller alone
- *  risk_only_no_alpha_dot   the same without its alpha_dot cue
- *  with_masking             full, with pixels silent where coverage is below B_MIN: events lost and late by masking
- *  with_readout             full, behind the default readout: its delays, jitter and drops
- *  global_step              full, but one step for the whole image
- *  solved                   full, its events looked up in the image
- *  blocks                   full, refined by 4x4 pixels
- *  together                 solved, and blocks
- *  one_event                full, but at most one event per pixel and step: steps are cut until none has more
- *  fixed_step               no controller: the paper's schedule, ten equal steps where full may take one
+ *   full                     cubic, error control tile by tile: the default. No risk-gated refinement, no mixed-visibility
+ *                            masking, no readout (paper).
+ *   risk_only                the paper's controller alone
+ *   risk_only_no_alpha_dot   the same without its alpha_dot cue
+ *   with_masking             full, with pixels silent where coverage is below B_MIN: events lost and late by masking
+ *   with_readout             full, behind the default readout: its delays, jitter and drops
+ *   global_step              full, but one step for the whole image
+ *   solved                   full, its events looked up in the image
+ *   blocks                   full, refined by 4x4 pixels
+ *   together                 solved, and blocks
+ *   one_event                full, but at most one event per pixel and step: steps are cut until none has more
+ *   fixed_step               no controller: the paper's schedule, ten equal steps where full may take one
  *
  * The others are compute-matched: equal steps, with as many renders as full.
  *
- *  compute_matched          the cubic
- *  differenced_cubic        its slopes from differences of renders (TIDES_SLOPE_DIFFERENCE)
- *  quadratic                through S0, S0_dot, S1
- *  differenced_quadratic    its slope from differences
- *  linear                   the paper's linear model S0 + S0_dot d
- *  differenced_linear       its slope from differences: the paper's finite-difference row
- *  straight_line            S0 to S1: ESIM's assumption */
+ *   compute_matched          the cubic
+ *   differenced_cubic        its slopes from differences of renders (TIDES_SLOPE_DIFFERENCE)
+ *   quadratic                through S0, S0_dot, S1
+ *   differenced_quadratic    its slope from differences
+ *   linear                   the paper's linear model S0 + S0_dot d
+ *   differenced_linear       its slope from differences: the paper's finite-difference row
+ *   straight_line            S0 to S1: ESIM's assumption */
 #include "bench.h"
 
 #include <math.h>

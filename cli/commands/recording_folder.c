@@ -1,11 +1,11 @@
 /* Folders of recordings as datasets are downloaded: where frames and poses are. The times of frames are found like those of
  * frames.file.
  *
- *  ECD       images/ and images.txt; calib.txt; groundtruth.txt
- *  EDS       images/ and images_timestamps.txt; stamped_groundtruth.txt
- *  DSEC      images/left/rectified/ and images/timestamps.txt
- *  HS-ERGB   images_corrected/ and timestamp.txt in it;  BS-ERGB: images/ and timestamp.txt in it
- *  TUM-VIE, HQF  if their pictures were unpacked to .png, with a list of times beside them */
+ *   ECD       images/ and images.txt; calib.txt; groundtruth.txt
+ *   EDS       images/ and images_timestamps.txt; stamped_groundtruth.txt
+ *   DSEC      images/left/rectified/ and images/timestamps.txt
+ *   HS-ERGB   images_corrected/ and timestamp.txt in it;  BS-ERGB: images/ and timestamp.txt in it
+ *   TUM-VIE, HQF  if their pictures were unpacked to .png, with a list of times beside them */
 #include "recording_folder.h"
 
 #include <math.h>

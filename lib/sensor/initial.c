@@ -4,8 +4,8 @@
  * that. Noise events have the rate n: both shot noises as the pixel's light thins them, and a hot pixel's own. None comes
  * within the refractory period D. So the age a since the last reset has the density of survival,
  *
- *  1 up to D, e^(-n (a - D)) from there to the leak's time T = C+ / r (HOLD: D + C+ / r, for the reference follows while it is
- *  held), 0 beyond,
+ *   1 up to D, e^(-n (a - D)) from there to the leak's time T = C+ / r (HOLD: D + C+ / r, for the reference follows while it is
+ *   held), 0 beyond,
  *
  * and the signal is r a (HOLD: r (a - D), from 0) above the reference. A leak that brings a pixel to its level within D fires
  * at D (DROP_KEEP), or loses crossings (DROP_CONSUME). Then T is D, and the reference follows in whole thresholds.

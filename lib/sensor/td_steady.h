@@ -3,7 +3,7 @@
  * Noise of correlation time tau wanders about the mean, which is `o` above the reference. The mean changes slowly: by the
  * leak's drift and by events. Events at each level have the hazards
  *
- *  ON  h((C+ - o) / sigma) / tau,  OFF  h((C- + o) / sigma) / tau,  h(u) = 1 / int_0^u sqrt(2 pi) e^(z^2 / 2) P(n < z) dz,
+ *   ON  h((C+ - o) / sigma) / tau,  OFF  h((C- + o) / sigma) / tau,  h(u) = 1 / int_0^u sqrt(2 pi) e^(z^2 / 2) P(n < z) dz,
  *
  * by the mean first passage of the Ornstein-Uhlenbeck process; shot noise and hot pixels have theirs. An event changes o by a
  * threshold. Where pixels are held, the noise at the hold's end sets it. This is followed from event to event for ten seconds

@@ -1,6 +1,6 @@
 /* Gain and cost of interpolating rows where a deformation network moves a scene (scene.interpolate_motion), and of look-ups in
  * addition.
- *  bench_interpolation [DEVICE] [GAUSSIANS] [STEP_S] [TIME_ROWS]
+ *   bench_interpolation [DEVICE] [GAUSSIANS] [STEP_S] [TIME_ROWS]
  * 4DGaussians with the sizes of its D-NeRF configuration and random weights, 2 s long. 0.1 s of it are simulated without
  * interpolation, with it, and by default with look-ups; in turns, and the best of the rounds counts. Then the streams of events
  * are compared with those without interpolation. Its planes have TIME_ROWS rows of random numbers: 75 as in that configuration.

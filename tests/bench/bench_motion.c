@@ -1,5 +1,5 @@
 /* Times Theta and Theta_dot of deformation networks on a device.
- *  bench_motion [DEVICE] [GAUSSIANS]
+ *   bench_motion [DEVICE] [GAUSSIANS]
  * 4DGaussians with the sizes of its D-NeRF configuration and random weights: all Gaussians, 1 % of them, and the plain network
  * (plain_hexplane.h), batched as in the library and with one Gaussian per work-item. Then Deformable-3DGS's network. Every
  * number is the best of alternating rounds, beside the time that the device's fma units need for as many fma in the same

@@ -1,8 +1,8 @@
 /* LD_PRELOAD: makes chosen calls of OpenCL fail, one by one, and counts objects that are made and released. Environment:
  *
- *  FAULT_AT     which call fails, from 1; 0: none, they are counted only
- *  FAULT_COUNT  at the end, appends a line to this file: how many calls there were, how many objects are left, and which call
- *               failed
+ *   FAULT_AT     which call fails, from 1; 0: none, they are counted only
+ *   FAULT_COUNT  at the end, appends a line to this file: how many calls there were, how many objects are left, and which call
+ *                failed
  *
  * A call that releases an object releases it even if it reports failure: the shim itself leaves no objects. */
 #undef CL_TARGET_OPENCL_VERSION /* the sources' own, where lint reads this as one of them */

@@ -1,11 +1,11 @@
 /* LD_PRELOAD: makes chosen calls of a program fail, one by one. Environment:
  *
- *  FAULT_CALL   write (descriptors and streams, and claiming space), fsync, rename, close, or memory
- *  FAULT_AT     which of them, from 1; 0: none, they are counted only
- *  FAULT_NEAR   only those of files whose path contains this (rename: the source)
- *  FAULT_AFTER  1: all later ones fail too, as on a full disk
- *  FAULT_WHO    of memory: asked for by ours (the tool, libtides), hdf5, opencl, others, or any
- *  FAULT_COUNT  at the end, appends a line to this file: memory calls of ours, hdf5, opencl, others, then those of FAULT_CALL
+ *   FAULT_CALL   write (descriptors and streams, and claiming space), fsync, rename, close, or memory
+ *   FAULT_AT     which of them, from 1; 0: none, they are counted only
+ *   FAULT_NEAR   only those of files whose path contains this (rename: the source)
+ *   FAULT_AFTER  1: all later ones fail too, as on a full disk
+ *   FAULT_WHO    of memory: asked for by ours (the tool, libtides), hdf5, opencl, others, or any
+ *   FAULT_COUNT  at the end, appends a line to this file: memory calls of ours, hdf5, opencl, others, then those of FAULT_CALL
  *
  * A crash within HDF5 (or an exit by HDF5) ends the process with code 99, any other with 98.
  *

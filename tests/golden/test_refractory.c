@@ -1,11 +1,11 @@
 /* TIDES' sensor on frames against three refractory laws of other simulators:
  *
- *  drop_consume   rpg_esim's stream, event for event
- *  hold           wengflow's. It holds each pixel at the start for a random part of the period, which shifts its later events.
- *                 The end of that part is computed from the pixel's first event; pixels without events are left out
- *  drop_keep      v2e's. Its events lie at its frames' sub-times, and delayed ones wait for such a time, up to a frame. So
- *                 streams at the frames' rate can't agree to 2 us. TIDES' own v2e gives its stream to the bit (another
- *                 test), and as frames become denser that stream approaches drop_keep's */
+ *   drop_consume   rpg_esim's stream, event for event
+ *   hold           wengflow's. It holds each pixel at the start for a random part of the period, which shifts its later events.
+ *                  The end of that part is computed from the pixel's first event; pixels without events are left out
+ *   drop_keep      v2e's. Its events lie at its frames' sub-times, and delayed ones wait for such a time, up to a frame. So
+ *                  streams at the frames' rate can't agree to 2 us. TIDES' own v2e gives its stream to the bit (another
+ *                  test), and as frames become denser that stream approaches drop_keep's */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

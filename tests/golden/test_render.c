@@ -3,10 +3,10 @@
  *
  * Values and rates agree to 1e-10 relative in double and 1e-5 in single precision wherever the file's renderer keeps the
  * Gaussian. "Relative" is to a size that belongs to the quantity:
- *  LARGEST   the largest norm in the file: one component or one Gaussian may be near 0 by cancellation (a mean on the optical
- *            axis, a Gaussian seen edge on), and then has no digits of its own
- *  OWN       this Gaussian's norm, for covariances and what follows from them: they differ by orders of magnitude. A rate that
- *            is small because its terms cancel is measured by the relative rate that is usual in the file.
+ *   LARGEST   the largest norm in the file: one component or one Gaussian may be near 0 by cancellation (a mean on the optical
+ *             axis, a Gaussian seen edge on), and then has no digits of its own
+ *   OWN       this Gaussian's norm, for covariances and what follows from them: they differ by orders of magnitude. A rate that
+ *             is small because its terms cancel is measured by the relative rate that is usual in the file.
  * The antialiasing factor is sqrt(det0 / det). Its rate is the difference of two relative rates of covariances, so that it is
  * measured by the relative rate that is usual for covariances. (One Gaussian a few pixels wide has a factor near 1 whose rate
  * is 50 times below those two.) In single precision 1e-6 of the condition number of a covariance on the screen is allowed if

@@ -2,9 +2,9 @@
  * seconds and a bound of memory, with success or with one line. Files of earlier versions, whose texts have variable length,
  * are among them.
  *
- *  TIDES_MUTATIONS=20000        so many instead of MUTATIONS (make fuzz-hdf5)
- *  TIDES_MUTATION_SEED=1        other random mutations
- *  TIDES_MUTATIONS_KEEP=FOLDER  files that crashed or hung are kept there */
+ *   TIDES_MUTATIONS=20000        so many instead of MUTATIONS (make fuzz-hdf5)
+ *   TIDES_MUTATION_SEED=1        other random mutations
+ *   TIDES_MUTATIONS_KEEP=FOLDER  files that crashed or hung are kept there */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -2,7 +2,7 @@
  *
  * With tau = 1 / (2 pi noise_cutoff_hz), grid points are d = tau / 8 apart, from a phase that is drawn per pixel, and
  *
- *  x(k + 1) = rho x(k) + noise_rms sqrt(1 - rho^2) n(k + 1),  rho = exp(-d / tau),  n standard normal
+ *   x(k + 1) = rho x(k) + noise_rms sqrt(1 - rho^2) n(k + 1),  rho = exp(-d / tau),  n standard normal
  *
  * is the process itself at these points, stationary from the first. A segment is the time between two points. This header
  * bounds the noise there: within `reach` of the range of its ends. td_noise_bridge.h has the process itself between points.

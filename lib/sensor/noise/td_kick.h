@@ -1,9 +1,9 @@
 /* Internal: the effect of the readout of a DAVIS' frames on its events. Each read of a row kicks the signal of that row's
  * pixels, which recovers exponentially.
  *
- *  K(t) = kick x the sum over the row's reads before t of e^(-(t - read) / kick_recovery_s)
- *  reads of row y: kick_first_s + k / kick_rate_hz + kick_reads_s[0 or 1] + y kick_row_s, k = 0, 1, ...; none before the run;
- *                  rounded to odd half nanoseconds
+ *   K(t) = kick x the sum over the row's reads before t of e^(-(t - read) / kick_recovery_s)
+ *   reads of row y: kick_first_s + k / kick_rate_hz + kick_reads_s[0 or 1] + y kick_row_s, k = 0, 1, ...; none before the run;
+ *                   rounded to odd half nanoseconds
  *
  * K is a function of row and time alone: pixels have no state of it. A read acts after its own time, so that a step has the
  * reads of [start, stop). */

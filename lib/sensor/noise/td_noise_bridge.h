@@ -4,12 +4,12 @@
  * is twice noise_rms. So a segment is a tree of parts. Where a part begins and ends with a and b, its middle is drawn from the
  * process's own law given these (l its length / tau),
  *
- *  normal of mean (a + b) / (2 cosh(l / 2)) and variance noise_rms^2 tanh(l / 2),
+ *   normal of mean (a + b) / (2 cosh(l / 2)) and variance noise_rms^2 tanh(l / 2),
  *
  * down to parts whose standard deviation is at most a quarter of the threshold (`depth` halvings, 1 at least). On such a part
  * the process is a Brownian bridge of variance v = 4 noise_rms^2 tanh(l / 2), whose maximum M and minimum m have
  *
- *  P(M > c) = exp(-2 (c - a) (c - b) / v),  hence  M = (a + b + w) / 2,  w = sqrt((b - a)^2 + 2 v q),  q = -log(uniform)
+ *   P(M > c) = exp(-2 (c - a) (c - b) / v),  hence  M = (a + b + w) / 2,  w = sqrt((b - a)^2 + 2 v q),  q = -log(uniform)
  *
  * and likewise m. There the noise goes straight from a to one extreme, to the other, and to b. It is at M after the share (M -
  * a) / w of the part, the mean place of a bridge's maximum. M and m are drawn as if independent. That does no harm: levels are

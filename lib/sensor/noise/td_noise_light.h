@@ -4,7 +4,7 @@
  * 2 q F / I, with F = 2: in a real photoreceptor the transistor in weak inversion adds as much as the photodiode (Graca and
  * Delbruck, arXiv 2304.04019). Behind one pole of rate r it is the Ornstein-Uhlenbeck process of
  *
- *  sigma^2 = q F r / (2 I) + noise_rms^2,  tau = 1 / r
+ *   sigma^2 = q F r / (2 I) + noise_rms^2,  tau = 1 / r
  *
  * where noise_rms doesn't depend on light. For a pole that goes with the photocurrent r / I is constant, so that sigma is the
  * same in any light, and noise is slower in the dark. Behind a fixed pole noise falls with light.

@@ -9,7 +9,7 @@
  * The error. The truncated y is exactly the response to the input L + g, where A I g is the residual of the equation: all
  * products of orders from ORDER - 1 on. With w = A d - C v and T_j for the sum of |I_k| from k = j on, that is at most
  *
- *  B |v_last| + sum over m of |w_m| T_(ORDER - 1 - m),
+ *   B |v_last| + sum over m of |w_m| T_(ORDER - 1 - m),
  *
  * and T_j's part beyond the TERMS is at most (|l1| e_7 + 2 |l2| (e_6 + e_7) + 3 |l3| (e_5 + e_6 + e_7)) / (TERMS - |l1| - 2
  * |l2| - 3 |l3|), e_k = |E_k|, since the sum of k E_k is L' E. A pixel whose bound of g exceeds a tenth of the tolerance has no

@@ -3,16 +3,16 @@
  *
  * With V the integral of its rate, S' = V' (L - S) has the solution
  *
- *  S(1) = L(1) + (S(-1) - L(-1)) e^(V(-1) - V(1)) - integral of L'(x) e^(V(x) - V(1)),    x in [-1, 1] over the step.
+ *   S(1) = L(1) + (S(-1) - L(-1)) e^(V(-1) - V(1)) - integral of L'(x) e^(V(x) - V(1)),    x in [-1, 1] over the step.
  *
  * V' is the Taylor series of e^L (E' = L' E), and Gauss's rule of six nodes computes the integral. The errors of both have
  * bounds for every pixel, and a pixel whose bound is too large has no answer here:
  *
- *  The series. With |l_k| for L's coefficients it has terms g_n >= |e_n|, of which all from g_TERMS on are together at most
- *  (|l1| g_7 + 2 |l2| (g_6 + g_7) + 3 |l3| (g_5 + g_6 + g_7)) / (TERMS - |l1| - 2 |l2| - 3 |l3|): sum n g_n = L' E.
- *  The rule. It is exact for L' alone. The rest, f = L' (e^(V - V(1)) - 1), is an entire function: where |f| <= M on the
- *  ellipse about -1 and 1 whose semi-axes add up to r, the rule's error is at most 64/15 M r^-10 / (r^2 - 1) (Trefethen,
- *  Approximation Theory and Approximation Practice, theorem 19.3). M follows from the g_n, and |e^z - 1| <= |z| e^(Re z)+.
+ *   The series. With |l_k| for L's coefficients it has terms g_n >= |e_n|, of which all from g_TERMS on are together at most
+ *   (|l1| g_7 + 2 |l2| (g_6 + g_7) + 3 |l3| (g_5 + g_6 + g_7)) / (TERMS - |l1| - 2 |l2| - 3 |l3|): sum n g_n = L' E.
+ *   The rule. It is exact for L' alone. The rest, f = L' (e^(V - V(1)) - 1), is an entire function: where |f| <= M on the
+ *   ellipse about -1 and 1 whose semi-axes add up to r, the rule's error is at most 64/15 M r^-10 / (r^2 - 1) (Trefethen,
+ *   Approximation Theory and Approximation Practice, theorem 19.3). M follows from the g_n, and |e^z - 1| <= |z| e^(Re z)+.
  *
  * A step keeps e^-R of earlier errors, where R is the step's V(1) - V(-1). So each step may have an error of 1 - e^-R of the
  * tolerance, which is at least R / (1 + R): then the sum over all steps is at most the tolerance.

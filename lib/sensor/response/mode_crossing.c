@@ -2,10 +2,10 @@
  *
  * The step is cut into parts so short that the modes are their Taylor polynomials to rounding. Half a part is about half a time
  * constant of the fastest mode alive, and longer as it dies. The polynomial then decides:
- *  - no level within its range: nothing in this part;
- *  - the slope, or else the second derivative, keeps its sign: there is at most one extremum, which is found, and on monotone
- *    pieces a level is crossed if and only if the piece's end has reached it;
- *  - else the part is halved. That needs two extrema, or an inflection next to an extremum, close to a level. */
+ *   - no level within its range: nothing in this part;
+ *   - the slope, or else the second derivative, keeps its sign: there is at most one extremum, which is found, and on monotone
+ *     pieces a level is crossed if and only if the piece's end has reached it;
+ *   - else the part is halved. That needs two extrema, or an inflection next to an extremum, close to a level. */
 #include "signal/td_root.h"
 #include "td_modes.h"
 #include "td_math.h"

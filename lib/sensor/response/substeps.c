@@ -8,7 +8,7 @@
  * For the circuit, and for the first-order filter where Y is cut off at 0, J is kept at its value J_m in a substep's middle.
  * With e = J / J_m - 1 the equations are exactly
  *
- *  A2 y'' + A1 y' + y = L + g,   g = e (L - y - k y')      A at J_m; k = output_s / (A_loop + 1), first order: A2 = 0, k = 0.
+ *   A2 y'' + A1 y' + y = L + g,   g = e (L - y - k y')      A at J_m; k = output_s / (A_loop + 1), first order: A2 = 0, k = 0.
  *
  * So a substep is the constant filter's exact response to L + g. g is taken as the cubic through its values at 0, 1/3, 2/3 and
  * 1, found by repeated substitution: e and the lag are small. The cubic's error, seen between these places, is an error of the

@@ -1,15 +1,15 @@
 /* Internal: the photoreceptor's response to a pixel's log-luminance L on a step. It is exact for a cubic input, so that nothing
  * depends on the length of steps. The filter's state is TD_FRONTEND_STATE doubles per pixel, S the first of them.
  *
- *  first order, constant   S' = rate (L - S), rate = 2 pi cutoff
- *  first order, intensity  the same, rate = 2 pi cutoff (255 Y + 20) / 275, Y = max(e^L - log_eps, 0)
- *  high-pass               y = S - z, z' = 2 pi highpass_hz (S - z), behind the constant law or none, where S is L; then y
- *                          is in S's place, and is 0 at rest
- *  circuit                 a2 y'' + a1 y' + y = L, with I = photocurrent_a Y + dark_current_a, tau_in = photodiode_f V_T / I,
- *                          tau_mil = miller_f V_T / I, A_loop = gain kappa:
- *                            a2 = (tau_in + tau_mil) output_s / (A_loop + 1)
- *                            a1 = (tau_in + output_s + (gain + 1) tau_mil) / (A_loop + 1)
- *                          then the low-passes of source_follower_hz and difference_hz: the chain of wengflow's simulator
+ *   first order, constant   S' = rate (L - S), rate = 2 pi cutoff
+ *   first order, intensity  the same, rate = 2 pi cutoff (255 Y + 20) / 275, Y = max(e^L - log_eps, 0)
+ *   high-pass               y = S - z, z' = 2 pi highpass_hz (S - z), behind the constant law or none, where S is L; then y
+ *                           is in S's place, and is 0 at rest
+ *   circuit                 a2 y'' + a1 y' + y = L, with I = photocurrent_a Y + dark_current_a, tau_in = photodiode_f V_T / I,
+ *                           tau_mil = miller_f V_T / I, A_loop = gain kappa:
+ *                             a2 = (tau_in + tau_mil) output_s / (A_loop + 1)
+ *                             a1 = (tau_in + output_s + (gain + 1) tau_mil) / (A_loop + 1)
+ *                           then the low-passes of source_follower_hz and difference_hz: the chain of wengflow's simulator
  *
  * Accuracy. The constant law: S to about 1e-15. Rates that go with the light: S within TD_FRONTEND_TOLERANCE of the solution,
  * whatever the steps, and measured within a tenth of that. L from a float render has an error of about 1e-6, and so has S,

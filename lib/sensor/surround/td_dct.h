@@ -3,7 +3,7 @@
  * each way. Modes of a direction are ordered even ones first, then odd ones, and so are `mu_x` and `mu_y`. The transform
  * diagonalises the 5-point Laplacian whose border pixels repeat:
  *
- *  lap4 of mode (j, k) is -(mu_j + mu_k) times the mode,  mu_k = 2 - 2 cos(pi k / size) */
+ *   lap4 of mode (j, k) is -(mu_j + mu_k) times the mode,  mu_k = 2 - 2 cos(pi k / size) */
 #ifndef TD_DCT_H
 #define TD_DCT_H
 

@@ -1,7 +1,7 @@
 /* Internal: the centre-surround of the retina's outer layer, as in v2e's diffuser (CSDVS), in continuous time. With p for the
  * photoreceptors' output, h for the surround, and lap4 the 5-point Laplacian with borders that repeat:
  *
- *  tau h' = (p - h) + lambda^2 lap4(h)        S = p - h
+ *   tau h' = (p - h) + lambda^2 lap4(h)        S = p - h
  *
  * In cosine modes this is one first-order low-pass each, of rate (1 + lambda^2 mu) / tau. Its response to the cubic p of a step
  * has a closed form: nothing is integrated numerically, and nothing depends on the length of steps. tau = 0 is the steady state

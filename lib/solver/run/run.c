@@ -1,14 +1,14 @@
 /* The run as a pipeline. Each pass, over one step of the grid (or several, where steps are fixed):
  *
- *  sweep      which tiles can change, and what each may see                  td_sweep (sweep.c; renderer)
- *  render     tiles at times: S and S_dot                                   td_fixed_render; td_refine_begin, td_refine_level
- *  estimate   how far each step may be off                                  td_control_judge, _steps (control.c, in steps)
- *  refine     those that are too coarse are cut in two, and rendered         td_window_take, td_refine_level (refine.c)
- *  look up    by default: events on the image itself, pixel by pixel         td_settle -> td_solve_steps (solve.c, in lookup)
- *  compare    else each tile over each step: events of the model             td_settle -> td_compare_tile (tile_step.c)
- *  at rest    tiles in which nothing moves, where they may fire              td_solve_still, td_compare_still
- *  read out   the step's events through the arbiter, where there is one      td_readout_step (readout.c)
- *  emit       the events, sorted, through filters to the sink as a packet   emit
+ *   sweep      which tiles can change, and what each may see                  td_sweep (sweep.c; renderer)
+ *   render     tiles at times: S and S_dot                                   td_fixed_render; td_refine_begin, td_refine_level
+ *   estimate   how far each step may be off                                  td_control_judge, _steps (control.c, in steps)
+ *   refine     those that are too coarse are cut in two, and rendered         td_window_take, td_refine_level (refine.c)
+ *   look up    by default: events on the image itself, pixel by pixel         td_settle -> td_solve_steps (solve.c, in lookup)
+ *   compare    else each tile over each step: events of the model             td_settle -> td_compare_tile (tile_step.c)
+ *   at rest    tiles in which nothing moves, where they may fire              td_solve_still, td_compare_still
+ *   read out   the step's events through the arbiter, where there is one      td_readout_step (readout.c)
+ *   emit       the events, sorted, through filters to the sink as a packet   emit
  *
  * In a default run an event gets its time in three calls: td_settle (settle.c) hands accepted steps to td_solve_steps (solve.c,
  * in lookup), which runs each pixel that may do something through td_solve_run (solve_run.c). There the comparator runs on a

@@ -1,9 +1,9 @@
 /* Step control: which steps of a refinement level are too long, by
  *
- *  error   the estimated error of the model, against tolerance C and time_tolerance_s; and a whole macro step, which has
- *          not been probed yet
- *  risk    the paper's score of mixed visibility, against the step's share of the macro step (paper, Eq. 13)
- *  travel  in both modes: a splat that could pass a pixel between two samples
+ *   error   the estimated error of the model, against tolerance C and time_tolerance_s; and a whole macro step, which has
+ *           not been probed yet
+ *   risk    the paper's score of mixed visibility, against the step's share of the macro step (paper, Eq. 13)
+ *   travel  in both modes: a splat that could pass a pixel between two samples
  *
  * Each gives the factor by which the step exceeds its limit, and the largest decides. Without `local` a tile whose step is too
  * long cuts those of all tiles. refine.c makes the steps. */

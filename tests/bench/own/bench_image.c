@@ -2,11 +2,11 @@
  * own exact events: at equal steps, where a jump misplaces events, and under error control, where it costs renders. An image is
  * one line of the table.
  *
- *  smooth            all measures, as by default
- *  hard_*            smooth without one of them
- *  taper_* .. fade_* smooth with another size of one of them
- *  only_*            inria with one of them
- *  inria             none
+ *   smooth            all measures, as by default
+ *   hard_*            smooth without one of them
+ *   taper_* .. fade_* smooth with another size of one of them
+ *   only_*            inria with one of them
+ *   inria             none
  *
  * The size of a jump is J = |L1 - L0 - h (L0_dot + L1_dot) / 2| between neighbouring samples. The share of it that a measure
  * removes is the share that its absence adds to smooth. */
