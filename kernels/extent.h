@@ -51,8 +51,8 @@ TD_INLINE void td_rectangle_of(const td_shape *shape, const td_image *image, td_
     extent->high = td_ceil(td_smaller(ry, td_splat(TD_REAL(1e6))));
 }
 
-/* The ellipse's boundary is x(dy) = slope dy +- bend sqrt(ry^2 - dy^2) with slope = b/c. Its rightmost point lies at dy = `end`
- * = (b/a) rx, the leftmost at -`end`. */
+/* The ellipse's boundary is x(dy) = slope dy +- bend sqrt(ry^2 - dy^2) with slope = b/c. Its rightmost point lies at
+ * dy = `end` = (b/a) rx, the leftmost at -`end`. */
 TD_INLINE td_extent td_extent_of(const td_shape *shape, const td_image *image) {
     td_extent extent;
     extent.u = shape->u.v, extent.v = shape->v.v;

@@ -6,9 +6,9 @@
  * interval; its rows are neighbours in memory.
  *
  * The numbers interpolated are mean2d; b, c and the determinant of the covariance; opacity; luminance; depth. Opacity is that
- * with antialiasing and without the near plane's fade, which is applied by the interpolated depth. The conic is (c, -b, a) /
- * det with a = (det + b^2) / c. This is a sum of terms that aren't negative, so that a needle's width doesn't cancel, as it
- * would in a c - b^2. */
+ * with antialiasing and without the near plane's fade, which is applied by the interpolated depth. The conic is (c, -b,
+ * a) / det with a = (det + b^2) / c. This is a sum of terms that aren't negative, so that a needle's width doesn't cancel, as
+ * it would in a c - b^2. */
 #ifndef TD_PATH_H
 #define TD_PATH_H
 

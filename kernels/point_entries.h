@@ -9,8 +9,8 @@
 
 #include "layout.h"
 
-/* An entry: the light that the splat takes (tau in hard order, optical depth in soft order), its light, depth, growth =
- * depth_dot / depth, and path. */
+/* An entry: the light that the splat takes (tau in hard order, optical depth in soft order), its light, depth,
+ * growth = depth_dot / depth, and path. */
 enum {
     TD_E_TAKES = 0,
     TD_E_TAKES_DOT,

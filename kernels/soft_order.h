@@ -49,8 +49,8 @@ typedef struct td_soft {
     int open;          /* 1: some splats take out light now */
 } td_soft;
 
-/* 1 - exp(-x), to some ulp of itself, for x up to a little above TD_SOFT_REACH. It is Taylor's series at x/16, and four times 1
- * - exp(-2 h) = m (2 - m). The series' error, h^6/5040, ends below 5e-9. */
+/* 1 - exp(-x), to some ulp of itself, for x up to a little above TD_SOFT_REACH. It is Taylor's series at x/16, and four times
+ * 1 - exp(-2 h) = m (2 - m). The series' error, h^6/5040, ends below 5e-9. */
 TD_INLINE td_lanes td_soft_taken(td_lanes x) {
 #ifdef TD_REAL_DOUBLE
     return td_exact_taken(x);

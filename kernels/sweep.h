@@ -19,8 +19,8 @@ typedef struct td_interval {
     int level;
 } td_interval;
 
-/* While depths are within this ratio, x/z of a cubic is within 1e-5 of its size from the cubic through its ends: (ratio - 1)^4
- * / 16. */
+/* While depths are within this ratio, x/z of a cubic is within 1e-5 of its size from the cubic through its ends:
+ * (ratio - 1)^4 / 16. */
 #define TD_NEARLY_FLAT TD_REAL(1.1)
 /* A place beyond any screen [px]. */
 #define TD_NOWHERE TD_REAL(1e30)

@@ -1,14 +1,14 @@
 /* Ground truth of what is seen: optical flow, depth, normal and object of each pixel, with the image's blend weights.
  *
- * A splat covers pixels that show different parts of it. Its Gaussian is c + F xi in camera coordinates, xi standard normal. p
- * = c + F xi is the same material point at all times, so that p_dot = c_dot + F_dot xi. Points on a pixel's ray, (x/z, y/z) =
- * (rx, ry), satisfy two equations B xi = e with the rows
+ * A splat covers pixels that show different parts of it. Its Gaussian is c + F xi in camera coordinates, xi standard normal.
+ * p = c + F xi is the same material point at all times, so that p_dot = c_dot + F_dot xi. Points on a pixel's ray, (x/z,
+ * y/z) = (rx, ry), satisfy two equations B xi = e with the rows
  *   b0 = F0 - rx F2,  b1 = F1 - ry F2,   e = (rx c2 - c0, ry c2 - c1).
  * Of these the pixel shows the densest, which has the least |xi|: with n = b0 x b1
  *   xi = (e0 (b1 x n) - e1 (b0 x n)) / |n|^2.
  * That is exact in perspective (the splat's weight isn't): a plane of flat splats has a plane's depth and flow at every pixel,
- * to rounding. A point's normal is that of the level surface of density which the ray touches there, K (rx, ry, 1) with K =
- * adj(F F^T). For a flat splat it is the splat's normal, for a ball the direction to the eye. */
+ * to rounding. A point's normal is that of the level surface of density which the ray touches there, K (rx, ry, 1) with
+ * K = adj(F F^T). For a flat splat it is the splat's normal, for a ball the direction to the eye. */
 #ifndef TD_TRUTH_H
 #define TD_TRUTH_H
 

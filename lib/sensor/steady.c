@@ -16,8 +16,8 @@ static const double drift_most = 0.25;
 
 /* -- rates of passage ------------------------------------------------------------------------------------------------------ */
 
-/* sqrt(2 pi) e^(z^2 / 2) Phi(z): the mean time of passage per sigma, at a level z sigma away. It is half of sqrt(2 pi) e^(z^2 /
- * 2), plus the series z + z^3 / 3 + z^5 / 15 + ..., in which each term is z^2 / (2 n + 1) times the last. */
+/* sqrt(2 pi) e^(z^2 / 2) Phi(z): the mean time of passage per sigma, at a level z sigma away. It is half of sqrt(2 pi)
+ * e^(z^2 / 2), plus the series z + z^3 / 3 + z^5 / 15 + ..., in which each term is z^2 / (2 n + 1) times the last. */
 static double time_per_sigma(double z) {
     double term = z, sum = z;
     for (int n = 1; term > 1e-17 * sum; n++) sum += term *= z * z / (2 * n + 1);

@@ -4,10 +4,10 @@
  * the same comparator is used. The solver uses it, and the baselines on frames. These add PSF and centre-surround before it,
  * and the readout after it.
  *
- * A pixel fires ON where S_eff - S_ref >= C+ and OFF where S_eff - S_ref <= -C-; equality fires. S_ref = S_init + n_on C+ -
- * n_off C- always comes from the integer counts, so it doesn't drift. No crossing is ever lost: see td_sensor_step. S_eff = S +
- * ramp, where ramp = leak x (time since the run's start). A pixel is re-referenced (S_init = S_eff, counts 0) where a HOLD ends
- * and at each noise event. Times of pixels are nanoseconds since the run's start, in double: 1e-4 ns at 1000 s.
+ * A pixel fires ON where S_eff - S_ref >= C+ and OFF where S_eff - S_ref <= -C-; equality fires. S_ref = S_init + n_on
+ * C+ - n_off C- always comes from the integer counts, so it doesn't drift. No crossing is ever lost: see td_sensor_step.
+ * S_eff = S + ramp, where ramp = leak x (time since the run's start). A pixel is re-referenced (S_init = S_eff, counts 0) where
+ * a HOLD ends and at each noise event. Times of pixels are nanoseconds since the run's start, in double: 1e-4 ns at 1000 s.
  *
  * Held pixels. HOLD: nothing fires, and the reference is S_eff at the end. DROP_KEEP: nothing fires; if S_eff is beyond levels
  * at the end, events fire then, one per refractory period. DROP_CONSUME: crossings move the reference and fire nothing; one at
@@ -175,11 +175,11 @@ typedef struct td_seen {
  * when the next one begins.
  *
  * First, events come from the local model (behind filters, from their response to it), at most max_events_per_step of them per
- * pixel. Then the signal at the step's end decides: while S_eff - S_ref >= C+ an ON event fires at the stop, while S_eff -
- * S_ref <= -C- an OFF event. That fires crossings that the linear model missed, takes back with the opposite polarity those
- * that it predicted and S1 denies, and fires those that the limit cut off (as far as they haven't cancelled). The other models
- * end at S1, so only the limit leaves them anything to catch up. So -C- < S_eff - S_ref < C+ holds for every pixel that isn't
- * held or masked after every step, in double arithmetic as written here.
+ * pixel. Then the signal at the step's end decides: while S_eff - S_ref >= C+ an ON event fires at the stop, while
+ * S_eff - S_ref <= -C- an OFF event. That fires crossings that the linear model missed, takes back with the opposite polarity
+ * those that it predicted and S1 denies, and fires those that the limit cut off (as far as they haven't cancelled). The other
+ * models end at S1, so only the limit leaves them anything to catch up. So -C- < S_eff - S_ref < C+ holds for every pixel that
+ * isn't held or masked after every step, in double arithmetic as written here.
  *
  * Where signals aren't finite the model fires nothing; the pixel is caught up as soon as a step ends in a finite S1. A pixel
  * that began at NaN or infinity has no reference, and stays silent. Both are counted.

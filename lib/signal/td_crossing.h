@@ -32,10 +32,10 @@ typedef struct td_crossing_walk {
 /* With `step`, crossings need only have the right nanosecond by td_step_time; NULL: exact places. */
 void td_crossing_begin(td_crossing_walk *walk, const td_model *model, const td_step *step);
 
-/* Advances to the first s, at or after the place reached, at which S - reference >= threshold_on (returns +1) or S - reference
- * <= -threshold_off (returns -1); 0 if the rest of the step has none. The caller then moves the reference by that threshold and
- * calls again. S on a level counts as reached: touching a level fires, and a signal that is beyond a level at s = 0 already
- * gives s = 0. Crossings come in time order. Work is bounded for any input, and NaN reaches nothing. */
+/* Advances to the first s, at or after the place reached, at which S - reference >= threshold_on (returns +1) or
+ * S - reference <= -threshold_off (returns -1); 0 if the rest of the step has none. The caller then moves the reference by that
+ * threshold and calls again. S on a level counts as reached: touching a level fires, and a signal that is beyond a level at
+ * s = 0 already gives s = 0. Crossings come in time order. Work is bounded for any input, and NaN reaches nothing. */
 int td_crossing_next(td_crossing_walk *walk, double reference, double threshold_on, double threshold_off);
 
 /* The first crossing in [from, to] alone, `from` <= `to` within [0, 1]: its polarity, and its place; 0 where there is none. */

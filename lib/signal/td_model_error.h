@@ -16,8 +16,8 @@ static inline double td_embedded(double rise, double rate0, double rate1) {
  * the bounds the step's own estimate decides: a kink leaves one part as rough as the whole was, and the other part smooth.
  *
  * TD_PROBE_MOST: wherever a kink is, both parts' errors are about the deviation at most. TD_PROBE_LEAST: the parts of a smooth
- * signal have a fourteenth of the deviation. The ends of a part don't show a kink in its middle, which mustn't hide more than 1
- * / TD_PROBE_LEAST tolerances. TD_PROBE_EMBEDDED: the cubic is an order better than the quadratic in the embedded estimate.
+ * signal have a fourteenth of the deviation. The ends of a part don't show a kink in its middle, which mustn't hide more than
+ * 1 / TD_PROBE_LEAST tolerances. TD_PROBE_EMBEDDED: the cubic is an order better than the quadratic in the embedded estimate.
  * With 0.7 the scenes of `tides bench accuracy` have the errors, at a tolerance, that they had with the embedded estimate
  * alone. */
 #define TD_PROBE_MOST 1.0

@@ -63,8 +63,8 @@ tides_status td_additive_noise_make(const tides_sensor *sensor, double log_eps, 
 
 /* -- one pixel ------------------------------------------------------------------------------------------------------------- */
 
-/* Where segment 0 begins, at or before the run's start. Random number 0 is for this; n(2 k) and n(2 k + 1) come of number k +
- * 1. */
+/* Where segment 0 begins, at or before the run's start. Random number 0 is for this; n(2 k) and n(2 k + 1) come of number
+ * k + 1. */
 static double origin_of(const td_additive_noise *noise, uint32_t pixel) {
     td_random_bits bits = td_random(noise->seed, pixel, 0, TD_RANDOM_NOISE);
     return -td_random_uniform(&bits, 0) * noise->spacing_ns;

@@ -32,8 +32,8 @@ typedef struct corners {
 
 static double variance_of(double sigma, double tangent) { return 4 * sigma * sigma * tangent; }
 
-/* The law of parts of length l / tau: with m = 1 - e^-l, tanh(l / 2) = m / (2 - m) and 1 / cosh(l / 2) = 2 e^(-l/2) / (2 -
- * m). */
+/* The law of parts of length l / tau: with m = 1 - e^-l, tanh(l / 2) = m / (2 - m) and 1 / cosh(l / 2) = 2
+ * e^(-l/2) / (2 - m). */
 static td_noise_level level_of(double sigma, double l) {
     const double m = -td_expm1(-l), tangent = m / (2 - m);
     return (td_noise_level){variance_of(sigma, tangent), td_exp(-0.5 * l) / (2 - m), sigma * sqrt(tangent)};

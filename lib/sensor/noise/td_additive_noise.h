@@ -50,8 +50,8 @@ typedef struct td_additive_noise {
     td_noise_level level[TD_NOISE_DEPTH_MAX + 1]; /* and the parts after each */
 } td_additive_noise;
 
-/* Normals are drawn in blocks, which takes a fraction of the time. Block b has n(b TD_NOISE_BLOCK) to n((b + 1) TD_NOISE_BLOCK
- * - 1). */
+/* Normals are drawn in blocks, which takes a fraction of the time. Block b has n(b TD_NOISE_BLOCK) to n((b + 1)
+ * TD_NOISE_BLOCK - 1). */
 enum { TD_NOISE_BLOCK = 2 * TD_RANDOM_LANES };
 
 /* A pixel's segment, from x(k) to x(k + 1). */

@@ -11,9 +11,9 @@
  *
  *   P(M > c) = exp(-2 (c - a) (c - b) / v),  hence  M = (a + b + w) / 2,  w = sqrt((b - a)^2 + 2 v q),  q = -log(uniform)
  *
- * and likewise m. There the noise goes straight from a to one extreme, to the other, and to b. It is at M after the share (M -
- * a) / w of the part, the mean place of a bridge's maximum. M and m are drawn as if independent. That does no harm: levels are
- * 8 standard deviations apart, so that only one of them comes near a level.
+ * and likewise m. There the noise goes straight from a to one extreme, to the other, and to b. It is at M after the share
+ * (M - a) / w of the part, the mean place of a bridge's maximum. M and m are drawn as if independent. That does no harm: levels
+ * are 8 standard deviations apart, so that only one of them comes near a level.
  *
  * So the noise is one function of time, of (seed, pixel) alone. A level is crossed where that function crosses it, and only
  * parts that come near a level are ever drawn. That others don't reach it is certain: q is at most 12, which one part in 160

@@ -2,8 +2,8 @@
  * continuous time.
  *
  * Shot noise falls with light as v2e's does, by 1 - 0.75 (DN + 20) / 275 with DN = 255 Y within [0, 255], but from the given
- * rate: shot_noise_hz / 2 per polarity is the rate at Y = 0, and 0.264 of that the rate at Y = 1 and above. (v2e's factor at DN
- * = 0 is 0.945, so that no pixel has the given rate.) Candidates come at the rate in the dark, and each is kept with a
+ * rate: shot_noise_hz / 2 per polarity is the rate at Y = 0, and 0.264 of that the rate at Y = 1 and above. (v2e's factor at
+ * DN = 0 is 0.945, so that no pixel has the given rate.) Candidates come at the rate in the dark, and each is kept with a
  * probability that depends on the light (thinning: Lewis and Shedler 1979). Hot pixels fire ON: their leakage is like that of
  * leak events, only larger.
  *

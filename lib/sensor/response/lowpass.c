@@ -5,8 +5,9 @@
 
 /* -- responses ------------------------------------------------------------------------------------------------------------- */
 
-/* Adds a pole's response X to S, whose coefficients are c; for poles of more than 1 per step. With X = weight x, X = P +
- * amplitude e^(-lambda s). P + P' / lambda = weight L is solved from the highest power down, and divides by lambda alone. */
+/* Adds a pole's response X to S, whose coefficients are c; for poles of more than 1 per step. With X = weight x,
+ * X = P + amplitude e^(-lambda s). P + P' / lambda = weight L is solved from the highest power down, and divides by lambda
+ * alone. */
 static td_complex respond_fast(const td_pole *pole, td_complex offset, const double l[4], double many, double c[4]) {
     td_complex inverse = td_inverse(pole->rate), p3 = td_scaled(pole->weight, l[3]);
     td_complex p2 = td_minus(td_scaled(pole->weight, l[2]), td_scaled(td_times(p3, inverse), 3));

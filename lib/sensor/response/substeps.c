@@ -1,5 +1,5 @@
-/* Filters whose rates go with the light: the first-order filter S' = r (L - S), and the circuit's first stage a2 y'' + a1 y' +
- * y = L. Their rates are linear in J = light Y + dark.
+/* Filters whose rates go with the light: the first-order filter S' = r (L - S), and the circuit's first stage a2 y'' + a1
+ * y' + y = L. Their rates are linear in J = light Y + dark.
  *
  * The first-order filter has a constant rate in a time v that is proportional to the integral of J. In v, L is replaced by the
  * cubic through its ends. The error is the difference of L and that cubic, which the filter doesn't amplify, so that substeps

@@ -2,8 +2,8 @@
  * is straight-line code: substeps.c uses it for one pixel, and light_many.c in loops that vectorise. Both get the same bits.
  *
  * S' = r (L - S) with r = light (e^L - log_eps) + dark, which isn't cut off at 0 within the substep. In x = 2 u - 1 the rate is
- * the Taylor series of e^L about the substep's middle: E' = L' E. The integral of the rate is the time v, in which S' = rate (L
- * - S) with a constant rate. */
+ * the Taylor series of e^L about the substep's middle: E' = L' E. The integral of the rate is the time v, in which S' = rate
+ * (L - S) with a constant rate. */
 #ifndef TD_LIGHT_STEP_H
 #define TD_LIGHT_STEP_H
 

@@ -85,8 +85,8 @@ static double slope_at(double *const image[4], double length_s, size_t i, double
     return rate_at(&step, s) / length_s;
 }
 
-/* Numbers that the modes of a row share, for the part from s0 to s1 of the step: gain = step / tau, rate = 1 + lambda^2 (mu_y +
- * mu_x). */
+/* Numbers that the modes of a row share, for the part from s0 to s1 of the step: gain = step / tau, rate = 1 + lambda^2
+ * (mu_y + mu_x). */
 typedef struct row {
     double s0, s1, gain, coupling, rate_y; /* rate_y = 1 + lambda^2 mu_y */
     double length_s;
