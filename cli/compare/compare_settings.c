@@ -72,8 +72,8 @@ static int32_t tell(compare_row *row, const char *const *texts, size_t count, co
     return ok;
 }
 
-/* Settings that only TIDES has: readout, filters and labels are off in a comparison. Where TIDES can't have them, it is
- * refused. */
+/* Settings that other methods don't have, neither on scenes nor on frames: readout, filters and labels are off for them. TIDES
+ * keeps the run's, and the library refuses combinations that it can't have. */
 static const char *const of_tides[] =
     {"readout.enabled=false",         "sensor.labels=false", "filters.background_s=0", "filters.activity_low_start=0",
      "filters.activity_high_start=0", "filters.afk=off",     "filters.trail=off",      "filters.erc_events=0"};
