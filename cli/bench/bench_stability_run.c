@@ -6,9 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Short runs are repeated, and the least time counts, which other load of the machine affects less. Long runs aren't. In the
- * first run PoCL may build a kernel when it is launched (a second, with an empty cache), so that runs which this would affect
- * are repeated too. */
+/* The least time of several runs counts, which other load of the machine affects less. Runs below LONG_RUN_S are repeated once,
+ * because in the first one PoCL may build kernels (a second, with an empty cache), and runs below SHORT_RUN_S up to RUNS times. */
 enum { FRAMES = 5, RUNS = 3 };
 #define SHORT_RUN_S 0.2
 #define LONG_RUN_S 5

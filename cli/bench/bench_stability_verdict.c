@@ -19,8 +19,8 @@
 #define LEAST_EVENTS 1000.0
 /* [%] Events that lose their times to max_events_per_step. */
 #define BOUND_CUT 0.1
-/* Greatest ratio to the ordinary world's run time. Runs shorter than SHORT_S aren't judged: other load can add a few
- * milliseconds. */
+/* Greatest ratio to the ordinary world's run time. An ordinary run shorter than SHORT_S [s] counts as SHORT_S, because
+ * other load can add a few milliseconds to a run. */
 #define BOUND_SLOW 20.0
 #define SHORT_S 5e-3
 /* [bytes] A gigabyte plus the scene. The scene's arrays are stored twice, by the scene and on the device. Projected splats have

@@ -19,7 +19,7 @@ enum { FEW_PAIRS = 300, FEW_OF_ONE = 50, TILE = 8 };
 #define LEAST_EPS 2e-4
 #define LEAST_S 3e-5
 #define SHORT_S 3e-4 /* [s] poles below, beyond 530 Hz, can't be told from none */
-#define MOVES 0.15   /* log units by which a tile's light moves where something happens */
+#define MOVES 0.15   /* log units by which a pixel's light moves where something happens */
 #define REVERSAL 0.1 /* relative excess of changes after the other polarity */
 
 /* -- where light moves and where events are -------------------------------------------------------------------------------- */

@@ -170,7 +170,7 @@ static void cut(const tides_simulator *s, td_refine *r, double start, double sto
     a->next = right;
 }
 
-/* Makes room for the parts of all pending steps, two for each. */
+/* Makes the parts of all pending steps, two for each, and lists them as `fresh`. */
 static tides_status lay_parts(td_refine *r, tides_error *error) {
     const size_t count = r->pending_count;
     tides_status status = td_reserve((void **)&r->fresh, &r->fresh_capacity, 2 * count, sizeof *r->fresh, error);
