@@ -136,7 +136,7 @@ static tides_status set_sensor(const char *const files[2], const cli_window s[2]
     return TIDES_OK;
 }
 
-/* Checks that a given interval lies in both recordings; an end that isn't given comes from the streams. */
+/* Checks that a given interval belongs to both recordings; an end that isn't given comes from the streams. */
 static tides_status set_interval(const char *const files[2], const cli_window s[2], tides_metrics_options *o,
                                  tides_error *error) {
     const int64_t open = INT64_C(2305843009213693952);

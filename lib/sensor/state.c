@@ -40,7 +40,7 @@ td_levels td_sensor_levels(const td_sensor *sensor, const td_step *step, size_t 
                        td_sensor_time(sensor, step->start_ns, step->start_fraction)};
 }
 
-/* 1 where the pixel isn't held, masked or dead. */
+/* 1 where the pixel isn't held or masked. */
 static int is_free(const td_sensor *sensor, size_t i, const double *coverage, double time) {
     if (!sensor->on) return 1;
     if (sensor->masks && !(coverage[i] >= sensor->sensor.b_min)) return 0;

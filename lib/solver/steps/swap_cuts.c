@@ -19,7 +19,7 @@ static double least_light(const tides_simulator *s, int32_t unit) {
     return td_exp(least);
 }
 
-/* Units of a swap's times, in units of steps' positions. */
+/* A unit of swaps' times, in units of steps' positions. */
 static double part_of(const tides_simulator *s) { return (double)((uint32_t)1 << s->refine.depth) / TD_SWAP_PARTS; }
 
 /* The first swap at `part` or later. */
@@ -38,7 +38,7 @@ static int find_swap(const td_swap *swap, int count, double part) {
 /* A swap that takes no less than this share of a step shows in its samples, like any smooth change. A choice. */
 static const double shows = 0.25;
 
-/* Where a step may be cut, in units of swaps' times. best: the cut so far, below 0 for none. */
+/* Where a step may be cut, in units of swaps' times, and the limits of swaps that count. best: the cut so far, below 0: none. */
 typedef struct cuts {
     double least, most, wide, light, best;
     int begins; /* 1: a swap begins there, 0: it ends */
