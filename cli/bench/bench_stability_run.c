@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* The least time of several runs counts, which other load of the machine affects less. Runs below LONG_RUN_S are repeated once,
- * because in the first one PoCL may build kernels (a second, with an empty cache). Those below SHORT_RUN_S are run RUNS times. */
+ * because in the first one PoCL may build kernels (a second, with an empty cache). Those below SHORT_RUN_S have RUNS runs. */
 enum { FRAMES = 5, RUNS = 3 };
 #define SHORT_RUN_S 0.2
 #define LONG_RUN_S 5

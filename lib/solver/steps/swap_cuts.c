@@ -38,7 +38,7 @@ static int find_swap(const td_swap *swap, int count, double part) {
 /* A swap that takes no less than this share of a step shows in its samples, like any smooth change. A choice. */
 static const double shows = 0.25;
 
-/* Where a step may be cut, in units of swaps' times, and the limits of swaps that count. best: the cut so far, below 0: none. */
+/* Where a step may be cut, in units of swaps' times, and the limits of swaps that count. best: the cut, below 0: none. */
 typedef struct cuts {
     double least, most, wide, light, best;
     int begins; /* 1: a swap begins there, 0: it ends */
