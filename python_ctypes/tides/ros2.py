@@ -39,18 +39,18 @@ from .session import Session
 from .trajectory import Trajectory
 
 _SECOND = 1_000_000_000
-DEPTH = 10  # ROS' default: so many messages are kept
-PERIOD_S = 0.01  # of packets, along the run's own path
+DEPTH = 10  # messages kept, ROS' default
+PERIOD_S = 0.01  # between packets on the run's own path
 POSE, TWIST = "geometry_msgs::msg::dds_::PoseStamped_", "geometry_msgs::msg::dds_::TwistStamped_"
 
-#: Cyclone's settings for a run that nobody outside this machine hears.
+# #: Cyclone's settings for runs that only this machine receives.
 LOOPBACK = """<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces>
 <AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>30
 </MaxAutoParticipantIndex><Peers><Peer address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>"""
 
 
 def qos(depth: int = DEPTH) -> Any:
-    """ROS 2's default: reliable, volatile, the last `depth`; XCDR1."""
+    """ROS 2's default quality of service: reliable, volatile, the last `depth` messages; XCDR1."""
     return Qos(
         Policy.Reliability.Reliable(duration(milliseconds=100)),
         Policy.Durability.Volatile,
@@ -60,7 +60,7 @@ def qos(depth: int = DEPTH) -> Any:
 
 
 class Bus:
-    """A participant in a ROS domain (None: ROS_DOMAIN_ID, else 0). `loopback`: on this machine alone (None: as
+    """A participant in a ROS domain (None: ROS_DOMAIN_ID, else 0). `loopback`: only on this machine (None: as
     ROS_LOCALHOST_ONLY or ROS_AUTOMATIC_DISCOVERY_RANGE says)."""
 
     def __init__(self, domain: int | None = None, loopback: bool | None = None):
@@ -81,8 +81,9 @@ class Bus:
 
 
 class Node:
-    """What a run sends, below `name`: events, image_raw with camera_info, imu; and /clock. `step` is given events with the run's
-    time; `shift_ns` is added to the run's time for ROS' clock. `frame`: the frame_id of all. `image_hz` 0: no pictures."""
+    """Publishes a run's messages below `name`: events, image_raw with camera_info, imu; and /clock. `step` takes events and
+    the run's time. `shift_ns` is added to the run's time for ROS' clock. `frame`: the frame_id of all messages. `image_hz`
+    0: no pictures."""
 
     def __init__(
         self,
@@ -104,11 +105,11 @@ class Node:
         self._sequence, self._picture_s, self._next_s = 0, 1 / image_hz if image_hz else 0.0, session.values.start
 
     def header(self, ns: int) -> Any:
-        """Of the run's time `ns`."""
+        """The header of a message at the run's time `ns`."""
         return messages.header(ns + self.shift_ns, self.frame)
 
     def events(self, events: np.ndarray, ns: int) -> None:
-        """One packet, of what fired up to `ns`; none where nothing did."""
+        """Publishes one packet of the events up to `ns`; none if there were no events."""
         if self._clock:
             self._clock.write(messages.Clock(messages.stamp(ns + self.shift_ns)))
         if not len(events):
@@ -122,7 +123,7 @@ class Node:
         self._events.write(packet)
 
     def pictures(self, until: float, path: Trajectory) -> None:
-        """The pictures that are due up to `until` [s], along `path`, each with the lens."""
+        """Publishes the pictures that are due up to `until` [s], along `path`, each with the lens."""
         while self._renderer and self._next_s <= until + 1e-9:
             frame = self._renderer.frame(self._next_s, "RGB", path)
             rgb = picture_rgb(frame["R"], frame["G"], frame["B"])
@@ -133,13 +134,13 @@ class Node:
             self._next_s += self._picture_s
 
     def imu(self, time: float, rate: Any, force: Any) -> None:
-        """Angular rate (3) [rad/s] and specific force (3) [m/s^2] at `time` [s]."""
+        """Publishes angular rate (3) [rad/s] and specific force (3) [m/s^2] at `time` [s]."""
         self._imu.write(messages.imu(self.header(round(_SECOND * time)), rate, force))
 
 
 def play(node: Node, speed: float = 1.0, period_s: float = PERIOD_S) -> int:
-    """The session's run along its own path: a packet each `period_s`, at `speed` times real time (0: as fast as it goes). The number
-    of events."""
+    """Publishes the session's run along its own path: a packet each `period_s`, at `speed` times real time (0: as fast as
+    possible). Returns the number of events."""
     session = node.session
     start, stop, path = session.values.start, session.values.stop, session.camera.trajectory
     inertial = _inertial(session)
@@ -159,7 +160,8 @@ def play(node: Node, speed: float = 1.0, period_s: float = PERIOD_S) -> int:
 
 
 def _inertial(session: Session) -> list[tuple[float, Any, Any]]:
-    """What `tides imu` writes of the run, the last sample first; nothing where the path has no acceleration, or the scene no unit."""
+    """The run's measurements by `tides imu`, the last sample first; none if the path has no acceleration, or the scene no
+    unit."""
     with tempfile.TemporaryDirectory() as folder:
         try:
             session.write_imu(os.path.join(folder, "imu.npz"))
@@ -171,12 +173,12 @@ def _inertial(session: Session) -> list[tuple[float, Any, Any]]:
 
 
 class Follower:
-    """A live run whose camera is where PoseStamped messages say, and with `twists` as fast as the TwistStamped of the same stamp says, in
-    world axes. `axes`: which way the frame looks that is told, a key of CAMERA_AXES. The first pose is where the run begins; its
-    stamp is the run's time.start, and events have stamps of the same clock."""
+    """A live run whose camera follows PoseStamped messages, and with `twists` the TwistStamped of the same stamp, in world
+    axes. `axes`: camera axes of these poses, a key of CAMERA_AXES. The first pose is the run's start; its stamp is the
+    run's time.start, and events have stamps of the same clock."""
 
     def __init__(self, node: Node, twists: bool = False, axes: str = "opencv", **how: Any):
-        camera_quaternion((1, 0, 0, 0), axes)  # refuses a name that isn't one
+        camera_quaternion((1, 0, 0, 0), axes)  # raises for an unknown name
         self.node, self.axes, self._twisted = node, axes, twists
         self.live = Live(node.session, **how)
         self._poses = node.bus.reader(f"{node.name}/pose", messages.PoseStamped)
@@ -189,7 +191,7 @@ class Follower:
             self._wait.attach(ReadCondition(reader, mask))
 
     def spin(self, timeout_s: float) -> int:
-        """Waits at most so long for messages, and steps to each pose that is complete. How many events there were."""
+        """Waits at most `timeout_s` for messages, and steps to each complete pose. Returns the number of events."""
         self._wait.wait(duration(seconds=timeout_s))
         poses, twists = self._waiting
         for reader, kept in ((self._poses, poses), (self._twists, twists)):
@@ -200,7 +202,7 @@ class Follower:
         for ns in sorted(poses):
             if self._twisted and ns not in twists:
                 if not any(later > ns for later in twists):
-                    break  # its twist is on the way
+                    break  # its twist hasn't arrived
                 warn(f"pose at {ns / _SECOND:.9g} s: no twist has its stamp; it is left out")
                 del poses[ns]
                 continue
@@ -261,7 +263,7 @@ def options() -> argparse.ArgumentParser:
 
 
 def follow(follower: Follower, silence_s: float | None) -> int:
-    """Until no pose came for so long."""
+    """Follows poses until none came for `silence_s`."""
     count, heard = 0, time.monotonic()
     while silence_s is None or time.monotonic() - heard < silence_s:
         before = follower.live.time, follower._first

@@ -1,7 +1,7 @@
-"""How long events take from a writer to a reader in another process, and how many get there: python -m tides.ros2_bench
+"""Latency of events from a writer to a reader in another process, and how many arrive: python -m tides.ros2_bench
 
-Packets of 1 ms are made as a run sends them, at a few rates, over the loopback interface. Latency is from before a packet is encoded to
-after it was read there; both processes have this machine's clock."""
+Packets of 1 ms are sent as by a run, at a few rates, over the loopback interface. Latency is from before a packet is
+encoded until it has been read; both processes use this machine's clock."""
 
 from __future__ import annotations
 
@@ -32,20 +32,20 @@ def listen() -> None:
                 continue
             if one.height == 0:
                 return print(json.dumps([latencies, size]))
-            latencies.append(1e-9 * (now - one.time_base))  # a field that EVT 3 has no use for
+            latencies.append(1e-9 * (now - one.time_base))  # a field that EVT 3 doesn't use
             size += len(one.events)
         time.sleep(1e-4)
 
 
 def measure(rate: float) -> dict[str, float]:
-    """One rate: packets sent and heard, latencies [ms], and what encoding and writing took of the time."""
+    """Measures one rate: packets sent and received, latencies [ms], and the share of time for encoding and writing."""
     random, count = np.random.default_rng(1), int(rate * PACKET_S)
     t = np.sort(random.integers(0, int(1e9 * PACKET_S), count))
     x, y = random.integers(0, 640, count).astype("u2"), random.integers(0, 480, count).astype("u2")
     p = random.choice(np.array([-1, 1], "i1"), count)
     listener = subprocess.Popen([sys.executable, "-m", "tides.ros2_bench", "listen"], stdout=subprocess.PIPE, text=True)
     try:
-        bus = Bus(DOMAIN, loopback=True)  # which ends what was made of it when it goes
+        bus = Bus(DOMAIN, loopback=True)  # its end deletes its topics and readers
         writer = bus.writer(TOPIC, messages.EventPacket, 1000)
         while not writer.get_matched_subscriptions():
             time.sleep(0.01)

@@ -1,5 +1,5 @@
-"""The window to fly in: its flight, the runs behind it, who may drive it, and the page in headless Chromium, which is skipped
-without one. TIDES_PAGE_PICTURES=FOLDER keeps pictures of it to look at."""
+"""The flight window: its flight, the runs behind it, access, and the page in headless Chromium, skipped without one.
+TIDES_PAGE_PICTURES=FOLDER keeps pictures of it."""
 
 import asyncio
 import json

@@ -1,4 +1,4 @@
-"""python -m tides.play SCENE: opens the window in a browser, or says its address."""
+"""python -m tides.play SCENE: opens the window in a browser, or prints its address."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def ready(url: str, opens: bool) -> None:
 
 
 def play(given: argparse.Namespace) -> None:
-    from .server import Server  # which needs websockets
+    from .server import Server  # needs websockets
 
     if not given.rate > 0:
         raise ValueError(f"--rate {given.rate:g}: a number above 0 is needed")
