@@ -93,6 +93,9 @@ tides_status td_gaussians_check(const td_gaussians *gaussians, double scale, tid
 /* Leaves out what td_gaussians_check would refuse; how many that were. At least one is left: else as td_gaussians_check. */
 tides_status td_gaussians_drop(td_gaussians *gaussians, double scale, int64_t *dropped, tides_error *error);
 
+/* Row `from` takes the place of row `to`. */
+void td_gaussians_move(const td_gaussians *g, size_t to, size_t from);
+
 /* -- origin.c: means far from (0, 0, 0) -- */
 
 /* Coordinate `axis` of Gaussian i in the object, origin included. */

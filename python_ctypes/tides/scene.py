@@ -135,7 +135,7 @@ class SceneObject:
 
 
 class Scene(Handle):
-    """What is looked at. Scene() is empty, Scene(file) holds what a file does (.ply, .spz, .ksplat, .splat, .splatv, .lcc, .sog, .glb, .h5,
+    """What is looked at. Scene() is empty, Scene(file) holds what a file does (.ply, .spz, .ksplat, .splat, .splatv, .lcc, .lcc2, .sog, .glb, .h5,
     a trainer's folder). `len(scene)` is the number of objects. A scene doesn't change while a Renderer or Simulation uses it.
 
     Pickled are the names of its files, which are read again, and the values of what was added as values: a worker process

@@ -9,6 +9,7 @@ import os
 import shlex
 import tempfile
 import time
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from ..events import EVENT, EventReader, EventWriter
 from ..image import picture_rgb
 from ..live import Live, _angular, _quaternion
 from ..presets import preset, preset_names
+from ..render import Renderer
 from ..run import Run, parameters
 from ..session import Session
 from ..trajectory import Camera, Pose, Trajectory
@@ -120,12 +122,18 @@ class World:
         self._text = self._start(text, folder, set)
         self._session = Session(Run(text=self._text), None, device)
         self.intrinsics = self._session.intrinsics
-        self._renderer = self._session.renderer()
+        # A device of its own: calls on objects of one device wait for each other, and pictures are drawn beside steps.
+        self._renderer = Renderer(self._session.scene, self._session.camera, self._session.values.image, self._spec(device))
+        self._painter = ThreadPoolExecutor(1)
         self.preset = self._text["sensor"]["preset"]
         self._live: Live | None = None
         self._recording: Recording | None = None
         self.flight = self._pilot()
         self._open(self._begin)
+        self._drawn = self._draw(self._begin, self.flight.pose())
+
+    def _spec(self, device: Any) -> Any:
+        return self._text["device"] if device is None and self._text["device"] != "auto" else device
 
     def _start(self, text: dict[str, Any], folder: str, set: dict[str, Any] | None) -> dict[str, Any]:
         """The run file with `set` in it, and a camera that stands where the run's begins: its path is told from there on."""
@@ -209,22 +217,30 @@ class World:
         return self.live.time + self.speed / self.rate > self._end
 
     def step(self, controls: Controls) -> np.ndarray:
-        """The events of one picture's time. Where the scene's own motion ends, it begins again; a recording holds still there."""
+        """The events of one picture's time. Where the scene's own motion ends, it begins again; a recording holds still there.
+        The picture at its end is drawn meanwhile: the pose is known before the events are."""
         dt = self.speed / self.rate
         if self.at_end and self._recording:
             return np.empty(0, EVENT)
         if self.at_end:
             self._open(self._begin)
-        events = self.live.step(self.flight.step(controls, dt, RESPONSE_S * self.speed), dt)
+        pose = self.flight.step(controls, dt, RESPONSE_S * self.speed)
+        self._drawn = self._draw(self.live.time + dt, pose)
+        events = self.live.step(pose, dt)
         if self._recording:
             self._recording.append(events)
         return events
 
+    def _draw(self, time: float, pose: tuple[Any, ...]) -> Future[np.ndarray]:
+        def draw() -> np.ndarray:
+            frame = self._renderer.frame(time, "RGB", Trajectory.static(pose[0], pose[1]))
+            return picture_rgb(frame["R"], frame["G"], frame["B"])
+
+        return self._painter.submit(draw)
+
     def picture(self) -> np.ndarray:
-        """What the camera sees now, uint8 (height x width x 3)."""
-        position, quaternion, *_ = self.flight.pose()
-        frame = self._renderer.frame(self.live.time, "RGB", Trajectory.static(position, quaternion))
-        return picture_rgb(frame["R"], frame["G"], frame["B"])
+        """What the camera sees where the last step ended, uint8 (height x width x 3)."""
+        return self._drawn.result()
 
     def says(self) -> dict[str, Any]:
         """What the preset does: its sentence, and rows of (what, value, unit, how it is known)."""
