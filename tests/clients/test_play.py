@@ -1,5 +1,5 @@
 """The window to fly in: its flight, the runs behind it, who may drive it, and the page in headless Chromium, which is skipped
-without one. TIDES_PAGE_PICTURES=FOLDER keeps pictures of it to look at."""
+without one. TIDES_PAGE_PICTURES=FOLDER takes the guide's picture anew: `-k picture` is that alone."""
 
 import asyncio
 import json
@@ -313,7 +313,7 @@ def test_wrong_messages_are_said_and_change_nothing(scene, tmp_path):
 
 @browser
 def test_the_window_in_a_browser(scene, tmp_path):
-    profile, pictures = tmp_path / "profile", os.environ.get("TIDES_PAGE_PICTURES")
+    profile = tmp_path / "profile"
     profile.mkdir()
     command = [sys.executable, "-m", "tides.play", str(scene), "--no-browser", "--out", str(tmp_path), "--size", "64x48", "--alone", "120", "--preset", "ideal"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
@@ -345,8 +345,6 @@ def test_the_window_in_a_browser(scene, tmp_path):
             page.wait("state.facts.events > 20")
             page.wait(f"{red_blue} > {quiet} + 10")
             later()
-            if pictures:
-                page.picture(Path(pictures) / "play.png")
             page.send("Input.dispatchKeyEvent", type="keyUp", key="d", code="KeyD")
             moved = json.loads(page.do(place))
             assert np.linalg.norm(np.subtract(moved, json.loads(still))) > 0.05
@@ -397,3 +395,31 @@ def test_a_page_of_another_origin_cant_drive_it(scene, tmp_path):
         return said
 
     assert drive(scene, tmp_path, script) == "closed 1006"
+
+
+@browser
+@pytest.mark.skipif(not os.environ.get("TIDES_PAGE_PICTURES"), reason="TIDES_PAGE_PICTURES=FOLDER takes docs/play.png there")
+def test_the_guides_picture(tmp_path):
+    profile = tmp_path / "profile"
+    profile.mkdir()
+    make = [os.environ["TIDES"], "scene", "fan", "--size", "346x260", "--duration", "30", "-q", "-o", "fan.h5", "--run", "fan.json"]
+    subprocess.run(make, check=True, cwd=tmp_path)
+    command = [sys.executable, "-m", "tides.play", str(tmp_path / "fan.json"), "--no-browser", "--out", str(tmp_path), "--alone", "120"]
+    process = subprocess.Popen([*command, "--preset", "davis346"], stdout=subprocess.PIPE, text=True, cwd=tmp_path)
+    try:
+        with Chromium(process.stdout.readline().strip(), profile, limit=120) as page:
+            page.send("Emulation.setDeviceMetricsOverride", width=1360, height=860, deviceScaleFactor=1, mobile=False)
+            page.wait("window.state && state.pictures > 3")
+            for name, value in [("speed", -1.7), ("fade", -0.4)]:
+                for kind in ("input", "change"):
+                    page.do(f"(e => {{ e.value = {value}; e.dispatchEvent(new Event('{kind}')); }})(document.getElementById('{name}'))")
+            page.click("#record")
+            page.wait("state.recording && state.facts.length < 0.01")
+            page.do("view.focus()")
+            count = page.do("state.pictures")
+            page.wait(f"state.pictures > {count + 150}")
+            page.picture(Path(os.environ["TIDES_PAGE_PICTURES"]) / "play.png")
+            assert page.errors == []
+    finally:
+        process.kill()
+        process.wait()

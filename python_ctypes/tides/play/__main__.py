@@ -28,6 +28,7 @@ def options() -> argparse.ArgumentParser:
     made.add_argument("--port", type=int, default=0, help="of the page (any that is free)")
     made.add_argument("--no-browser", action="store_true", help="say the page's address, and open nothing")
     made.add_argument("--alone", type=float, metavar="SECONDS", help="end where no page comes within so long (never)")
+    made.add_argument("--bench", type=int, metavar="N", help="measure N pictures of each way to fly, without a page, and end")
     made.add_argument("--hash", metavar="EVENTS", help="say the hash of an event file, as a recording shows it, and end")
     made.add_argument("--version", action="version", version=f"tides {__version__}")
     return made
@@ -58,13 +59,22 @@ def ready(url: str, opens: bool) -> None:
 
 
 def play(given: argparse.Namespace) -> None:
-    from .server import Server  # which needs websockets
+    from .bench import bench
+    from .server import Server  # which needs websockets, as bench does
 
     if not given.rate > 0:
         raise ValueError(f"--rate {given.rate:g}: a number above 0 is needed")
     set = dict(setting(one) for one in given.set)
     size = size_of(given.size) if given.size else None
-    world = World(given.scene, set, size, given.preset, given.rate, given.out, given.device)
+
+    def make() -> World:
+        return World(given.scene, set, size, given.preset, given.rate, given.out, given.device)
+
+    if given.bench is not None:
+        if given.bench < 1:
+            raise ValueError(f"--bench {given.bench}: a number of pictures above 0 is needed")
+        return bench(make, given.bench)
+    world = make()
 
     async def serve() -> None:
         await Server(world, given.port).run(lambda url: ready(url, not given.no_browser), given.alone)

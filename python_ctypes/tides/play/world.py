@@ -90,13 +90,11 @@ def _absolute(text: dict[str, Any], folder: str) -> dict[str, Any]:
     return text
 
 
-def _axis_of(pose: Pose, distance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Centre and axis to circle about: of the run's own orbit, else what is in the middle of the view, upright."""
+def _circle_of(pose: Pose) -> tuple[np.ndarray, np.ndarray, float]:
+    """Centre, axis and rate [rad/s] of the circle that a camera is on."""
     turning, upright = _angular(pose), -pose.rotation[:, 1]
-    rate = float(turning @ turning)
-    if rate > 1e-12:
-        return pose.position + np.cross(turning, pose.position_dot) / rate, math.copysign(1, turning @ upright) * turning
-    return pose.position + distance * pose.rotation[:, 2], upright
+    rate = float(np.linalg.norm(turning))
+    return pose.position + np.cross(turning, pose.position_dot) / rate**2, math.copysign(1, turning @ upright) * turning, rate
 
 
 class World:
@@ -144,6 +142,7 @@ class World:
             scene, camera = run.open()
             self._begin, text["device"] = run.values.start, run.values.device
             self._end = min(self._begin + LONGEST_S, scene.range[1])
+            self._orbits = json.loads(run.values.json)["camera"]["orbit_s"] is not None
             self._first = camera.trajectory.at(self._begin)
             still = Trajectory.static(self._first.position, _quaternion(self._first.rotation))
             Camera(still, camera.intrinsics).save(os.path.join(self._folder.name, "start.json"))
@@ -154,13 +153,15 @@ class World:
         return made
 
     def _pilot(self) -> Flight:
-        depth = self._renderer.truth(self._begin, ["depth"])["depth"]
+        """It circles as the run's own orbit does, else, upright, about what is in the middle of the view."""
+        depth, first = self._renderer.truth(self._begin, ["depth"])["depth"], self._first
         seen = depth[np.isfinite(depth)]
         distance = float(np.median(seen)) if len(seen) else 1.0
-        centre, up = _axis_of(self._first, distance)
-        reach = float(np.linalg.norm(self._first.position - centre)) or distance
-        own = float(np.linalg.norm(_angular(self._first)))
-        return Flight(self._first, centre, up, FLIGHT * reach, own if own > 1e-6 else 2 * math.pi / ORBIT_S)
+        centre, up, rate = first.position + distance * first.rotation[:, 2], -first.rotation[:, 1], 2 * math.pi / ORBIT_S
+        if self._orbits:
+            centre, up, rate = _circle_of(first)
+        reach = float(np.linalg.norm(first.position - centre)) or distance
+        return Flight(first, centre, up, FLIGHT * reach, rate)
 
     # -- the run ----------------------------------------------------------------------------------------------------
     @property
@@ -284,6 +285,7 @@ class World:
         if self._live:
             self._live.close()
             self._live = None
+        self._painter.shutdown()
         self._folder.cleanup()
 
 
