@@ -407,7 +407,7 @@ def test_the_guides_picture(tmp_path):
     command = [sys.executable, "-m", "tides.play", str(tmp_path / "fan.json"), "--no-browser", "--out", str(tmp_path), "--alone", "120"]
     process = subprocess.Popen([*command, "--preset", "davis346"], stdout=subprocess.PIPE, text=True, cwd=tmp_path)
     try:
-        with Chromium(process.stdout.readline().strip(), profile, limit=120) as page:
+        with Chromium(process.stdout.readline().strip(), profile, limit=300) as page:
             page.send("Emulation.setDeviceMetricsOverride", width=1360, height=860, deviceScaleFactor=1, mobile=False)
             page.wait("window.state && state.pictures > 3")
             for name, value in [("speed", -1.7), ("fade", -0.4)]:
@@ -417,7 +417,7 @@ def test_the_guides_picture(tmp_path):
             page.wait("state.recording && state.facts.length < 0.01")
             page.do("view.focus()")
             count = page.do("state.pictures")
-            page.wait(f"state.pictures > {count + 150}")
+            page.wait(f"state.pictures > {count + 40}")
             page.picture(Path(os.environ["TIDES_PAGE_PICTURES"]) / "play.png")
             assert page.errors == []
     finally:

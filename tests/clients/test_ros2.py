@@ -118,6 +118,18 @@ def decoded(words):
     return np.array(rows, np.int64).reshape(-1, 4)
 
 
+def test_latency_and_rate(tmp_path):
+    """The rows that `tides bench live` puts in its table: sorted latencies of all packets that came, at each rate."""
+    command = [sys.executable, "-m", "tides.ros2_bench", "--packets", "20", "--json", str(tmp_path / "rows.json")]
+    subprocess.run(command, check=True, timeout=240)
+    rows = json.loads((tmp_path / "rows.json").read_text())
+    assert [row["rate"] for row in rows] == [1e5, 1e6, 5e6]
+    for row in rows:
+        assert row["packets"] == 20 and row["events"] == pytest.approx(20e-3 * row["rate"]) and row["seconds"] >= 19e-3
+        assert row["lost"] == 0 and len(row["ms"]) == 20 and row["ms"] == sorted(row["ms"])
+        assert 0 < row["ms"][0] < 5000 and row["first_ms"] in row["ms"] and 2 < row["bytes_per_event"] < 12
+
+
 @pytest.mark.parametrize("n, span", [(0, 1), (1, 1), (2000, 10), (2000, 10**6), (2000, 10**8), (300, 10**9)])
 def test_evt3(n, span):
     random = np.random.default_rng(n + span)
