@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import asyncio
 import json
+import math
 import sys
 import webbrowser
 from typing import Any
@@ -58,12 +59,19 @@ def ready(url: str, opens: bool) -> None:
         webbrowser.open(url)
 
 
+def kept_text(kept: dict[str, Any]) -> str:
+    lines = "\n".join(f"    {line}" for line in kept["lines"])
+    return f"{kept['events']} events of {kept['seconds']:.3g} s are in {kept['folder']}. To make them again:\n{lines}"
+
+
 def play(given: argparse.Namespace) -> None:
     from .bench import bench
     from .server import Server  # which needs websockets, as bench does
 
-    if not given.rate > 0:
+    if not 0 < given.rate < math.inf:
         raise ValueError(f"--rate {given.rate:g}: a number above 0 is needed")
+    if not 0 <= given.port <= 65535:
+        raise ValueError(f"--port {given.port}: must be 0 (any) to 65535")
     set = dict(setting(one) for one in given.set)
     size = size_of(given.size) if given.size else None
 
@@ -75,14 +83,13 @@ def play(given: argparse.Namespace) -> None:
             raise ValueError(f"--bench {given.bench}: a number of pictures above 0 is needed")
         return bench(make, given.bench)
     world = make()
-
-    async def serve() -> None:
-        await Server(world, given.port).run(lambda url: ready(url, not given.no_browser), given.alone)
-
+    server = Server(world, given.port)
     try:
-        asyncio.run(serve())
+        asyncio.run(server.run(lambda url: ready(url, not given.no_browser), given.alone))
     finally:
         world.close()
+        if server.kept:
+            print(kept_text(server.kept))
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -60,17 +60,27 @@ def event_hash(file: str | os.PathLike[str]) -> str:
     return made.hexdigest()
 
 
+def _run_file(path: Path) -> dict[str, Any]:
+    try:
+        text = json.loads(path.read_text())
+    except ValueError as error:
+        raise ValueError(f"{path}: is no run file: {error}") from None
+    if not isinstance(text, dict):
+        raise ValueError(f"{path}: is no run file: it isn't an object, {{..}}")
+    return text
+
+
 def run_text(source: str | os.PathLike[str], size: tuple[int, int] | None = None) -> tuple[dict[str, Any], str]:
     """What to run, and the folder that its paths are relative to: a run file as it is, or a scene, seen from an orbit."""
     if os.fspath(source).endswith(".json"):
-        text, folder = json.loads(Path(source).read_text()), os.path.dirname(os.path.abspath(source))
+        text, folder = _run_file(Path(source)), os.path.dirname(os.path.abspath(source))
     else:
         text, folder = {"scene": {"file": os.path.abspath(source)}, "camera": {"orbit_s": ORBIT_S}}, os.getcwd()
         size = size or (240, 180)
     if size:
         text.setdefault("camera", {}).update(width=size[0], height=size[1])
     times = text.setdefault("time", {})
-    times.setdefault("stop", times.setdefault("start", 0.0) + 0.1)
+    times.setdefault("stop", times.setdefault("start", 0.0) + 1e-3)  # a run has some; how long a flight is the scene says
     for key, value in (("tolerance", TOLERANCE), ("unit", "block")):  # blocks: a third less than tiles where a step is long
         text.setdefault("stepping", {}).setdefault(key, value)
     return text, folder
@@ -124,6 +134,11 @@ class World:
         self._renderer = Renderer(self._session.scene, self._session.camera, self._session.values.image, self._spec(device))
         self._painter = ThreadPoolExecutor(1)
         self.preset = self._text["sensor"]["preset"]
+        if self._end - self._begin < 1 / rate:
+            raise ValueError(
+                f"{self.name}: its motion lasts {self._end - self._begin:g} s from the run's start on, and a picture {1 / rate:.3g} s: "
+                f"more pictures a second show it (--rate {math.ceil(2 / max(self._end - self._begin, 1e-6))})"
+            )
         self._live: Live | None = None
         self._recording: Recording | None = None
         self.flight = self._pilot()
@@ -278,10 +293,15 @@ class World:
         self._open(self.live.time)
         return made
 
-    def close(self) -> None:
-        if self._recording:
-            self._recording.finish()
-            self._recording = None
+    def close(self) -> dict[str, Any] | None:
+        """Ends the run, and a recording as `keep` does."""
+        recording, self._recording = self._recording, None
+        try:
+            return recording.finish() if recording else None
+        finally:
+            self._end_run()
+
+    def _end_run(self) -> None:
         if self._live:
             self._live.close()
             self._live = None
