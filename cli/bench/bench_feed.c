@@ -1,6 +1,6 @@
-/* What the ROS 2 feed costs, for `tides bench live`: the Python package sends packets of events to another process and times them,
- * since the feed is its own (python_ctypes/tides/ros2_bench.py). The interpreter is the one that TIDES_PYTHON names, which the
- * package's own `tides` sets: any other may have no TIDES, or another one. */
+/* The ROS 2 feed's part of `tides bench live`. The feed is the Python package's own (python_ctypes/tides/ros2_bench.py), which
+ * sends packets of events to another process and times them. TIDES_PYTHON names the interpreter, and the package's own `tides`
+ * sets it: any other interpreter may have no TIDES, or another one. */
 #include "bench.h"
 
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* tides bench live: how long a run that is told poses as it goes takes for each, at 346x260 and a pose every millisecond: from
  * the pose told to its events there. The first step also makes the first image, and is listed apart. Poses are those of the
- * scene's own camera, without rates, to and fro where it is shorter than the run. Rows of way "ros2" are the feed's: from a packet of
- * a millisecond's events to its events read by another process, at a few rates. */
+ * scene's own camera, without rates, to and fro where it is shorter than the run. Rows of way "ros2" are the ROS 2 feed's: from
+ * a packet of a millisecond's events to its events read by another process, at a few rates. */
 #include "bench.h"
 #include "bench_worlds.h"
 #include "plot.h"
@@ -172,7 +172,7 @@ static tides_status measure_scene(bench *b, const char *name, live_rows *all, ti
     return status;
 }
 
-/* -- the feed ---------------------------------------------------------------------------------------------------------------- */
+/* -- the feed ------------------------------------------------------------------------------------------------------------- */
 
 static double number(const cJSON *row, const char *key) {
     return cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(row, key));
