@@ -131,7 +131,9 @@ class World:
         self._session = Session(Run(text=self._text), None, device)
         self.intrinsics = self._session.intrinsics
         # A device of its own: calls on objects of one device wait for each other, and pictures are drawn beside steps.
-        self._renderer = Renderer(self._session.scene, self._session.camera, self._session.values.image, self._spec(device))
+        scene, camera = self._session.scene, self._session.camera
+        assert scene is not None and camera is not None  # frames have been refused
+        self._renderer = Renderer(scene, camera, self._session.values.image, self._spec(device))
         self._painter = ThreadPoolExecutor(1)
         self.preset = self._text["sensor"]["preset"]
         if self._end - self._begin < 1 / rate:
