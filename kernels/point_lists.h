@@ -36,7 +36,6 @@ typedef struct td_point_slices {
  * nothing is seen of it. */
 enum { TD_CURVE_REALS = 4 * TD_PATH_NUMBERS, TD_BESIDE_REALS = 4 * TD_BESIDE_NUMBERS };
 typedef struct td_point_paths {
-    TD_GLOBAL const int *path; /* of each Gaussian of the store: its first curve * TD_PATH_LEVELS + level; below 0: none */
     TD_GLOBAL const td_real *curves; /* TD_CURVE_REALS each */
     td_point_slices slices;
     TD_GLOBAL const td_real *beside; /* TD_BESIDE_REALS each: green and blue, where luminance is red (TD_BESIDE_NUMBERS) */
@@ -44,7 +43,8 @@ typedef struct td_point_paths {
 
 /* The sorted lists of all tiles. */
 typedef struct td_point_lists {
-    TD_GLOBAL const int *path;    /* in a depth order; of equal depth, the Gaussian of lower number has the lower path */
+    TD_GLOBAL const int *path;    /* in a depth order: first curves * TD_PATH_LEVELS + level */
+    TD_GLOBAL const int *number;  /* their Gaussians, whose order counts at equal depth */
     TD_GLOBAL const float *tests; /* point_tests.h */
 } td_point_lists;
 

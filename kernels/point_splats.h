@@ -231,8 +231,9 @@ TD_INLINE void td_point_note(const td_image *image, const td_point_entry *entry,
  * is longer than a processor looks ahead (1.3 times slower). */
 enum { TD_POINT_BATCH = 64 };
 
-/* Enters the splats found, as what the points see: views go where entries will be, which are no more than they. */
-TD_INLINE void td_point_look(const td_point_paths *paths, const td_image *image, const int *found, int count,
+/* Enters the splats found, with their Gaussians' numbers, as what the points see: views go where entries will be, which are no
+ * more than they. */
+TD_INLINE void td_point_look(const td_point_paths *paths, const td_image *image, const int *found, const int *number, int count,
                              const td_real *way, const td_real *rate, const int *curve, const int *together,
                              TD_GLOBAL td_real *entries, td_point_eye *eye) {
     const int room = td_point_room(image);
@@ -261,7 +262,7 @@ TD_INLINE void td_point_look(const td_point_paths *paths, const td_image *image,
         td_mask sees;
         td_point_entry entry = td_point_enter(image, views + above[k] * room, eye->end, &sees);
         if (!td_any(sees)) continue;
-        entry.path = td_splat((td_real)found[above[k]]);
+        entry.number = td_splat((td_real)number[above[k]]);
         td_point_note(image, &entry, sees, eye);
         td_point_add(image, entries, &entry, &eye->order);
     }

@@ -43,16 +43,20 @@ static void mark(const tides_renderer *renderer, const float *box, uint8_t *bent
         for (int x = x0; x <= x1; x++) bent[(size_t)y * (size_t)width + (size_t)x] = 1;
 }
 
-tides_status td_points_direct_begin(const tides_renderer *renderer, const td_point_nodes *nodes, td_points_direct *direct,
-                                    tides_error *error) {
-    const size_t pixels = (size_t)renderer->image.width * (size_t)renderer->image.height;
-    direct->any = nodes->direct > 0;
-    if (!direct->any) return TIDES_OK;
-    if (!direct->bent) direct->bent = td_alloc(pixels, 1, error);
-    if (!direct->bent) return TIDES_NO_MEMORY;
-    memset(direct->bent, 0, pixels);
-    for (int i = 0; i < nodes->count; i++)
-        if (nodes->is_direct[i]) mark(renderer, renderer->boxes + 4 * (size_t)nodes->gaussians[i], direct->bent);
+void td_points_direct_clear(const tides_renderer *renderer, td_points_direct *direct) {
+    if (direct->any) memset(direct->bent, 0, (size_t)renderer->image.width * (size_t)renderer->image.height);
+    direct->any = 0;
+}
+
+tides_status td_points_direct_add(const tides_renderer *renderer, const td_point_nodes *nodes, td_points_direct *direct,
+                                  tides_error *error) {
+    for (int i = 0; i < nodes->count; i++) {
+        if (!nodes->is_direct[i]) continue;
+        if (!direct->bent) direct->bent = td_alloc((size_t)renderer->image.width * (size_t)renderer->image.height, 1, error);
+        if (!direct->bent) return TIDES_NO_MEMORY;
+        direct->any = 1;
+        mark(renderer, renderer->boxes + 4 * (size_t)nodes->gaussians[i], direct->bent);
+    }
     return TIDES_OK;
 }
 
@@ -88,7 +92,7 @@ static tides_status reserve(td_points_direct *direct, int more, tides_error *err
     if (status == TIDES_OK) status = td_reserve((void **)&nodes->first, &capacity[1], wanted, sizeof *nodes->first, error);
     if (status == TIDES_OK) status = td_reserve((void **)&nodes->level, &capacity[2], wanted, sizeof *nodes->level, error);
     if (status == TIDES_OK) status = td_reserve((void **)&nodes->open_at, &capacity[3], wanted, sizeof *nodes->open_at, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&nodes->path, &capacity[4], wanted, sizeof *nodes->path, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&nodes->own, &capacity[4], wanted, sizeof *nodes->own, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&nodes->row, &nodes->row_capacity, 2 * wanted, sizeof *nodes->row, error);
     if (status == TIDES_OK)
@@ -121,7 +125,7 @@ static tides_status add_point(const tides_renderer *renderer, td_points_direct *
         nodes->first[own] = nodes->row[2 * own] = nodes->row[2 * own + 1] = direct->numbers[own] = own;
         nodes->level[own] = 0;
         nodes->open_at[own] = -1;
-        nodes->path[own] = own * TD_PATH_LEVELS;
+        nodes->own[own] = own * TD_PATH_LEVELS;
         nodes->length[own] = TD_POINT_INSTANT;
         direct->lists[(*listed)++] = own;
         nodes->count++;
@@ -140,20 +144,21 @@ static tides_status add_point(const tides_renderer *renderer, td_points_direct *
 /* A lot as an engine takes it, from rows that are there. */
 static tides_status look(const tides_renderer *renderer, td_points_direct *direct, int points, int listed, tides_error *error) {
     const td_point_nodes *nodes = &direct->nodes;
-    const td_points_interval interval = {.path = nodes->path,
-                                         .gaussians = nodes->count,
-                                         .exact = nodes->exact,
-                                         .row_count = nodes->rows + 1,
-                                         .row = nodes->row,
-                                         .lengths = nodes->length,
+    const td_points_interval interval = {.gaussians = nodes->count,
                                          .curves = nodes->count,
                                          .slices = {1, 1, 0, 1},
-                                         .seen = direct->numbers,
-                                         .seen_count = nodes->count,
                                          .candidates = direct->lists,
                                          .candidate_count = listed,
                                          .tiles = direct->tiles,
                                          .tile_count = points};
+    const td_points_group all = {.exact = nodes->exact,
+                                 .row_count = nodes->rows + 1,
+                                 .row = nodes->row,
+                                 .lengths = nodes->length,
+                                 .curves = nodes->count,
+                                 .seen = direct->numbers,
+                                 .path = nodes->own,
+                                 .seen_count = nodes->count};
     const td_points_batch batch = {{direct->column[0], direct->column[1], direct->column[2], direct->column[3]},
                                    direct->piece,
                                    points,
@@ -162,6 +167,7 @@ static tides_status look(const tides_renderer *renderer, td_points_direct *direc
                                    td_points_backdrop_of(&renderer->image, renderer->backdrops)};
     td_points_engine *engine = direct->engine;
     tides_status status = engine->type->begin(engine, &interval, error);
+    if (status == TIDES_OK) status = engine->type->add(engine, &all, error);
     if (status == TIDES_OK) status = engine->type->lists(engine, direct->numbers, points, error);
     if (status == TIDES_OK) status = engine->type->values(engine, &batch, direct->values, error);
     return status == TIDES_OK ? engine->type->finish(engine, error) : status;

@@ -1,5 +1,5 @@
 /* Internal to lib/render: record paths in double precision for single pixels (points.c): which Gaussians have which nodes in
- * the interval swept last, their rows, and the curves between those. */
+ * the interval swept last, their rows, and the curves between those. They are made for a group of Gaussians at a time. */
 #ifndef TD_POINT_NODES_H
 #define TD_POINT_NODES_H
 
@@ -16,6 +16,7 @@
 /* The interval in which points are asked for: the lists of a swept interval, and its ends, or the ends of a part of it. */
 typedef struct td_point_span {
     const int *first, *list; /* as td_candidates has them */
+    const float *boxes;      /* (store.count x 4) what each Gaussian in a list touches */
     double start, stop;      /* [s after the epoch] */
     double shortest;         /* no part is shorter because paths bend [s] */
     uint64_t serial;         /* tells it from others */
@@ -32,9 +33,16 @@ typedef struct td_point_nodes {
     double *knot;    /* (pieces + 1) where the pieces of the interval begin and end [s after the epoch] */
     int pieces;
     double *piece_length; /* (pieces) [s] */
-    int *path;            /* (store.count) as td_points_interval has it */
-    int *gaussians;       /* (count) those in a list */
+    int *path;            /* (store.count) first curves * TD_PATH_LEVELS + level; or TD_PATH_UNSEEN, ... */
+    int *listed;          /* (listed_count) those in a list, rising; so many have paths */
+    int listed_count, made;
+    int curves;  /* of all that have paths */
+    int *wanted; /* (wanted_count, at most listed_count) the next to get paths, rising */
+    int wanted_count;
+    int group, some; /* so many are made together at most, and of more so many tell what pieces all have */
+    int *gaussians;  /* (count) the group at hand, from here on; */
     int count;
+    int *own;       /* (count) their paths */
     uint8_t *level; /* (count) 2^level curves a piece */
     int *open_at;   /* (count) of those that have a level's rows from the one before, but for what was open: */
     uint8_t *open;  /* from open[open_at[i]] on, each curve of the level before that; -1: all rows are their own */
@@ -43,12 +51,11 @@ typedef struct td_point_nodes {
     int halves;
     int *first; /* (count + TD_PAD) first rows */
     int rows;
-    int *row;       /* (2 x curves) the rows that each begins and ends with */
-    double *length; /* (curves) [s] */
-    int curves;
+    int *row;       /* (2 x group_curves) the rows that each begins and ends with */
+    double *length; /* (group_curves) [s] */
+    int group_curves;
     double halve;       /* where the span is to be cut in two, each part with rows of its own; NAN: it has its rows */
-    uint8_t *is_direct; /* (count) 1: no curve follows it, and who may see it has all projected (points_direct.c); */
-    int direct;         /* so many */
+    uint8_t *is_direct; /* (count) 1: no curve follows it, and who may see it has all projected (points_direct.c) */
     int moving, bent;   /* those that move; of which paths are off by more than they should */
     int *tried;         /* (count + TD_PAD) first rows of a level's, */
     td_points_fit fit;  /* and how well they do: (count + TD_PAD) */
@@ -69,9 +76,24 @@ tides_status td_point_nodes_create(const struct tides_renderer *renderer, td_exa
                                    tides_error *error);
 void td_point_nodes_release(td_point_nodes *nodes);
 
-/* All of them, or where to cut: rows would be too many, or paths bend more than all levels can follow. */
+/* A Gaussian in a list that has no path yet; and one that is about to get it. */
+enum { TD_PATH_UNMADE = -3, TD_PATH_WANTED = -4 };
+
+/* Finds the Gaussians in lists, the pieces of their paths, and a first group with paths, which stands for all others. Short
+ * lists are that group as a whole. Or it says where to cut: rows would be too many, or paths bend more than all levels can
+ * follow. */
 tides_status td_point_nodes_find(struct tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
                                  const td_point_span *span, td_point_nodes *nodes, tides_error *error);
+
+/* Makes the next of the wanted Gaussians the group, as many as are made together; each has a path then. */
+tides_status td_point_nodes_next(struct tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
+                                 td_point_nodes *nodes, tides_error *error);
+
+/* The group, for an engine. */
+td_points_group td_point_nodes_group(const td_point_nodes *nodes);
+
+/* Curves that an interval may come to have. */
+int td_point_nodes_expected(const td_point_nodes *nodes);
 
 /* Rows of the Gaussians of a level, at all its nodes that are theirs to have (point_rows.c). */
 tides_status td_point_rows_project(struct tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,

@@ -28,24 +28,28 @@ typedef struct td_points_slices {
     int pieces, count, split, group;
 } td_points_slices;
 
-/* An interval. Everything is borrowed until the next one begins. */
+/* An interval, in which nothing has a path yet. Everything is borrowed until the next one begins. */
 typedef struct td_points_interval {
-    const int
-        *path; /* (gaussians) of each Gaussian of the store, rising: its first curve * TD_PATH_LEVELS + level, or below 0 */
-    int gaussians;
-    td_exact *exact; /* whose rows are wanted */
-    int row_count;
-    const int *row;        /* (2 x curves) the rows that each begins and ends with */
-    const double *lengths; /* (curves) [s] */
-    int curves;
+    int gaussians; /* of the store */
+    int curves;    /* that are expected in all */
     td_points_slices slices;
-    const int *seen; /* (seen_count) Gaussians that have paths, rising */
-    int seen_count;
     const int *candidates; /* (candidate_count) what tiles point into */
     int candidate_count;
     const td_points_tile *tiles; /* (tile_count) all of the image */
     int tile_count;
 } td_points_interval;
+
+/* Gaussians that get paths. Nothing is borrowed beyond the call, but of `exact`, whose rows stay until it has others. */
+typedef struct td_points_group {
+    td_exact *exact; /* whose rows are wanted */
+    int row_count;
+    const int *row;        /* (2 x curves) the rows that each begins and ends with */
+    const double *lengths; /* (curves) [s] */
+    int first, curves;     /* the interval has `first` without these */
+    const int *seen;       /* (seen_count) the Gaussians, */
+    const int *path;       /* (seen_count) and of each its first curve in the interval * TD_PATH_LEVELS + level */
+    int seen_count;
+} td_points_group;
 
 /* The backdrop: its luminance, or its red, green and blue where light isn't linear in these (td_point_backdrop). */
 typedef struct td_points_backdrop {
@@ -95,7 +99,9 @@ typedef struct td_points_class {
     tides_status (*misfits)(td_points_engine *engine, const td_points_misfits *request, const td_points_fit *fit,
                             tides_error *error);
     tides_status (*begin)(td_points_engine *engine, const td_points_interval *interval, tides_error *error);
-    /* Makes the lists of these tiles of the interval: (count). */
+    /* Curves, depths and tests of a group. */
+    tides_status (*add)(td_points_engine *engine, const td_points_group *group, tides_error *error);
+    /* Makes the lists of these tiles of the interval, of what has paths: (count). */
     tides_status (*lists)(td_points_engine *engine, const int *tiles, int count, tides_error *error);
     /* values: (2 x count) L and L_dot, there once `finish` has been called; of the batch nothing is read any more after this.
      * Lists of their tiles are made. */

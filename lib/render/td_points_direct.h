@@ -26,9 +26,10 @@ typedef struct td_points_direct {
 
 void td_points_direct_release(td_points_direct *direct);
 
-/* For an interval whose rows are found: which pixels see what is bent. */
-tides_status td_points_direct_begin(const struct tides_renderer *renderer, const td_point_nodes *nodes,
-                                    td_points_direct *direct, tides_error *error);
+/* Another interval: nothing is bent; and which pixels see what is bent of a group. */
+void td_points_direct_clear(const struct tides_renderer *renderer, td_points_direct *direct);
+tides_status td_points_direct_add(const struct tides_renderer *renderer, const td_point_nodes *nodes, td_points_direct *direct,
+                                  tides_error *error);
 
 static inline int td_points_direct_sees(const td_points_direct *direct, const td_point *point, int width) {
     return direct->any && direct->bent[(size_t)point->y * (size_t)width + (size_t)point->x];

@@ -80,9 +80,13 @@ static void values_of(const point_world *w, const td_point *points, size_t count
                     &error);
 }
 
+/* Paths are made for a few Gaussians at a time, as points ask for them; else for all at once, there being few. */
+static int by_and_by = 0;
+
 static void be_exact(const point_world *w) {
     tides_error error;
     scene_expect_ok(td_renderer_exact_points(w->renderer, &error), &error);
+    if (by_and_by) td_renderer_points_groups(w->renderer, 24, 20);
 }
 
 /* Largest differences of L and, relative to 1 + |L_dot|, of L_dot. */
@@ -235,15 +239,19 @@ static void check_devices(const random_recipe *recipe, double length, double sof
     close_world(&c);
 }
 
-static void test_bits_of_any_device_and_order(void **state) {
-    (void)state;
-    for (uint64_t seed = 1420; seed < 1424; seed++) {
+static void check_order(uint64_t begin, uint64_t end) {
+    for (uint64_t seed = begin; seed < end; seed++) {
         random_recipe recipe = recipe_of(seed);
         recipe.count = 500;
         recipe.spread = seed % 2 ? 4 : 1.5; /* 4: some are near the camera and behind it */
         check_devices(&recipe, 0.005, 1e-4);
         check_devices(&recipe, 0.005, seed % 2 ? 0 : 0.05);
     }
+}
+
+static void test_bits_of_any_device_and_order(void **state) {
+    (void)state;
+    check_order(1420, 1424);
 }
 
 /* Points that a device is at while the renderer is asked for something else; or nobody wants them, or not even the renderer. */
@@ -319,6 +327,35 @@ static void test_paths_with_corners(void **state) {
     check_against_frames(&recipe, 0.45, 1e-4, 1e-4, 0.1);
 }
 
+/* All of it where what points may see gets its paths by and by: of an interval, of an instant, with corners of paths, bent
+ * ones, ties of depth. A value is then what it is where all have them from the beginning. */
+static void test_paths_by_and_by(void **state) {
+    static td_point points[POINTS];
+    static td_point_value at_once[POINTS], later[POINTS];
+    (void)state;
+    for (uint64_t seed = 1420; seed < 1423; seed++) {
+        random_recipe recipe = recipe_of(seed);
+        const double length = seed == 1421 ? 0 : 0.005;
+        recipe.count = 500;
+        recipe.spread = seed % 2 ? 4 : 1.5;
+        for (by_and_by = 0; by_and_by < 2; by_and_by++) {
+            point_world w = open_world(&recipe, seed == 1422 ? "reference" : "cpu", length, 1e-4);
+            scatter(&w, points);
+            be_exact(&w);
+            for (int from = 0; from < POINTS && by_and_by; from += 100) values_of(&w, points + from, 100, later + from);
+            if (!by_and_by) values_of(&w, points, POINTS, at_once);
+            close_world(&w);
+        }
+        assert_memory_equal(at_once, later, sizeof later);
+    }
+    by_and_by = 1;
+    check_order(1420, 1422);
+    test_paths_with_corners(NULL);
+    test_depth_ties_and_empty_tiles(NULL);
+    test_all_change_places(NULL);
+    by_and_by = 0;
+}
+
 /* All of it where light isn't linear in colours, so that three channels are composited. */
 static void test_three_channels(void **state) {
     static const int32_t transfers[] = {TIDES_TRANSFER_SRGB, TIDES_TRANSFER_GAMMA};
@@ -344,6 +381,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_bits_of_any_device_and_order),
                                        cmocka_unit_test(test_in_two_calls),
                                        cmocka_unit_test(test_three_channels),
+                                       cmocka_unit_test(test_paths_by_and_by),
                                        cmocka_unit_test(test_behind_what_is_opaque),
                                        cmocka_unit_test(test_paths_with_corners),
                                        cmocka_unit_test(test_all_change_places),
