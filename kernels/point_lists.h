@@ -41,10 +41,13 @@ typedef struct td_point_paths {
     TD_GLOBAL const td_real *beside; /* TD_BESIDE_REALS each: green and blue, where luminance is red (TD_BESIDE_NUMBERS) */
 } td_point_paths;
 
+/* A place of a list: the splat's path, its first curve * TD_PATH_LEVELS + level; its Gaussian, whose number counts at equal
+ * depth; and the pixels that may see it, columns and rows (TD_SIGHT_END). */
+enum { TD_L_PATH = 0, TD_L_NUMBER, TD_L_COLUMNS, TD_L_ROWS, TD_LIST_INTS };
+
 /* The sorted lists of all tiles. */
 typedef struct td_point_lists {
-    TD_GLOBAL const int *path;    /* in a depth order: first curves * TD_PATH_LEVELS + level */
-    TD_GLOBAL const int *number;  /* their Gaussians, whose order counts at equal depth */
+    TD_GLOBAL const int *places;  /* in a depth order: TD_LIST_INTS each */
     TD_GLOBAL const float *tests; /* point_tests.h */
 } td_point_lists;
 

@@ -40,14 +40,14 @@ static td_point_paths td_paths_make(__global const td_real *curves, __global con
     return paths;
 }
 
-/* Arrays that points need of the `count` Gaussians in `seen`, whose paths are `own`: curves, of which c, counted from `from`
- * on, goes from row[2 c] to row[2 c + 1], lengths[c] seconds apart; depths (Gaussians) to be sorted by; `records` of tests; and
- * `path` (Gaussians), where their paths are looked for. */
+/* Arrays that points need of the `count` Gaussians in `seen`, whose paths are `own` and whose pixels `own_sights`: curves, of
+ * which c, counted from `from` on, goes from row[2 c] to row[2 c + 1], lengths[c] seconds apart; depths (Gaussians) to sort by;
+ * `records` of tests; `path` and `sights` (2 x Gaussians), where their paths and pixels are looked for. */
 typedef struct td_splats_to_make {
     __global const td_real *rows, *rows_beside, *lengths;
-    __global const int *row, *seen, *own;
+    __global const int *row, *seen, *own, *own_sights;
     __global td_real *curves, *beside;
-    __global int *depths, *path;
+    __global int *depths, *path, *sights;
     __global float *records;
     int count, from;
     td_share groups;
@@ -89,6 +89,7 @@ TD_APART void td_splats_apart(__constant const td_image *image_buffer, const td_
                                           of.lengths[at_row], of.beside + (long)c * TD_BESIDE_REALS);
             }
             of.path[gaussian] = mine[lane];
+            of.sights[2 * gaussian] = of.own_sights[2 * number], of.sights[2 * gaussian + 1] = of.own_sights[2 * number + 1];
             of.depths[gaussian] = td_point_depth_key(&paths, mine[lane]);
             at[lane] = (size_t)gaussian * (size_t)slices * TD_TEST_REALS;
         }
@@ -101,9 +102,10 @@ TD_APART void td_splats_apart(__constant const td_image *image_buffer, const td_
 
 __kernel void td_point_make_splats(__constant const td_image *image_buffer, __global const td_real *rows,
                                    __global const int *row, __global const td_real *lengths, __global const int *seen,
-                                   __global const int *own, int count, int from, __global int *path, int pieces, int slices,
-                                   int split, int group, __global td_real *curves, __global int *depths,
-                                   __global float *records, __global const td_real *rows_beside, __global td_real *beside) {
+                                   __global const int *own, __global const int *own_sights, int count, int from,
+                                   __global int *path, __global int *sights, int pieces, int slices, int split, int group,
+                                   __global td_real *curves, __global int *depths, __global float *records,
+                                   __global const td_real *rows_beside, __global td_real *beside) {
     const td_point_paths paths = td_paths_make(curves, beside, pieces, slices, split, group);
     td_splats_to_make what;
     what.rows = rows;
@@ -111,6 +113,8 @@ __kernel void td_point_make_splats(__constant const td_image *image_buffer, __gl
     what.lengths = lengths;
     what.seen = seen;
     what.own = own;
+    what.own_sights = own_sights;
+    what.sights = sights;
     what.from = from;
     what.path = path;
     what.curves = curves;
@@ -147,13 +151,13 @@ __kernel void td_point_find_misfits(__constant const td_image *image_buffer, __g
                      misfits, stride, asks_each);
 }
 
-/* A tile's list: its candidates that have paths, by depth, in `listed`, and their `numbers` (at the candidates); and their
- * tests, made of the splats' records. keys have twice the room. */
+/* A tile's list: its candidates that have paths, by depth, as `places` (TD_LIST_INTS x candidates); and their tests, made of
+ * the splats' records. keys have twice the room. */
 typedef struct td_list_to_make {
-    __global const int *candidates, *path, *depths;
+    __global const int *candidates, *path, *sights, *depths;
     __global const float *records;
     __global long *keys;
-    __global int *listed, *numbers;
+    __global int *places;
     __global float *tests;
     int slices, item, items;
 } td_list_to_make;
@@ -164,7 +168,7 @@ static void td_place_soon(const td_list_to_make *of, long key, __global const in
     if (key == TD_LAST_KEY) return;
     const int gaussian = candidates[(int)(key & 0xffffffffL)];
     td_soon(of->records + (size_t)gaussian * (size_t)of->slices * TD_TEST_REALS);
-    td_soon(of->path + gaussian);
+    td_soon(of->path + gaussian), td_soon(of->sights + 2 * gaussian);
 }
 
 TD_APART void td_list_apart(__global const td_point_tile *at, const td_list_to_make *what, __global int *listed_count) {
@@ -194,8 +198,9 @@ TD_APART void td_list_apart(__global const td_point_tile *at, const td_list_to_m
         const int gaussian = there ? candidates[(int)(own[i] & 0xffffffffL)] : -1;
         if (TD_LANES > 1 && i + TD_SOON_PLACES < tile.count) td_place_soon(&of, own[i + TD_SOON_PLACES], candidates);
         __global float *place = of.tests + td_point_tests_at(&tile, slices, 0) + td_point_test_of(i);
-        of.listed[tile.first + i] = there ? of.path[gaussian] : -1;
-        of.numbers[tile.first + i] = gaussian;
+        __global int *listed = of.places + (tile.first + i) * TD_LIST_INTS;
+        listed[TD_L_PATH] = there ? of.path[gaussian] : -1, listed[TD_L_NUMBER] = gaussian;
+        listed[TD_L_COLUMNS] = there ? of.sights[2 * gaussian] : 0, listed[TD_L_ROWS] = there ? of.sights[2 * gaussian + 1] : 0;
         if (there && (i + 1 == tile.count || own[i + 1] == TD_LAST_KEY)) *listed_count = i + 1;
         for (int slice = 0; slice < slices; slice++, place += tile.count * TD_TEST_REALS) {
             if (there)
@@ -213,18 +218,18 @@ TD_APART void td_list_apart(__global const td_point_tile *at, const td_list_to_m
 
 /* One work-group per tile in `wanted`. counts: (all tiles). */
 __kernel void td_point_make_lists(__global const td_point_tile *tiles, __global const int *wanted,
-                                  __global const int *candidates, __global const int *path, __global const int *depths,
-                                  __global const float *records, int slices, __global long *keys, __global int *listed,
-                                  __global int *numbers, __global float *tests, __global int *counts) {
+                                  __global const int *candidates, __global const int *path, __global const int *sights,
+                                  __global const int *depths, __global const float *records, int slices, __global long *keys,
+                                  __global int *places, __global float *tests, __global int *counts) {
     const int number = wanted[get_group_id(0)];
     td_list_to_make what;
     what.candidates = candidates;
     what.path = path;
+    what.sights = sights;
     what.depths = depths;
     what.records = records;
     what.keys = keys;
-    what.listed = listed;
-    what.numbers = numbers;
+    what.places = places;
     what.tests = tests;
     what.slices = slices;
     what.item = (int)get_local_id(0);
@@ -266,7 +271,7 @@ TD_APART void td_values_apart(__constant const td_image *image_buffer, const td_
 /* Work-items take chunks by turns, each in its own room for so many entries. */
 __kernel void td_point_values(__constant const td_image *image_buffer, __global const td_point_tile *tiles,
                               __global const int *counts, __global const td_real *curves, int pieces, int slices, int split,
-                              int group, __global const int *listed, __global const int *numbers, __global const float *tests,
+                              int group, __global const int *places, __global const float *tests,
                               __global const td_real *columns, int stride, __global const int *piece,
                               __global const td_point_chunk *chunks, int chunk_count, __global td_real *entries, int rows,
                               td_real backdrop, td_real backdrop_dot, __global td_real *values, volatile __global int *turn,
@@ -274,8 +279,7 @@ __kernel void td_point_values(__constant const td_image *image_buffer, __global 
     const td_image image = *image_buffer;
     const td_point_paths paths = td_paths_make(curves, beside, pieces, slices, split, group);
     td_point_lists lists;
-    lists.path = listed;
-    lists.number = numbers;
+    lists.places = places;
     lists.tests = tests;
     td_point_arrays points;
     points.x = columns;

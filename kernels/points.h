@@ -31,8 +31,7 @@ TD_INLINE int td_point_enter_all(const td_point_chunk *chunk, const td_point_til
                                  const td_point_lists *lists, const td_point_arrays *points, const td_image *image,
                                  TD_GLOBAL td_real *entries) {
     td_real way[TD_PATH_LEVELS * TD_LANES], rate[TD_PATH_LEVELS * TD_LANES], x[TD_LANES], y[TD_LANES];
-    int curve[TD_PATH_LEVELS * TD_LANES], together[TD_PATH_LEVELS], slice[TD_LANES], found[TD_POINT_BATCH],
-        number[TD_POINT_BATCH];
+    int curve[TD_PATH_LEVELS * TD_LANES], together[TD_PATH_LEVELS], slice[TD_LANES], found[TD_POINT_BATCH];
     float across[TD_LANES], down[TD_LANES], w[TD_LANES];
     for (int lane = 0; lane < TD_LANES; lane++) {
         int point = chunk->first + (lane < chunk->count ? lane : 0), piece = points->piece[point];
@@ -49,13 +48,12 @@ TD_INLINE int td_point_enter_all(const td_point_chunk *chunk, const td_point_til
         for (; i < taken && count <= TD_POINT_BATCH - TD_POINT_ASKED; i += TD_POINT_ASKED)
             for (td_point_bits bits = td_point_ask(tests, slice, chunk->count, i, taken, across, down, w); bits;
                  bits &= bits - 1) {
-                const int place = tile->first + i + td_point_lowest(bits), path = lists->path[place];
-                const int level = path & (TD_PATH_LEVELS - 1);
+                const int place = (tile->first + i + td_point_lowest(bits)) * TD_LIST_INTS;
+                const int path = lists->places[place + TD_L_PATH], level = path & (TD_PATH_LEVELS - 1);
                 td_point_soon(paths->curves + path / TD_PATH_LEVELS * TD_CURVE_REALS + curve[level * TD_LANES]);
-                number[count] = lists->number[place];
-                found[count++] = path;
+                found[count++] = place;
             }
-        td_point_look(paths, image, found, number, count, way, rate, curve, together, entries, &eye);
+        td_point_look(paths, image, lists->places, found, count, way, rate, curve, together, entries, &eye);
     }
     td_point_settle(image, entries, &eye.order);
     return eye.order.count;

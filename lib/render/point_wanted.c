@@ -27,6 +27,7 @@ void td_points_wanted_release(td_points_wanted *wanted) {
     free(wanted->rows);
     free(wanted->fresh);
     free(wanted->listed);
+    free(wanted->sights);
 }
 
 static void forget_fresh(td_points_wanted *wanted) {
@@ -60,21 +61,46 @@ static void find_fresh(const tides_renderer *renderer, td_points_wanted *wanted,
     }
 }
 
-/* The pixels of a tile, from `first` on, that a side of a box touches: from, and up to. None where it isn't a number. */
-static void clip(float low, float high, int first, int *from, int *end) {
-    const float most = TD_TILE, margin = margin_share * (high - low);
-    const float begin = low - margin - (float)first, stop = high + margin - (float)first;
-    *from = begin > 0 ? begin < most ? (int)begin : TD_TILE : 0;
-    *end = stop >= 0 ? stop < most ? (int)stop + 1 : TD_TILE : 0;
+/* The pixels of `size` that a side of a box touches: from, and up to. None where it isn't a number. */
+static void touch(float low, float high, int size, int *from, int *end) {
+    const float most = (float)size, margin = margin_share * (high - low), begin = low - margin, stop = high + margin;
+    *from = begin > 0 ? begin < most ? (int)begin : size : 0;
+    *end = stop >= 0 ? stop < most ? (int)stop + 1 : size : 0;
 }
 
-/* Does a box touch any of a tile's pixels? */
-static int touches(const float *box, int x, int y, const uint16_t *rows) {
-    int left, right, top, bottom, touched = 0;
-    clip(box[0], box[2], x, &left, &right);
-    clip(box[1], box[3], y, &top, &bottom);
-    if (left >= right) return 0;
-    const unsigned columns = ((1u << right) - 1u) & ~((1u << left) - 1u);
+td_sight td_sight_of(const td_image *image, const float *box) {
+    td_sight sight;
+    touch(box[0], box[2], image->width, &sight.x0, &sight.x1);
+    touch(box[1], box[3], image->height, &sight.y0, &sight.y1);
+    return sight;
+}
+
+typedef char td_sight_has_room_for_images[TD_SIGHT_END > 1 << 14 ? 1 : -1];
+
+tides_status td_points_wanted_sights(const tides_renderer *renderer, td_points_wanted *wanted, const td_point_span *span,
+                                     td_points_group *group, tides_error *error) {
+    const size_t ints = 2 * (size_t)group->seen_count;
+    tides_status status = td_reserve((void **)&wanted->sights, &wanted->sight_capacity, ints, sizeof *wanted->sights, error);
+    for (int i = 0; i < group->seen_count && status == TIDES_OK; i++) {
+        const td_sight sight = td_sight_of(&renderer->image, span->boxes + 4 * (size_t)group->seen[i]);
+        wanted->sights[2 * i] = sight.x0 + TD_SIGHT_END * sight.x1;
+        wanted->sights[2 * i + 1] = sight.y0 + TD_SIGHT_END * sight.y1;
+    }
+    group->sights = wanted->sights;
+    return status;
+}
+
+/* Bits of what [from, end) has of the TD_TILE from `first` on. */
+static unsigned bits_of(int from, int end, int first) {
+    const int low = from > first ? from - first : 0, high = end - first < TD_TILE ? end - first : TD_TILE;
+    return low < high ? ((1u << high) - 1u) & ~((1u << low) - 1u) : 0;
+}
+
+/* May any of a tile's pixels see it? */
+static int touches(const td_sight *sight, int x, int y, const uint16_t *rows) {
+    const unsigned columns = bits_of(sight->x0, sight->x1, x);
+    const int top = sight->y0 > y ? sight->y0 - y : 0, bottom = sight->y1 - y < TD_TILE ? sight->y1 - y : TD_TILE;
+    int touched = 0;
     for (int k = top; k < bottom; k++) touched |= (rows[k] & columns) != 0;
     return touched;
 }
@@ -88,7 +114,8 @@ static int mark_tile(const tides_renderer *renderer, const td_points_wanted *wan
     for (int i = span->first[tile]; i < span->first[tile + 1]; i++) {
         const int gaussian = span->list[i];
         if (gaussian < 0 || nodes->path[gaussian] != TD_PATH_UNMADE) continue;
-        if (!touches(span->boxes + 4 * (size_t)gaussian, x, y, rows)) continue;
+        const td_sight sight = td_sight_of(&renderer->image, span->boxes + 4 * (size_t)gaussian);
+        if (!touches(&sight, x, y, rows)) continue;
         nodes->path[gaussian] = TD_PATH_WANTED;
         marked++;
     }

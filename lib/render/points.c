@@ -134,10 +134,11 @@ static void lay_tiles(const tides_renderer *renderer, td_points *p) {
 
 /* The group that has got paths last is the engine's. */
 static tides_status add_group(const tides_renderer *renderer, td_points *p, tides_error *error) {
-    const td_points_group added = td_point_nodes_group(&p->nodes);
+    td_points_group added = td_point_nodes_group(&p->nodes);
     if (added.seen_count == 0) return TIDES_OK;
-    tides_status status = p->engine->type->add(p->engine, &added, error);
-    return status == TIDES_OK ? td_points_direct_add(renderer, &p->nodes, &p->direct, error) : status;
+    tides_status status = td_points_wanted_sights(renderer, &p->asks, &p->at, &added, error);
+    if (status == TIDES_OK) status = p->engine->type->add(p->engine, &added, error);
+    return status == TIDES_OK ? td_points_direct_add(renderer, &p->nodes, p->at.boxes, &p->direct, error) : status;
 }
 
 /* Makes paths for the Gaussians that the points numbered which[0 .. count) may see. */
@@ -442,8 +443,10 @@ tides_status td_renderer_keep_instant(tides_renderer *renderer, const tides_traj
     return status;
 }
 
+/* Paths of earlier points are kept only while they are few: nobody asks twice about the instant. */
 static tides_status kept_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
                                 td_point_value *values, tides_error *error) {
+    if (renderer->kept->nodes.made > renderer->kept->nodes.group) renderer->kept->begun = -1;
     return exact_points(renderer, camera, renderer->kept, points, count, values, error);
 }
 

@@ -21,8 +21,9 @@ typedef struct twin {
     double *rows, *curves;
     double *rows_beside, *beside; /* green and blue of these, where light isn't linear in colours */
     int *path;                    /* (gaussians) first curve * TD_PATH_LEVELS + level; below 0: none */
+    int *sights;                  /* (2 x gaussians) pixels that may see each */
     float *records;               /* (gaussians x slices x TD_TEST_REALS) tests of each */
-    int *listed, *numbers;        /* (candidate_count) the lists, and their Gaussians */
+    int *places;                  /* (candidate_count x TD_LIST_INTS) the lists */
     float *tests;                 /* (candidate_count x slices x TD_TEST_REALS) */
     int *count;                   /* (tile_count) splats of each */
     twin_key *keys;
@@ -99,11 +100,11 @@ static tides_status begin(td_points_engine *engine, const td_points_interval *in
     size_t each = (size_t)interval->slices.count * TD_TEST_REALS, *capacity = t->list_capacity;
     size_t gaussians = (size_t)interval->gaussians;
     t->interval = *interval;
-    tides_status status = td_reserve((void **)&t->listed, &capacity[0], candidates, sizeof *t->listed, error);
+    tides_status status = td_reserve((void **)&t->places, &capacity[0], candidates * TD_LIST_INTS, sizeof *t->places, error);
     if (status == TIDES_OK) status = td_reserve((void **)&t->tests, &capacity[1], candidates * each, sizeof *t->tests, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&t->records, &capacity[3], gaussians * each, sizeof *t->records, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&t->numbers, &capacity[4], candidates, sizeof *t->numbers, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&t->sights, &capacity[4], 2 * gaussians, sizeof *t->sights, error);
     if (status == TIDES_OK) status = td_reserve((void **)&t->path, &capacity[5], gaussians, sizeof *t->path, error);
     if (status == TIDES_OK) status = td_reserve((void **)&t->count, &capacity[2], tiles, sizeof *t->count, error);
     for (size_t i = 0; i < gaussians && status == TIDES_OK; i++) t->path[i] = TD_PATH_UNSEEN;
@@ -119,7 +120,10 @@ static tides_status add(td_points_engine *engine, const td_points_group *added, 
         status = td_reserve((void **)&t->beside, &t->beside_capacity, curves * TD_BESIDE_REALS, sizeof *t->beside, error);
     if (status == TIDES_OK) status = take_rows(t, added->exact, added->row_count, error);
     for (int i = 0; i < added->curves && status == TIDES_OK; i++) make_curve(t, added, i);
-    for (int i = 0; i < added->seen_count && status == TIDES_OK; i++) t->path[added->seen[i]] = added->path[i];
+    for (int i = 0; i < added->seen_count && status == TIDES_OK; i++) {
+        t->path[added->seen[i]] = added->path[i];
+        memcpy(t->sights + 2 * (size_t)added->seen[i], added->sights + 2 * i, 2 * sizeof *t->sights);
+    }
     if (status == TIDES_OK) make_records(t, added);
     return status;
 }
@@ -142,8 +146,10 @@ static void make_list(twin *t, int number) {
     if (count == 0) return; /* there may be neither keys nor tests at all */
     qsort(t->keys, (size_t)count, sizeof *t->keys, key_order);
     for (int i = 0; i < count; i++) {
-        t->listed[tile.first + i] = t->keys[i].path;
-        t->numbers[tile.first + i] = t->keys[i].gaussian;
+        int *place = t->places + (size_t)(tile.first + i) * TD_LIST_INTS;
+        const int *sight = t->sights + 2 * (size_t)t->keys[i].gaussian;
+        place[TD_L_PATH] = t->keys[i].path, place[TD_L_NUMBER] = t->keys[i].gaussian;
+        place[TD_L_COLUMNS] = sight[0], place[TD_L_ROWS] = sight[1];
     }
     const int groups = (count + TD_PAD - 1) / TD_PAD;
     for (int slice = 0; slice < paths.slices.count; slice++) {
@@ -171,7 +177,7 @@ static tides_status lists(td_points_engine *engine, const int *tiles, int count,
 static tides_status values(td_points_engine *engine, const td_points_batch *batch, double *out, tides_error *error) {
     twin *t = (twin *)engine;
     const td_point_paths paths = paths_of(t);
-    const td_point_lists all = {t->listed, t->numbers, t->tests};
+    const td_point_lists all = {t->places, t->tests};
     const td_points_backdrop *given_backdrop = &batch->backdrop;
     const td_point_backdrop behind = {given_backdrop->first, given_backdrop->first_dot, given_backdrop->green,
                                       given_backdrop->blue};
@@ -198,8 +204,8 @@ static void destroy(td_points_engine *engine) {
     twin *t = (twin *)engine;
     free(t->records);
     free(t->path);
-    free(t->numbers);
-    free(t->listed);
+    free(t->sights);
+    free(t->places);
     free(t->tests);
     free(t->rows);
     free(t->curves);

@@ -47,7 +47,8 @@ typedef struct td_points_group {
     const double *lengths; /* (curves) [s] */
     int first, curves;     /* the interval has `first` without these */
     const int *seen;       /* (seen_count) the Gaussians, */
-    const int *path;       /* (seen_count) and of each its first curve in the interval * TD_PATH_LEVELS + level */
+    const int *path;       /* (seen_count) of each its first curve in the interval * TD_PATH_LEVELS + level, */
+    const int *sights;     /* (2 x seen_count) and the pixels that may see it, as kernels/point_lists.h has them */
     int seen_count;
 } td_points_group;
 

@@ -356,6 +356,42 @@ static void test_paths_by_and_by(void **state) {
     by_and_by = 0;
 }
 
+/* A tile's list is made for one pixel. Points elsewhere get all Gaussians their paths, and then another of its pixels asks.
+ * Nobody is without a path any more then, but the list is. */
+static void test_lists_made_early(void **state) {
+    static td_point points[POINTS];
+    static td_point_value at_once[POINTS], later[POINTS];
+    (void)state;
+    for (uint64_t seed = 1420; seed < 1424; seed++) {
+        random_recipe recipe = recipe_of(seed);
+        recipe.count = 200;
+        recipe.size = 0.4; /* none is within one tile */
+        int differ = 0, count = 1;
+        point_world w = open_world(&recipe, seed % 2 ? "reference" : "cpu", seed < 1422 ? 0.005 : 0, 1e-4);
+        const int width = recipe.width, height = recipe.height, x = width / 2 / TD_TILE * TD_TILE,
+                  y = height / 2 / TD_TILE * TD_TILE;
+        points[0] = (td_point){START, x, y};
+        for (int i = 0; i < width * height; i++)
+            if ((i % width / TD_TILE != x / TD_TILE || i / width / TD_TILE != y / TD_TILE) && i % 2 == 0)
+                points[count++] = (td_point){START, i % width, i / width};
+        const int others = count;
+        for (int i = 1; i < TD_TILE; i++) points[count++] = (td_point){START, x + i, y + i};
+        assert_true(count <= POINTS);
+        be_exact(&w);
+        values_of(&w, points, (size_t)count, at_once);
+        close_world(&w);
+        w = open_world(&recipe, seed % 2 ? "reference" : "cpu", seed < 1422 ? 0.005 : 0, 1e-4);
+        be_exact(&w);
+        td_renderer_points_groups(w.renderer, 24, 20);
+        values_of(&w, points, 1, later);
+        values_of(&w, points + 1, (size_t)(others - 1), later + 1);
+        values_of(&w, points + others, (size_t)(count - others), later + others);
+        close_world(&w);
+        for (int i = 0; i < count; i++) differ += memcmp(&at_once[i], &later[i], sizeof later[i]) != 0;
+        if (differ) fail_msg("seed %u: %d of %d points depend on who has asked", (unsigned)seed, differ, count);
+    }
+}
+
 /* All of it where light isn't linear in colours, so that three channels are composited. */
 static void test_three_channels(void **state) {
     static const int32_t transfers[] = {TIDES_TRANSFER_SRGB, TIDES_TRANSFER_GAMMA};
@@ -382,6 +418,7 @@ int main(void) {
                                        cmocka_unit_test(test_in_two_calls),
                                        cmocka_unit_test(test_three_channels),
                                        cmocka_unit_test(test_paths_by_and_by),
+                                       cmocka_unit_test(test_lists_made_early),
                                        cmocka_unit_test(test_behind_what_is_opaque),
                                        cmocka_unit_test(test_paths_with_corners),
                                        cmocka_unit_test(test_all_change_places),
