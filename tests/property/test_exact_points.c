@@ -392,6 +392,40 @@ static void test_lists_made_early(void **state) {
     }
 }
 
+/* Boxes of half their size: all curves stray out of them, as a bent one's may. */
+static void shrink_boxes(const point_world *w) {
+    for (int i = 0; i < w->renderer->store.count; i++) {
+        float *box = w->renderer->sweep.boxes + 4 * (size_t)i;
+        for (int k = 0; k < 2; k++) {
+            const float quarter = 0.25f * (box[k + 2] - box[k]);
+            box[k] += quarter;
+            box[k + 2] -= quarter;
+        }
+    }
+}
+
+/* A point sees nothing of a splat that its own pixel doesn't ask for, whether another has asked for it or not. */
+static void test_curves_that_stray(void **state) {
+    static td_point points[POINTS];
+    static td_point_value at_once[POINTS], later[POINTS];
+    (void)state;
+    for (uint64_t seed = 1420; seed < 1422; seed++) {
+        random_recipe recipe = recipe_of(seed);
+        recipe.count = 300;
+        for (int some = 0; some < 2; some++) {
+            point_world w = open_world(&recipe, seed % 2 ? "reference" : "cpu", 0.005, 1e-4);
+            scatter(&w, points);
+            shrink_boxes(&w);
+            be_exact(&w);
+            if (some) td_renderer_points_groups(w.renderer, 24, 20);
+            for (int from = 0; from < POINTS && some; from += 40) values_of(&w, points + from, 40, later + from);
+            if (!some) values_of(&w, points, POINTS, at_once);
+            close_world(&w);
+        }
+        assert_memory_equal(at_once, later, sizeof later);
+    }
+}
+
 /* All of it where light isn't linear in colours, so that three channels are composited. */
 static void test_three_channels(void **state) {
     static const int32_t transfers[] = {TIDES_TRANSFER_SRGB, TIDES_TRANSFER_GAMMA};
@@ -419,6 +453,7 @@ int main(void) {
                                        cmocka_unit_test(test_three_channels),
                                        cmocka_unit_test(test_paths_by_and_by),
                                        cmocka_unit_test(test_lists_made_early),
+                                       cmocka_unit_test(test_curves_that_stray),
                                        cmocka_unit_test(test_behind_what_is_opaque),
                                        cmocka_unit_test(test_paths_with_corners),
                                        cmocka_unit_test(test_all_change_places),
