@@ -1,6 +1,20 @@
-/* One work-group per node job: its Gaussians, TD_LANES at a time, to rows of record paths; and paths of twice as many rows
- * (path_node.h). */
+/* One work-group per node job: it projects the job's Gaussians, TD_LANES at a time, to rows of record paths. Another kernel
+ * makes paths with twice as many rows. */
 #include "path_node.h"
+
+/* Prefetches the data of groups ahead: where few of all Gaussians are wanted, nothing else brings it near. */
+enum { TD_SOON_NODES = 2 * TD_LANES };
+static void td_nodes_soon(const td_node_job *job, int i, __global const int *gaussians, const td_source *source,
+                          const td_image *image) {
+    const int line = 64 / (int)sizeof(td_sh_real);
+    for (int lane = i; lane < i + TD_LANES && lane < job->count; lane++) {
+        const int gaussian = gaussians[job->first + lane];
+        if (gaussian < 0) continue;
+        td_soon(source->geometry + (long)gaussian * TD_GEOMETRY_STRIDE);
+        td_soon(source->geometry + (long)gaussian * TD_GEOMETRY_STRIDE + 8);
+        for (int k = 0; k < image->sh_stride; k += line) td_soon(source->sh + (long)gaussian * image->sh_stride + k);
+    }
+}
 
 TD_APART void td_nodes_apart(__constant const td_image *image_buffer, __global const td_node_job *at,
                              __global const int *gaussians, __global const int *places, __global const int *object,
@@ -10,8 +24,10 @@ TD_APART void td_nodes_apart(__constant const td_image *image_buffer, __global c
     const td_node_job job = *at;
     const td_source source = *sources;
     const td_node_sink sink = *to;
-    for (int i = first; i < job.count; i += step)
+    for (int i = first; i < job.count; i += step) {
+        if (TD_LANES > 1) td_nodes_soon(&job, i + TD_SOON_NODES, gaussians, &source, &image);
         td_node_group(&job, i, gaussians, places, object, views, &image, &source, &sink);
+    }
 }
 
 __kernel void td_project_nodes(__constant const td_image *image_buffer, __global const td_node_job *jobs,
@@ -27,7 +43,8 @@ __kernel void td_project_nodes(__constant const td_image *image_buffer, __global
                    (int)get_local_id(0) * TD_LANES, (int)get_local_size(0) * TD_LANES);
 }
 
-/* Paths' rows of the next level, at `to`, of those at `from`: (count); and what is beside them, where anything is. */
+/* Makes rows of the next level at `to` of those at `from`, for `count` paths; `beside` are green and blue where light isn't
+ * linear in colours. */
 __kernel void td_halve_paths(__global td_real *rows, __global td_real *beside, int is_coded, __global const int *from,
                              __global const int *to, int count, int level, int pieces, __global const td_real *lengths) {
     for (int i = (int)get_global_id(0); i < count; i += (int)get_global_size(0)) {

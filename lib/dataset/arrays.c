@@ -1,4 +1,5 @@
-/* Arrays in HDF5 that grow along their first extent; shuffled and deflated like event files. */
+/* Arrays in HDF5 files that grow along their first extent, shuffled and deflated. For layouts that store images and times
+ * so. */
 #include "td_arrays.h"
 
 #include "archive/td_h5.h"
@@ -47,19 +48,19 @@ static hid_t create(td_arrays *arrays, const char *name, hid_t stored, size_t ch
     return dataset;
 }
 
-tides_status td_array_begin(td_arrays *arrays, const char *name, hid_t stored, hid_t memory, int ndim, const size_t *inner,
-                            size_t chunk, td_array *array, tides_error *error) {
-    *array = (td_array){.memory = memory, .ndim = ndim, .shape = {1, 1, 1, 1}};
-    for (int d = 1; d < ndim; d++) array->shape[d] = inner[d - 1];
+tides_status td_array_begin(td_arrays *arrays, const char *name, const td_array_form *form, td_array *array,
+                            tides_error *error) {
+    *array = (td_array){.memory = form->memory, .ndim = form->ndim, .shape = {1, 1, 1, 1}};
+    for (int d = 1; d < form->ndim; d++) array->shape[d] = form->inner[d - 1];
     td_h5_quiet saved;
     td_h5_quiet_begin(&saved);
-    array->dataset = create(arrays, name, stored, chunk, array);
+    array->dataset = create(arrays, name, form->stored, form->chunk, array);
     const tides_status status = array->dataset < 0 || arrays->failed ? write_failed(arrays, error) : TIDES_OK;
     td_h5_quiet_end(&saved);
     return status;
 }
 
-/* One of the two is given. */
+/* Reads to `to` or writes from `from`; the other one is NULL. */
 static herr_t transfer(td_array *array, size_t first, size_t rows, const void *from, void *to) {
     hsize_t start[4] = {first}, count[4];
     memcpy(count, array->shape, sizeof count);

@@ -1,9 +1,9 @@
-/* EVIMO2 v2, its npz form (Burner et al. 2022), of each camera: dataset_events_{t,xy,p}.npy [s, px, 0 or 1],
- * dataset_classical.npz (pictures), dataset_depth.npz [mm, 0: none], dataset_mask.npz (1000 times the object's number in the
- * scene plus one; 0: none), dataset_flow.npz (displacement to the next ground truth [px], NaN: unknown; and t, t_end), each
- * plane under KIND_NUMBER, the ground truth's number: 0, 1, 2 and so on, since readers walk them so. Pictures between are under
- * between_NUMBER, of all pictures; t and t_between have the times of either kind. dataset_info.npz has K, D and meta
- * (evimo_meta.c). Poses are in poses.txt as well, `t px py pz qx qy qz qw` of the camera in the world [m]. */
+/* The layout of EVIMO2 v2 in npz form (Burner et al. 2022). Each camera has dataset_events_{t,xy,p}.npy [s, px, 0 or 1],
+ * dataset_classical.npz (pictures), dataset_depth.npz [mm, 0: none], dataset_mask.npz (1000 times the object's number plus
+ * one; 0: none), and dataset_flow.npz (displacement to the next ground truth [px], NaN: unknown; t, t_end). A plane is named
+ * KIND_NUMBER, with the number of its ground truth: 0, 1, 2 and so on, as readers expect. Other pictures are between_NUMBER,
+ * by their number among all pictures; t and t_between are the times of both kinds. dataset_info.npz has K, D and meta. Poses
+ * are also in poses.txt, `t px py pz qx qy qz qw` of the camera in the world [m]. */
 #include "td_evimo.h"
 
 #include <math.h>
@@ -20,9 +20,9 @@ typedef struct evimo {
     td_text poses;
     uint16_t *plane;
     float *flow;
-    double *times; /* of the flow: from, to */
+    double *times; /* of the flow: begin, end */
     size_t flows;
-    double *taken[2]; /* times of pictures at ground truths, and of those between */
+    double *taken[2]; /* times of pictures at ground truths, and of others */
     size_t pictures[2];
     td_evimo_meta meta;
 } evimo;
@@ -37,9 +37,9 @@ static tides_status open_file(td_writer *w, int which, tides_error *error) {
 
 static tides_status begin_columns(evimo *e, tides_error *error) {
     const size_t two = 2;
-    tides_status status = td_npy_writer_begin(e->file[T], "data", "'<f8'", 8, 1, NULL, error);
-    if (status == TIDES_OK) status = td_npy_writer_begin(e->file[XY], "data", "'<u2'", 2, 2, &two, error);
-    return status == TIDES_OK ? td_npy_writer_begin(e->file[P], "data", "'|u1'", 1, 1, NULL, error) : status;
+    tides_status status = td_npy_writer_begin(e->file[T], &(td_npy_form){"data", "'<f8'", 8, 1, NULL}, error);
+    if (status == TIDES_OK) status = td_npy_writer_begin(e->file[XY], &(td_npy_form){"data", "'<u2'", 2, 2, &two}, error);
+    return status == TIDES_OK ? td_npy_writer_begin(e->file[P], &(td_npy_form){"data", "'|u1'", 1, 1, NULL}, error) : status;
 }
 
 static tides_status begin(td_writer *w, tides_error *error) {
@@ -71,15 +71,19 @@ static tides_status events(td_writer *w, const tides_event *list, size_t count, 
     return status;
 }
 
-/* A (height x width) plane, or of `last` values a pixel where that isn't 0. */
-static tides_status put(td_writer *w, int which, const char *kind, size_t index, const char *dtype, size_t item, size_t last,
-                        const void *values, tides_error *error) {
+/* Writes a (height x width) plane; if `last` isn't 0, with `last` values per pixel. */
+static tides_status put(td_writer *w, int which, const char *kind, size_t index, size_t last, const void *values,
+                        tides_error *error) {
+    static const struct {
+        const char *dtype;
+        size_t bytes;
+    } number[] = {[CLASSICAL] = {"'|u1'", 1}, [DEPTH] = {"'<u2'", 2}, [MASK] = {"'<u2'", 2}, [FLOW] = {"'<f4'", 4}};
     char name[48];
     snprintf(name, sizeof name, "%s_%010zu", kind, index);
     const size_t inner[2] = {(size_t)w->camera->facts.intrinsics.width, last};
     td_npy_writer *file = ((evimo *)w->state)->file[which];
-    return td_npy_writer_put(file, name, dtype, item, last ? 3 : 2, inner, values, (size_t)w->camera->facts.intrinsics.height,
-                             error);
+    return td_npy_writer_put(file, &(td_npy_form){name, number[which].dtype, number[which].bytes, last ? 3 : 2, inner}, values,
+                             (size_t)w->camera->facts.intrinsics.height, error);
 }
 
 static tides_status picture(td_writer *w, const td_picture *p, tides_error *error) {
@@ -87,11 +91,11 @@ static tides_status picture(td_writer *w, const td_picture *p, tides_error *erro
     const size_t each = td_pictures_per_truth(w->set), number = p->index / each;
     const int between = p->index % each != 0 || number >= w->set->truths;
     e->taken[between][e->pictures[between]++] = td_seconds(p->us);
-    return put(w, CLASSICAL, between ? "between" : "classical", between ? p->index : number, "'|u1'", 1, 3, p->rgb, error);
+    return put(w, CLASSICAL, between ? "between" : "classical", between ? p->index : number, 3, p->rgb, error);
 }
 
 static tides_status put_times(evimo *e, int which, const char *name, const double *times, size_t count, tides_error *error) {
-    return td_npy_writer_put(e->file[which], name, "'<f8'", 8, 1, NULL, times, count, error);
+    return td_npy_writer_put(e->file[which], &(td_npy_form){name, "'<f8'", 8, 1, NULL}, times, count, error);
 }
 
 static tides_status put_flow(td_writer *w, const td_truth *t, tides_error *error) {
@@ -102,7 +106,7 @@ static tides_status put_flow(td_writer *w, const td_truth *t, tides_error *error
     }
     e->times[e->flows] = td_seconds(t->us);
     e->times[w->set->truths + e->flows++] = td_seconds(t->next_us);
-    return put(w, FLOW, "flow", t->index, "'<f4'", 4, 2, e->flow, error);
+    return put(w, FLOW, "flow", t->index, 2, e->flow, error);
 }
 
 static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
@@ -112,10 +116,10 @@ static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
     if (status != TIDES_OK) return status;
     td_evimo_frame(&e->meta, w, t->index, &place, w->camera->picture >= 0);
     td_depth_16(w->set, w->camera, t->depth, 1000, e->plane);
-    status = put(w, DEPTH, "depth", t->index, "'<u2'", 2, 0, e->plane, error);
+    status = put(w, DEPTH, "depth", t->index, 0, e->plane, error);
     for (size_t i = 0; i < td_pixels(w->camera); i++)
         e->plane[i] = t->instance[i] >= 0 && t->instance[i] < 65 ? (uint16_t)(1000 * (int)(t->instance[i] + 1)) : 0;
-    if (status == TIDES_OK) status = put(w, MASK, "mask", t->index, "'<u2'", 2, 0, e->plane, error);
+    if (status == TIDES_OK) status = put(w, MASK, "mask", t->index, 0, e->plane, error);
     return status == TIDES_OK && t->next_u ? put_flow(w, t, error) : status;
 }
 
@@ -126,7 +130,7 @@ static tides_status pose(td_writer *w, const td_place_at *at, tides_error *error
 }
 
 static tides_status imu(td_writer *w, const tides_imu_sample *sample, tides_error *error) {
-    (void)error; /* td_evimo_end tells */
+    (void)error; /* td_evimo_end reports failures */
     td_evimo_imu(&((evimo *)w->state)->meta, w, sample);
     return TIDES_OK;
 }
@@ -142,8 +146,9 @@ static tides_status write_info(td_writer *w, tides_error *error) {
     tides_status status = path ? td_npy_writer_open(path, 1, &npy, error) : TIDES_NO_MEMORY;
     free(path);
     if (status != TIDES_OK) return status;
-    status = td_npy_writer_put(npy, "K", "'<f8'", 8, 2, &three, matrix, 3, error);
-    if (status == TIDES_OK) status = td_npy_writer_put(npy, "D", "'<f8'", 8, 1, NULL, lens, (size_t)count, error);
+    status = td_npy_writer_put(npy, &(td_npy_form){"K", "'<f8'", 8, 2, &three}, matrix, 3, error);
+    if (status == TIDES_OK)
+        status = td_npy_writer_put(npy, &(td_npy_form){"D", "'<f8'", 8, 1, NULL}, lens, (size_t)count, error);
     if (status == TIDES_OK) status = td_evimo_end(&((evimo *)w->state)->meta, w, npy);
     return td_npy_writer_end(npy, status, error);
 }
@@ -180,7 +185,7 @@ static tides_status end(td_writer *w, tides_error *error) {
     return status;
 }
 
-/* Sixteen bits hold 64 objects. */
+/* Refuses scenes with more than 64 objects: masks have 16 bits. */
 static tides_status check(const td_dataset *set, tides_error *error) {
     if (td_check_numbers(set, "evimo", error) != TIDES_OK) return TIDES_BAD_CONFIG;
     const int32_t objects = tides_scene_objects(set->cameras[0].facts.scene);

@@ -1,15 +1,16 @@
-/* MVSEC (Zhu et al. 2018; daniilidis-group.github.io/mvsec), of one or two cameras that make both events and pictures. Seconds.
+/* The layout of MVSEC (Zhu et al. 2018; daniilidis-group.github.io/mvsec), for one or two cameras that make both events and
+ * pictures. Times are seconds.
  *
  *   NAME_data.hdf5  davis/{left,right}/events (n, 4): x, y, t, p = +-1; image_raw (n, height, width), image_raw_ts,
- *                   image_raw_event_inds (the last event up to the picture, or the first);
+ *                   image_raw_event_inds (index of the last event up to the picture, or of the first);
  *                   imu (n, 6): ax ay az gx gy gz, imu_ts
  *   NAME_gt.hdf5    davis/{left,right}/depth_image_raw (n, height, width) [m], NaN: none; depth_image_raw_ts;
  *                   pose (n, 4, 4) of the camera in the world [m], pose_ts; davis/left/flow_dist (n, 2, height, width), _ts
- *   NAME_gt_flow_dist.npz  timestamps, x_flow_dist, y_flow_dist: the same
- *   camchain.yaml   as Kalibr has it
+ *   NAME_gt_flow_dist.npz  timestamps, x_flow_dist, y_flow_dist: the same displacements
+ *   camchain.yaml   Kalibr's format
  *
- * flow_dist is the displacement [px] to the next ground truth of what is seen, 0 where unknown, in the image as it is (MVSEC's
- * own was computed from rectified depth whatever its name says). */
+ * flow_dist is the displacement [px] of the visible points to the next ground truth, 0 if unknown, in the raw (distorted)
+ * image. In spite of the name, MVSEC's own was computed from rectified depth. */
 #include "archive/td_npy.h"
 #include "td_arrays.h"
 #include "td_dataset.h"
@@ -20,7 +21,7 @@
 
 static const char *const sides[] = {"left", "right"};
 
-/* Files that both cameras are in. */
+/* Files that contain both cameras. */
 typedef struct mvsec_files {
     td_arrays data, truth;
     td_text chain;
@@ -42,15 +43,15 @@ enum {
     ARRAYS
 };
 
-/* Rows that are packed together: of events, of numbers, of whole images. */
+/* Rows that are packed into one chunk: of events, of numbers. */
 enum { EVENT_ROWS = 16384, NUMBER_ROWS = 1024 };
 
 typedef struct mvsec {
     td_array array[ARRAYS];
     double *rows;    /* EVENT_ROWS x 4, or a pair of planes */
-    int64_t *before; /* events up to each picture */
+    int64_t *before; /* number of events up to each picture */
     int64_t seen;
-    size_t passed; /* pictures whose events have all come */
+    size_t passed; /* pictures that have no further events */
 } mvsec;
 
 static mvsec_files *files_of(td_writer *w) { return w->kept; }
@@ -80,23 +81,20 @@ static tides_status begin_arrays(td_writer *w, tides_error *error) {
     const hid_t f64 = H5T_IEEE_F64LE, real = H5T_NATIVE_DOUBLE;
     const struct {
         const char *name;
-        hid_t stored, memory;
-        int ndim;
-        const size_t *inner;
-        size_t chunk;
-    } forms[ARRAYS] = {
-        [EVENTS] = {"events", f64, real, 2, four, EVENT_ROWS},
-        [IMAGES] = {"image_raw", H5T_STD_U8LE, H5T_NATIVE_UINT8, 3, plane, 1},
-        [IMAGE_TIMES] = {"image_raw_ts", f64, real, 1, NULL, NUMBER_ROWS},
-        [IMAGE_EVENTS] = {"image_raw_event_inds", H5T_STD_I64LE, H5T_NATIVE_INT64, 1, NULL, NUMBER_ROWS},
-        [IMU] = {"imu", f64, real, 2, &six, NUMBER_ROWS},
-        [IMU_TIMES] = {"imu_ts", f64, real, 1, NULL, NUMBER_ROWS},
-        [DEPTH] = {"depth_image_raw", H5T_IEEE_F32LE, real, 3, plane, 1},
-        [DEPTH_TIMES] = {"depth_image_raw_ts", f64, real, 1, NULL, NUMBER_ROWS},
-        [POSES] = {"pose", f64, real, 3, four, NUMBER_ROWS},
-        [POSE_TIMES] = {"pose_ts", f64, real, 1, NULL, NUMBER_ROWS},
-        [FLOW] = {"flow_dist", f64, real, 4, pair, 1},
-        [FLOW_TIMES] = {"flow_dist_ts", f64, real, 1, NULL, NUMBER_ROWS},
+        td_array_form form;
+    } arrays[ARRAYS] = {
+        [EVENTS] = {"events", {f64, real, 2, four, EVENT_ROWS}},
+        [IMAGES] = {"image_raw", {H5T_STD_U8LE, H5T_NATIVE_UINT8, 3, plane, 1}},
+        [IMAGE_TIMES] = {"image_raw_ts", {f64, real, 1, NULL, NUMBER_ROWS}},
+        [IMAGE_EVENTS] = {"image_raw_event_inds", {H5T_STD_I64LE, H5T_NATIVE_INT64, 1, NULL, NUMBER_ROWS}},
+        [IMU] = {"imu", {f64, real, 2, &six, NUMBER_ROWS}},
+        [IMU_TIMES] = {"imu_ts", {f64, real, 1, NULL, NUMBER_ROWS}},
+        [DEPTH] = {"depth_image_raw", {H5T_IEEE_F32LE, real, 3, plane, 1}},
+        [DEPTH_TIMES] = {"depth_image_raw_ts", {f64, real, 1, NULL, NUMBER_ROWS}},
+        [POSES] = {"pose", {f64, real, 3, four, NUMBER_ROWS}},
+        [POSE_TIMES] = {"pose_ts", {f64, real, 1, NULL, NUMBER_ROWS}},
+        [FLOW] = {"flow_dist", {f64, real, 4, pair, 1}},
+        [FLOW_TIMES] = {"flow_dist_ts", {f64, real, 1, NULL, NUMBER_ROWS}},
     };
     mvsec *m = w->state;
     tides_status status = TIDES_OK;
@@ -104,9 +102,8 @@ static tides_status begin_arrays(td_writer *w, tides_error *error) {
         if (i >= FLOW && w->camera->event != 0) break;
         if ((i == IMU || i == IMU_TIMES) && !w->set->has_imu) continue;
         char name[64];
-        snprintf(name, sizeof name, "davis/%s/%s", sides[w->camera->event], forms[i].name);
-        status = td_array_begin(file_of(w, i), name, forms[i].stored, forms[i].memory, forms[i].ndim, forms[i].inner,
-                                forms[i].chunk, &m->array[i], error);
+        snprintf(name, sizeof name, "davis/%s/%s", sides[w->camera->event], arrays[i].name);
+        status = td_array_begin(file_of(w, i), name, &arrays[i].form, &m->array[i], error);
     }
     return status;
 }
@@ -144,14 +141,14 @@ static tides_status begin(td_writer *w, tides_error *error) {
     return status == TIDES_OK ? begin_arrays(w, error) : status;
 }
 
-/* -- what comes ------------------------------------------------------------------------------------------------------------ */
+/* -- writing ------------------------------------------------------------------------------------------------------------ */
 
 static tides_status put(td_writer *w, int which, size_t rows, const void *values, tides_error *error) {
     mvsec *m = w->state;
     return td_array_append(file_of(w, which), &m->array[which], rows, values, error);
 }
 
-/* Pictures before `ns` have seen what has come so far. */
+/* Notes the number of events so far for all pictures before `ns`. */
 static void pass_pictures(td_writer *w, int64_t ns) {
     mvsec *m = w->state;
     while (m->passed < w->set->pictures && 1000 * td_dataset_us(w->set, w->set->picture_hz, m->passed) < ns)
@@ -177,8 +174,8 @@ static tides_status events(td_writer *w, const tides_event *list, size_t count, 
 
 static tides_status picture(td_writer *w, const td_picture *p, tides_error *error) {
     mvsec *m = w->state;
-    pass_pictures(w, INT64_MAX);                                                 /* events have all come */
-    const int64_t index = m->before[p->index] > 0 ? m->before[p->index] - 1 : 0; /* -1 would count from the end */
+    pass_pictures(w, INT64_MAX);                                                 /* all events have come */
+    const int64_t index = m->before[p->index] > 0 ? m->before[p->index] - 1 : 0; /* -1 would mean the last event */
     const double t = td_seconds(p->us);
     tides_status status = put(w, IMAGES, 1, p->grey, error);
     if (status == TIDES_OK) status = put(w, IMAGE_TIMES, 1, &t, error);
@@ -223,12 +220,13 @@ static tides_status imu(td_writer *w, const tides_imu_sample *s, tides_error *er
 
 /* -- ending ---------------------------------------------------------------------------------------------------------------- */
 
-/* u (0) or v (1) of all flow_dist, read back: one of them at a time is what an .npz takes. */
+/* Copies u (0) or v (1) of all flow_dist to the .npz. They are read back, because an .npz takes one array at a time. */
 static tides_status copy_flow(td_writer *w, td_npy_writer *npy, int which, tides_error *error) {
     mvsec *m = w->state;
     const size_t pixels = td_pixels(w->camera);
     const size_t inner[2] = {(size_t)w->camera->facts.intrinsics.height, (size_t)w->camera->facts.intrinsics.width};
-    tides_status status = td_npy_writer_begin(npy, which ? "y_flow_dist" : "x_flow_dist", "'<f8'", 8, 3, inner, error);
+    tides_status status =
+        td_npy_writer_begin(npy, &(td_npy_form){which ? "y_flow_dist" : "x_flow_dist", "'<f8'", 8, 3, inner}, error);
     for (size_t k = 0; k < m->array[FLOW].rows && status == TIDES_OK; k++) {
         status = td_array_read(file_of(w, FLOW), &m->array[FLOW], k, m->rows, error);
         if (status == TIDES_OK) status = td_npy_writer_append(npy, m->rows + (size_t)which * pixels, 1, error);
@@ -243,7 +241,7 @@ static tides_status write_flow(td_writer *w, tides_error *error) {
     tides_status status = path ? td_npy_writer_open(path, 1, &npy, error) : TIDES_NO_MEMORY;
     free(path);
     if (status != TIDES_OK) return status;
-    status = td_npy_writer_begin(npy, "timestamps", "'<f8'", 8, 1, NULL, error);
+    status = td_npy_writer_begin(npy, &(td_npy_form){"timestamps", "'<f8'", 8, 1, NULL}, error);
     for (size_t k = 0; k < m->array[FLOW].rows && status == TIDES_OK; k++) {
         const double time = td_seconds(td_dataset_us(w->set, w->set->truth_hz, k));
         status = td_npy_writer_append(npy, &time, 1, error);

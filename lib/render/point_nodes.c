@@ -1,5 +1,8 @@
 /* Record paths in double precision for single pixels: pieces of the interval; every listed Gaussian projected at their ends
- * and in their middles (point_rows.c); by what the middles show each gets as many nodes as it needs. */
+ * and in their middles (point_rows.c); by what the middles show each gets as many nodes as it needs.
+ *
+ * A Gaussian's nodes depend on it alone, so they are the same whenever it is made, and with whichever others. Into which pieces
+ * an interval is cut is told by all that is in a list, or by every so manieth of that. */
 #include "camera/td_trajectory.h"
 #include "td_point_nodes.h"
 #include "td_renderer.h"
@@ -14,21 +17,30 @@ enum {
     MOST_ROWS = 1 << 21, /* where there are several pieces: 256 MB */
     MOST_SPLIT = 3,      /* slices of a whole interval, as a power of two, */
     MOST_SLICES = 8,     /* and of one in pieces */
-    FEW_BENT = 64        /* so many that move, of which one may be off by more than it should */
+    FEW_BENT = 64,       /* so many that move, of which one may be off by more than it should */
+    GROUP = 1 << 15,     /* Gaussians that are made together: so many are made at once, whoever asks */
+    SOME = 1 << 12       /* of more, so many tell what pieces all have */
 };
 
-/* A signal that returns within the interval does so in step with its nodes: no middle shows it, but paths that are halved
- * stray as far as before. That far counts [px], where halving leaves more than half of it. */
+/* Bounds for paths that return within the interval in step with its nodes. No middle shows such a return, but halved paths
+ * stray as far as before. A stray counts from so many pixels on, where halving leaves more than half of it. */
 static const double strays_px = 1e-3, strays_share = 0.5;
+
+/* Curves of an interval at most, so that a curve's reals can be counted in 32 bits (TD_CURVE_REALS of
+ * kernels/point_lists.h). */
+#define MOST_CURVES ((size_t)INT32_MAX / (2 * TD_PATH_STRIDE))
 
 /* Samples nearer than this to another are it [s]. */
 static const double same_time = 1e-9;
 
 tides_status td_point_nodes_create(const tides_renderer *renderer, td_exact *shared, td_point_nodes *nodes,
                                    tides_error *error) {
-    const size_t count = (size_t)renderer->store.count;
+    const size_t all = (size_t)renderer->store.count, count = all < GROUP ? all : GROUP;
     const td_image_numbers image = td_image_pack(&renderer->image);
-    nodes->path = td_alloc(count, sizeof *nodes->path, error);
+    nodes->path = td_alloc(all, sizeof *nodes->path, error);
+    nodes->listed = td_alloc(all, sizeof *nodes->listed, error);
+    nodes->wanted = td_alloc(all, sizeof *nodes->wanted, error);
+    nodes->own = td_alloc(count, sizeof *nodes->own, error);
     nodes->gaussians = td_alloc(count, sizeof *nodes->gaussians, error);
     nodes->level = td_alloc(count, sizeof *nodes->level, error);
     nodes->first = td_alloc(count + TD_PAD, sizeof *nodes->first, error);
@@ -38,9 +50,12 @@ tides_status td_point_nodes_create(const tides_renderer *renderer, td_exact *sha
     nodes->is_direct = td_alloc(count, sizeof *nodes->is_direct, error);
     nodes->tried = td_alloc(count + TD_PAD, sizeof *nodes->tried, error);
     nodes->fit.worst = td_alloc(count + TD_PAD, sizeof *nodes->fit.worst, error);
-    if (!nodes->path || !nodes->gaussians || !nodes->level || !nodes->first || !nodes->open_at || !nodes->halve_from ||
-        !nodes->halve_to || !nodes->is_direct || !nodes->tried || !nodes->fit.worst)
+    if (!nodes->path || !nodes->listed || !nodes->wanted || !nodes->own || !nodes->gaussians || !nodes->level ||
+        !nodes->first || !nodes->open_at || !nodes->halve_from || !nodes->halve_to || !nodes->is_direct || !nodes->tried ||
+        !nodes->fit.worst)
         return TIDES_NO_MEMORY;
+    nodes->group = GROUP;
+    nodes->some = SOME;
     nodes->exact = shared;
     nodes->is_shared = shared != NULL;
     return shared ? TIDES_OK : td_exact_create(renderer->device, &renderer->store, &image, &nodes->exact, error);
@@ -52,6 +67,9 @@ void td_point_nodes_release(td_point_nodes *nodes) {
     free(nodes->knot);
     free(nodes->piece_length);
     free(nodes->path);
+    free(nodes->listed);
+    free(nodes->wanted);
+    free(nodes->own);
     free(nodes->gaussians);
     free(nodes->level);
     free(nodes->first);
@@ -80,7 +98,7 @@ static tides_status add_knot(td_point_nodes *nodes, double time, tides_error *er
     return status;
 }
 
-/* The samples of a path within the interval, where its curve may bend. */
+/* Adds the samples of a path within the interval as knots, since the curve may bend there. */
 static tides_status add_samples(td_point_nodes *nodes, const tides_trajectory *path, double epoch, double start, double stop,
                                 tides_error *error) {
     tides_status status = TIDES_OK;
@@ -95,16 +113,16 @@ static tides_status add_samples(td_point_nodes *nodes, const tides_trajectory *p
     return status;
 }
 
-/* The interval as one piece. */
+/* Makes the interval one piece. */
 static tides_status begin_whole(td_point_nodes *nodes, double start, double stop, tides_error *error) {
-    nodes->pieces = 0; /* knots, until they are in order */
+    nodes->pieces = 0; /* counts knots until they are sorted */
     tides_status status = add_knot(nodes, start, error);
     if (status == TIDES_OK) status = add_knot(nodes, stop, error);
     nodes->pieces = 1;
     return status;
 }
 
-/* Cuts it where paths may bend: the pieces are between knots, each once, in order. */
+/* Cuts the interval at the knots, where paths may bend. */
 static tides_status cut(const tides_renderer *renderer, const tides_trajectory *camera, double start, double stop,
                         td_point_nodes *nodes, tides_error *error) {
     tides_status status = begin_whole(nodes, start, stop, error);
@@ -135,33 +153,47 @@ static tides_status too_many(const td_point_nodes *nodes, tides_error *error) {
                    nodes->knot[nodes->pieces] - nodes->knot[0]);
 }
 
-/* The level that a Gaussian begins with, so that no curve has it go further than its own diameter: what comes back between two
- * nodes, or is over, shows in neither. Above MOST_LEVEL where none is enough. */
+/* A Gaussian's first level. No curve may be longer than the Gaussian's diameter: what happens and returns between two nodes
+ * would show at neither. Above MOST_LEVEL if no level is enough. */
 static int first_level(const tides_renderer *renderer, const td_point_nodes *nodes, int gaussian) {
     int level = 1;
-    while (level <= MOST_LEVEL && renderer->travel[gaussian] > (double)((int64_t)nodes->pieces << level)) level++;
+    while (level <= MOST_LEVEL && renderer->sweep.travel[gaussian] > (double)((int64_t)nodes->pieces << level)) level++;
     return level;
 }
 
-/* Gaussians in a list, with rows of their first levels. */
-static tides_status find_listed(const tides_renderer *renderer, const td_point_span *lists, td_point_nodes *nodes,
-                                tides_error *error) {
+/* Lists the Gaussians that are in some list; none of them has a path yet. */
+static void find_listed(const tides_renderer *renderer, const td_point_span *lists, td_point_nodes *nodes) {
     const int end = lists->first[renderer->stats.tiles];
-    int64_t rows = 0;
     for (int i = 0; i < renderer->store.count; i++) nodes->path[i] = TD_PATH_UNSEEN;
     for (int i = 0; i < end; i++)
-        if (lists->list[i] >= 0) nodes->path[lists->list[i]] = 0;
-    nodes->count = nodes->bent = nodes->direct = 0;
-    for (int i = 0; i < renderer->store.count; i++) {
-        if (nodes->path[i] == TD_PATH_UNSEEN) continue;
-        int level = td_point_is_instant(nodes) ? 0 : first_level(renderer, nodes, i);
+        if (lists->list[i] >= 0) nodes->path[lists->list[i]] = TD_PATH_UNMADE;
+    nodes->listed_count = nodes->made = nodes->curves = 0;
+    for (int i = 0; i < renderer->store.count; i++)
+        if (nodes->path[i] == TD_PATH_UNMADE) nodes->listed[nodes->listed_count++] = i;
+}
+
+/* Chooses the Gaussians that stand for all others; they become the wanted ones. An instant needs none. */
+static void choose_some(td_point_nodes *nodes) {
+    nodes->wanted_count = nodes->listed_count <= nodes->group ? nodes->listed_count : nodes->some;
+    if (td_point_is_instant(nodes)) nodes->wanted_count = 0;
+    for (int i = 0; i < nodes->wanted_count; i++)
+        nodes->wanted[i] = nodes->listed[(int64_t)i * nodes->listed_count / nodes->wanted_count];
+}
+
+/* The first `count` of those wanted, with rows of their first levels. */
+static tides_status begin_group(const tides_renderer *renderer, td_point_nodes *nodes, int count, tides_error *error) {
+    int64_t rows = 0;
+    nodes->bent = nodes->moving = nodes->count = 0;
+    for (int i = 0; i < count; i++) {
+        const int gaussian = nodes->wanted[i];
+        int level = td_point_is_instant(nodes) ? 0 : first_level(renderer, nodes, gaussian);
         nodes->bent += level > MOST_LEVEL;
         if (level > MOST_LEVEL) level = MOST_LEVEL;
         nodes->first[nodes->count] = (int)rows;
         nodes->level[nodes->count] = (uint8_t)level;
         nodes->open_at[nodes->count] = -1;
         nodes->is_direct[nodes->count] = 0;
-        nodes->gaussians[nodes->count++] = i;
+        nodes->gaussians[nodes->count++] = gaussian;
         rows += td_point_is_instant(nodes) ? 1 : ((int64_t)nodes->pieces << level) + 1;
         if (rows > INT32_MAX / TD_PATH_STRIDE) return too_many(nodes, error);
     }
@@ -169,7 +201,7 @@ static tides_status find_listed(const tides_renderer *renderer, const td_point_s
     return TIDES_OK;
 }
 
-/* Gives a Gaussian rows of the next level. */
+/* Gives Gaussian i rows of the next level. */
 static tides_status refine(td_point_nodes *nodes, int i, tides_error *error) {
     const int level = ++nodes->level[i];
     const int64_t rows = (int64_t)nodes->rows + ((int64_t)nodes->pieces << level) + 1;
@@ -184,41 +216,43 @@ static const td_dynamic_object *moved_by(const tides_renderer *renderer, const t
     return td_dynamic_object_of(&renderer->dynamic, nodes->gaussians[i]);
 }
 
-/* The error that the rows of Gaussian i allow its paths. Rows that a motion model moves are in the backend's precision. */
+/* The allowed error of Gaussian i's paths. Rows from a motion model have the backend's precision, so they may have a larger
+ * one. */
 static double target_of(const tides_renderer *renderer, const td_point_nodes *nodes, int i) {
     return moved_by(renderer, nodes, i) && !td_renderer_is_double(renderer) ? TD_POINT_PATH_MOVED : TD_POINT_PATH_TARGET;
 }
 
-/* A smooth path's error falls by so much with each level. */
+/* A smooth path's error falls by this factor per level. */
 static const double falls = 16;
 
-/* 1 where Gaussian i may be projected for each pixel that sees it. An expensive motion may not: it costs a hundred times as
- * much as a cubic, and a network has kinks anywhere. */
+/* 1 if Gaussian i may be projected at each point's own time instead of having curves. An expensive motion may not: a row
+ * costs a hundred times as much as a cubic, and a network has kinks anywhere. */
 static int may_be_direct(const tides_renderer *renderer, const td_point_nodes *nodes, int i) {
     const td_dynamic_object *object = moved_by(renderer, nodes, i);
     return !object || !object->expensive;
 }
 
-/* Chooses the level of Gaussian i, by the error in the middle of the cubics of the level before (number k of the fit). Its
- * level is enough where a sixteenth of the worst error is; at the last level it may have a kink. A Gaussian whose error can't
- * be computed at all crosses the near plane. It has faded where its curves can't be used, if they are short. */
+/* Chooses the level of Gaussian i from the error in the middle of the previous level's cubics (number k of the fit). The
+ * level is enough if a sixteenth of the worst error is small enough; at the last level, the path may have a kink. If the
+ * error can't be computed, the Gaussian crosses the near plane; then it has faded where its curves are invalid, if they are
+ * short. */
 static tides_status choose_level(const tides_renderer *renderer, td_point_nodes *nodes, int i, int k, tides_error *error) {
     const double target = target_of(renderer, nodes, i), worst = (double)nodes->fit.worst[k] * TD_POINT_PATH_TARGET;
     const int first = first_level(renderer, nodes, nodes->gaussians[i]);
     nodes->moving += worst > 0 && nodes->level[i] == (first < MOST_LEVEL ? first : MOST_LEVEL);
     if (worst > falls * target && nodes->level[i] < MOST_LEVEL) return refine(nodes, i, error);
     const int is_bent = worst > falls * target;
-    if (nodes->level[i] == 1 && worst <= target) nodes->level[i] = 0; /* with every other row of level 1 */
+    if (nodes->level[i] == 1 && worst <= target) nodes->level[i] = 0; /* its rows are every other row of level 1 */
     const int is_direct = is_bent && may_be_direct(renderer, nodes, i);
     nodes->bent += is_bent;
     nodes->is_direct[i] = (uint8_t)is_direct;
-    nodes->direct += is_direct;
     return TIDES_OK;
 }
 
-/* A row of what an expensive model moves costs a hundred times what a cubic does, and a kink of its path is in one place. So
- * where Gaussian i gets rows of the next level they are those of the cubics that do, and only what is in the middle of a half
- * of one that doesn't is worked out. It is number k of the `tried`, each with so many curves, and its rows are `from` there. */
+/* Selects the curves whose halves need computed rows. A row of an expensive model costs a hundred times as much as a cubic,
+ * and a kink is in one place. So at the next level, rows come from the cubics that are good enough, and only the middles of
+ * halves of other curves are computed. Gaussian i is number k of the `tried`, with `curves` curves each; its rows begin at
+ * `from`. */
 static tides_status open_curves(td_point_nodes *nodes, int i, int k, int from, int tried, int curves, tides_error *error) {
     const float *each = nodes->fit.each + k;
     const size_t flags = (size_t)nodes->open_count + (size_t)curves;
@@ -232,7 +266,7 @@ static tides_status open_curves(td_point_nodes *nodes, int i, int k, int from, i
     return status;
 }
 
-/* Rows of the next level for those whose curves are open. */
+/* Makes rows of the next level by halving, for Gaussians with some open curves. */
 static tides_status halve_open(td_point_nodes *nodes, int level, tides_error *error) {
     if (nodes->halves == 0) return TIDES_OK;
     const td_halve_request request = {nodes->halve_from, nodes->halve_to,     nodes->halves,  level,
@@ -240,7 +274,8 @@ static tides_status halve_open(td_point_nodes *nodes, int level, tides_error *er
     return td_exact_halve(nodes->exact, &request, error);
 }
 
-/* How well the paths of a level do: those of `count` Gaussians, whose first rows are in nodes->tried. `each`: by curve, too. */
+/* Measures the errors of a level's paths, for `count` Gaussians, whose first rows are in nodes->tried. `each`: of every
+ * curve, too. */
 static tides_status measure(td_point_nodes *nodes, td_points_engine *engine, int level, int count, int each,
                             tides_error *error) {
     const td_points_misfits request = {nodes->exact, nodes->rows,         nodes->tried,  count,
@@ -255,7 +290,7 @@ static tides_status measure(td_point_nodes *nodes, td_points_engine *engine, int
     return status == TIDES_OK ? engine->type->misfits(engine, &request, &fit, error) : status;
 }
 
-/* Compares the paths of a level with those of the level before, and gives the next level to those that need it. */
+/* Compares a level's paths with the previous level's, and gives the next level to Gaussians that need it. */
 static tides_status try_level(const tides_renderer *renderer, td_point_nodes *nodes, td_points_engine *engine, int level,
                               tides_error *error) {
     const int each = td_dynamic_has_expensive(&renderer->dynamic) && level < MOST_LEVEL;
@@ -277,26 +312,30 @@ static tides_status try_level(const tides_renderer *renderer, td_point_nodes *no
     return status == TIDES_OK ? halve_open(nodes, level, error) : status;
 }
 
-/* Curves of all; paths. */
+/* Curves of the group; paths. */
 static tides_status lay_curves(td_point_nodes *nodes, tides_error *error) {
     const int moves = !td_point_is_instant(nodes);
     size_t curves = 0;
     for (int i = 0; i < nodes->count; i++) curves += (size_t)nodes->pieces << nodes->level[i];
+    if (curves + (size_t)nodes->curves > MOST_CURVES) return too_many(nodes, error);
     tides_status status = td_reserve((void **)&nodes->row, &nodes->row_capacity, 2 * curves, sizeof *nodes->row, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&nodes->length, &nodes->length_capacity, curves, sizeof *nodes->length, error);
     if (status != TIDES_OK) return status;
-    nodes->curves = 0;
+    int laid = 0;
     for (int i = 0; i < nodes->count; i++) {
         const int level = nodes->level[i], stride = !moves ? 0 : level == 0 ? 2 : 1; /* level 0 has the rows of level 1 */
-        nodes->path[nodes->gaussians[i]] = nodes->curves * TD_PATH_LEVELS + level;
+        nodes->own[i] = nodes->path[nodes->gaussians[i]] = (nodes->curves + laid) * TD_PATH_LEVELS + level;
         for (int k = 0; k < nodes->pieces << level; k++) {
             const double h = nodes->piece_length[k >> level];
-            nodes->row[2 * nodes->curves] = nodes->first[i] + stride * k;
-            nodes->row[2 * nodes->curves + 1] = nodes->first[i] + stride * (k + 1);
-            nodes->length[nodes->curves++] = (moves ? h : TD_POINT_INSTANT) / (double)(1 << level);
+            nodes->row[2 * laid] = nodes->first[i] + stride * k;
+            nodes->row[2 * laid + 1] = nodes->first[i] + stride * (k + 1);
+            nodes->length[laid++] = (moves ? h : TD_POINT_INSTANT) / (double)(1 << level);
         }
     }
+    nodes->group_curves = laid;
+    nodes->curves += laid;
+    nodes->made += nodes->count;
     return TIDES_OK;
 }
 
@@ -307,18 +346,17 @@ static tides_status measure_pieces(td_point_nodes *nodes, tides_error *error) {
     return status;
 }
 
-/* Are more than few bent? */
+/* 1 if more than a few Gaussians have too large an error. */
 static int are_bent(const td_point_nodes *nodes) { return FEW_BENT * (int64_t)nodes->bent > nodes->moving; }
 
-/* Rows of everything listed, in the pieces that there are. `bent`: whether others may be had; whether they are needed, because
- * WHOLE_LEVEL isn't enough for more than half of all, or all levels aren't for more than few of those that move. */
-static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
-                              const td_point_span *span, td_point_nodes *nodes, int *bent, tides_error *error) {
+/* Rows of the first `count` of those wanted, in the pieces that there are. `bent`: whether others may be had; whether they are
+ * needed, because WHOLE_LEVEL isn't enough for more than half of these, or all levels aren't for more than few of those that
+ * move. */
+static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine, int count,
+                              td_point_nodes *nodes, int *bent, tides_error *error) {
     const int may_bend = *bent;
     *bent = 0;
-    tides_status status = measure_pieces(nodes, error);
-    if (status == TIDES_OK) status = find_listed(renderer, span, nodes, error);
-    nodes->moving = 0;
+    tides_status status = begin_group(renderer, nodes, count, error);
     if (status == TIDES_OK && td_point_is_instant(nodes)) return td_point_rows_project(renderer, camera, nodes, 0, error);
     for (int level = 1, finer = 1; level <= MOST_LEVEL && finer > 0 && status == TIDES_OK && !*bent; level++) {
         finer = 0;
@@ -331,43 +369,83 @@ static tides_status find_rows(tides_renderer *renderer, const tides_trajectory *
     return status;
 }
 
+/* Makes rows, as find_rows does, for the Gaussians that stand for all others. */
+static tides_status find_some(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
+                              td_point_nodes *nodes, int *bent, tides_error *error) {
+    const tides_status status = measure_pieces(nodes, error);
+    if (status != TIDES_OK) return status;
+    choose_some(nodes);
+    return find_rows(renderer, camera, engine, nodes->wanted_count, nodes, bent, error);
+}
+
 /* Rows in the pieces that there are; or, where they would be too many, none. */
 static tides_status find_cut(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
                              const td_point_span *span, td_point_nodes *nodes, tides_error *error) {
     int bent = 0;
     tides_status status = cut(renderer, camera, span->start, span->stop, nodes, error);
     const double middle = nodes->knot[nodes->pieces / 2];
-    if (status == TIDES_OK && (2 * (int64_t)nodes->pieces + 1) * nodes->count > MOST_ROWS) nodes->halve = middle;
+    if (status == TIDES_OK && (2 * (int64_t)nodes->pieces + 1) * nodes->listed_count > MOST_ROWS) nodes->halve = middle;
     if (status != TIDES_OK || !isnan(nodes->halve)) return status;
-    return find_rows(renderer, camera, engine, span, nodes, &bent, error);
+    return find_some(renderer, camera, engine, nodes, &bent, error);
 }
 
-/* Does halving the interval, and its halves, bring cubics nearer to what paths do within it? */
+/* 1 if halving the interval, and its halves, brings the cubics nearer to the paths. */
 static int is_tame(const tides_renderer *renderer) {
     for (int i = 0; i < renderer->store.objects; i++) {
-        const double *px = renderer->strays.px + (size_t)i * TD_STRAY_LEVELS;
+        const double *px = renderer->sweep.strays.px + (size_t)i * TD_STRAY_LEVELS;
         for (int k = 1; k < WHOLE_LEVEL; k++)
             if (px[k] > strays_px && px[k] > strays_share * px[k - 1]) return 0;
     }
     return 1;
 }
 
-/* Most paths are smooth enough for the interval to be one piece, whatever samples they have within it: then points share
- * curves. Where they aren't, as where a camera turns a corner or shakes, or a lamp flickers, it's cut there. Where that isn't
- * enough, as for what a formula shakes at some kHz, it is halved. */
+/* Most paths are smooth enough for an interval of one piece, even with samples within it; then points share curves. Other
+ * intervals are cut at the samples: a camera turns a corner or shakes, a lamp flickers. If that isn't enough, as for a
+ * formula that shakes at some kHz, the interval is halved. */
 tides_status td_point_nodes_find(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
                                  const td_point_span *span, td_point_nodes *nodes, tides_error *error) {
     tides_status status = cut(renderer, camera, span->start, span->stop, nodes, error);
     int bent = nodes->pieces > 1;
     const int whole = !bent || !(span->start < span->stop) || is_tame(renderer);
     nodes->halve = NAN;
+    find_listed(renderer, span, nodes);
     if (status == TIDES_OK && whole) status = begin_whole(nodes, span->start, span->stop, error);
-    if (status == TIDES_OK && whole) status = find_rows(renderer, camera, engine, span, nodes, &bent, error);
+    if (status == TIDES_OK && whole) status = find_some(renderer, camera, engine, nodes, &bent, error);
     if (status == TIDES_OK && bent) status = find_cut(renderer, camera, engine, span, nodes, error);
     if (status != TIDES_OK || !isnan(nodes->halve)) return status;
     if (are_bent(nodes) && (span->stop - span->start) / nodes->pieces >= 2 * span->shortest)
         nodes->halve = nodes->pieces > 1 ? nodes->knot[nodes->pieces / 2] : 0.5 * (span->start + span->stop);
+    nodes->wanted_count = 0;
     return isnan(nodes->halve) ? lay_curves(nodes, error) : status;
+}
+
+tides_status td_point_nodes_next(tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
+                                 td_point_nodes *nodes, tides_error *error) {
+    int bent = 0;
+    const int taken = nodes->wanted_count < nodes->group ? nodes->wanted_count : nodes->group;
+    tides_status status = find_rows(renderer, camera, engine, taken, nodes, &bent, error);
+    if (status == TIDES_OK) status = lay_curves(nodes, error);
+    if (status != TIDES_OK) return status;
+    nodes->wanted_count -= taken;
+    memmove(nodes->wanted, nodes->wanted + taken, (size_t)nodes->wanted_count * sizeof *nodes->wanted);
+    return status;
+}
+
+td_points_group td_point_nodes_group(const td_point_nodes *nodes) {
+    return (td_points_group){.exact = nodes->exact,
+                             .row_count = nodes->rows,
+                             .row = nodes->row,
+                             .lengths = nodes->length,
+                             .first = nodes->curves - nodes->group_curves,
+                             .curves = nodes->group_curves,
+                             .seen = nodes->gaussians,
+                             .path = nodes->own,
+                             .seen_count = nodes->count};
+}
+
+int td_point_nodes_expected(const td_point_nodes *nodes) {
+    const double each = nodes->made > 0 ? (double)nodes->curves / nodes->made : 1, all = ceil(each * nodes->listed_count);
+    return all < (double)MOST_CURVES ? (int)all : (int)MOST_CURVES;
 }
 
 /* Tests take a splat to go straight on in a slice, and cost as much again with each: how splats bend curves tell. On 10 ms of

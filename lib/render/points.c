@@ -1,48 +1,42 @@
-/* Pixels at times of their own, for the solver, which solves events on them. They are worked out one by one (kernels/points.h):
- * rows of record paths for the interval swept last when it is first asked for, lists of the tiles that points are in, and the
- * points, tile by tile.
+/* Points: pixels at times of their own, on which the solver places events. First, rows of record paths for the interval swept
+ * last are found; then lists of the tiles with points; then values, tile by tile.
  *
- * An instant that is kept has an engine of its own beside the scene in double that all have in common: in turns on one engine,
- * preparing it again for each interval cost as much as the points that were spared by asking for it late. */
+ * A kept instant, which stays available after later sweeps, has an engine of its own. With one engine for both, preparing it
+ * again for each interval would cost as much as asking for the instant's points late saves. */
 #include "td_point_nodes.h"
 #include "td_point_order.h"
+#include "td_point_parts.h"
 #include "td_points_direct.h"
+#include "td_points_wanted.h"
 #include "td_renderer.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum { POINTS_AT_ONCE = 1 << 16 }; /* in a launch: 5 MB with what goes with them */
-
-/* A part of the interval that is asked for, with rows of its own. Most intervals are one. */
-typedef struct points_part {
-    double start, stop;
-} points_part;
+enum { POINTS_AT_ONCE = 1 << 16 }; /* per launch: 5 MB with all their data */
 
 /* A launch that may be under way: points numbered order[0 .. count), the caller's. */
 typedef struct points_away {
     const td_point *points;
     td_point_value *values;
     const int *order;
-    int count; /* 0: there is none */
+    int count; /* 0: no launch is running */
 } points_away;
 
 struct td_points {
     td_points_engine *engine;
     td_point_nodes nodes;
-    td_point_span at;  /* the interval that is asked for */
-    uint64_t serial;   /* of the one that there are parts of */
-    points_part *part; /* (parts) in order of time */
-    int parts;
-    size_t part_capacity;
+    td_point_span at; /* the interval that is asked for */
+    td_point_parts parts;
     int begun;                 /* the part whose rows are there; -1: none */
-    int *own_first, *own_list; /* copies of its lists, of an instant that is kept; else NULL */
-    td_points_tile *tiles;     /* (tiles) */
-    uint8_t *listed;           /* (tiles) 1: its list is made */
-    int *wanted;               /* (tiles) lists to make */
-    td_point_place *place;     /* of order_points */
+    int *own_first, *own_list; /* copies of its lists and boxes, of an instant that is kept; else NULL */
+    float *own_boxes;
+    td_points_tile *tiles; /* (tiles) */
+    td_points_wanted asks;
+    int *wanted;           /* (tiles) lists to make */
+    td_point_place *place; /* of order_points */
     size_t place_capacity;
-    int *which; /* (2 x points asked for) of exact_points */
+    int *which; /* (2 x points requested) used by exact_points */
     size_t which_capacity;
     points_away away;
     td_points_direct direct;
@@ -52,7 +46,7 @@ struct td_points {
     double *values;
 };
 
-/* Whatever came of it is nobody's. */
+/* Ends the launch that is under way; its results are dropped. */
 static void drop_launch(td_points *p) {
     if (p->away.count == 0) return;
     tides_status ignored = p->engine->type->finish(p->engine, NULL);
@@ -67,11 +61,12 @@ void td_points_destroy(td_points *points) {
     td_points_direct_release(&points->direct);
     td_point_nodes_release(&points->nodes);
     for (int k = 0; k < TD_POINT_COLUMNS; k++) free(points->column[k]);
-    free(points->part);
+    td_point_parts_release(&points->parts);
     free(points->own_first);
     free(points->own_list);
+    free(points->own_boxes);
     free(points->tiles);
-    free(points->listed);
+    td_points_wanted_release(&points->asks);
     free(points->wanted);
     free(points->place);
     free(points->which);
@@ -84,26 +79,19 @@ void td_points_destroy(td_points *points) {
 static tides_status allocate(const tides_renderer *renderer, td_points *p, tides_error *error) {
     size_t tiles = (size_t)renderer->stats.tiles, launch = POINTS_AT_ONCE + TD_PAD;
     p->tiles = td_alloc(tiles, sizeof *p->tiles, error);
-    p->listed = td_alloc(tiles, sizeof *p->listed, error);
     p->wanted = td_alloc(tiles, sizeof *p->wanted, error);
     p->piece = td_alloc(launch, sizeof *p->piece, error);
     p->chunks = td_alloc(launch, sizeof *p->chunks, error);
     p->values = td_alloc(2 * launch, sizeof *p->values, error);
-    int all = p->tiles && p->listed && p->wanted && p->piece && p->chunks && p->values;
+    int all = p->tiles && p->wanted && p->piece && p->chunks && p->values;
     for (int k = 0; k < TD_POINT_COLUMNS; k++) {
         p->column[k] = td_alloc(launch, sizeof *p->column[k], error);
         all = all && p->column[k];
     }
-    return all ? TIDES_OK : TIDES_NO_MEMORY;
+    return all ? td_points_wanted_create(renderer, &p->asks, error) : TIDES_NO_MEMORY;
 }
 
-tides_status td_points_create_engine(const tides_renderer *renderer, const td_image_numbers *image, td_points_engine **engine,
-                                     tides_error *error) {
-    return td_device_has_double(renderer->device) ? td_points_create_opencl(renderer->device, image, engine, error)
-                                                  : td_points_create_twin(image, engine, error);
-}
-
-/* `shared`: another's scene in double, or NULL. */
+/* `shared`: the scene in double of another td_points, or NULL. */
 static tides_status create_points(const tides_renderer *renderer, td_exact *shared, td_points **points, tides_error *error) {
     const td_image_numbers image = td_image_pack(&renderer->image);
     td_points *made = td_alloc(1, sizeof *made, error);
@@ -128,6 +116,11 @@ tides_status td_renderer_exact_points(tides_renderer *renderer, tides_error *err
     return status == TIDES_OK && renderer->beside ? td_renderer_exact_points(renderer->beside, error) : status;
 }
 
+void td_renderer_points_groups(tides_renderer *renderer, int group, int some) {
+    renderer->points->nodes.group = group;
+    renderer->points->nodes.some = some;
+}
+
 static void lay_tiles(const tides_renderer *renderer, td_points *p) {
     const int across = renderer->candidates.tiles_x, *first = p->at.first;
     for (int tile = 0; tile < renderer->stats.tiles; tile++) {
@@ -135,75 +128,58 @@ static void lay_tiles(const tides_renderer *renderer, td_points *p) {
         p->tiles[tile].y = tile / across * TD_TILE;
         p->tiles[tile].first = first[tile];
         p->tiles[tile].count = first[tile + 1] - first[tile];
-        p->listed[tile] = 0;
     }
 }
 
-/* A new interval is one part, until that has turned out not to do. */
-static tides_status begin_interval(td_points *p, tides_error *error) {
-    if (p->parts > 0 && p->serial == p->at.serial) return TIDES_OK;
-    tides_status status = td_reserve((void **)&p->part, &p->part_capacity, 1, sizeof *p->part, error);
-    if (status != TIDES_OK) return status;
-    p->part[0] = (points_part){.start = p->at.start, .stop = p->at.stop};
-    p->parts = 1;
-    p->begun = -1;
-    p->serial = p->at.serial;
+/* The group that has got paths last is the engine's. */
+static tides_status add_group(const tides_renderer *renderer, td_points *p, tides_error *error) {
+    td_points_group added = td_point_nodes_group(&p->nodes);
+    if (added.seen_count == 0) return TIDES_OK;
+    tides_status status = td_points_wanted_sights(renderer, &p->asks, &p->at, &added, error);
+    if (status == TIDES_OK) status = p->engine->type->add(p->engine, &added, error);
+    return status == TIDES_OK ? td_points_direct_add(renderer, &p->nodes, p->at.boxes, &p->direct, error) : status;
+}
+
+/* Makes paths for the Gaussians that the points numbered which[0 .. count) may see. */
+static tides_status add_wanted(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
+                               const int *which, int count, tides_error *error) {
+    tides_status status = TIDES_OK;
+    td_points_wanted_find(renderer, &p->asks, &p->nodes, &p->at, points, which, count);
+    while (p->nodes.wanted_count > 0 && status == TIDES_OK) {
+        status = td_point_nodes_next(renderer, camera, p->engine, &p->nodes, error);
+        if (status == TIDES_OK) status = add_group(renderer, p, error);
+    }
+    if (status != TIDES_OK) p->begun = -1; /* what has a path isn't known */
+    td_points_wanted_found(&p->asks);
     return status;
 }
 
-static tides_status halve(td_points *p, int k, double at, tides_error *error) {
-    tides_status status = td_reserve((void **)&p->part, &p->part_capacity, (size_t)p->parts + 1, sizeof *p->part, error);
-    if (status != TIDES_OK) return status;
-    memmove(p->part + k + 1, p->part + k, (size_t)(p->parts - k) * sizeof *p->part);
-    p->part[k].stop = p->part[k + 1].start = at;
-    p->parts++;
-    return status;
-}
-
-/* Rows for a part, unless they are there; or it is halved. */
+/* The pieces of a part, unless they are there; or it is halved. */
 static tides_status begin_part(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, int k,
                                tides_error *error) {
     td_point_nodes *nodes = &p->nodes;
     td_point_span span = p->at;
     if (p->begun == k) return TIDES_OK;
     p->begun = -1;
-    span.start = p->part[k].start;
-    span.stop = p->part[k].stop;
+    span.start = p->parts.part[k].start;
+    span.stop = p->parts.part[k].stop;
     lay_tiles(renderer, p);
     tides_status status = td_point_nodes_find(renderer, camera, p->engine, &span, nodes, error);
     if (status != TIDES_OK) return status;
-    if (!isnan(nodes->halve)) return halve(p, k, nodes->halve, error);
-    const td_points_interval interval = {.path = nodes->path,
-                                         .gaussians = renderer->store.count,
-                                         .exact = nodes->exact,
-                                         .row_count = nodes->rows,
-                                         .row = nodes->row,
-                                         .lengths = nodes->length,
-                                         .curves = nodes->curves,
+    if (!isnan(nodes->halve)) return td_point_parts_halve(&p->parts, k, nodes->halve, error);
+    const td_points_interval interval = {.gaussians = renderer->store.count,
+                                         .curves = td_point_nodes_expected(nodes),
                                          .slices = td_point_nodes_slices(nodes),
-                                         .seen = nodes->gaussians,
-                                         .seen_count = nodes->count,
                                          .candidates = p->at.list,
                                          .candidate_count = p->at.first[renderer->stats.tiles],
                                          .tiles = p->tiles,
                                          .tile_count = renderer->stats.tiles};
     status = p->engine->type->begin(p->engine, &interval, error);
-    if (status != TIDES_OK) return status;
-    p->begun = k;
-    return td_points_direct_begin(renderer, nodes, &p->direct, error);
-}
-
-/* The part that a time is in: where one ends, that one. */
-static int part_of(const td_points *p, double time) {
-    int low = 0, high = p->parts - 1;
-    while (low < high) {
-        const int middle = (low + high) / 2;
-        if (time <= p->part[middle].stop)
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    return low;
+    td_points_wanted_clear(renderer, &p->asks);
+    td_points_direct_clear(renderer, &p->direct);
+    if (status == TIDES_OK) status = add_group(renderer, p, error);
+    if (status == TIDES_OK) p->begun = k;
+    return status;
 }
 
 static int tile_of(const tides_renderer *renderer, const td_point *point) {
@@ -223,23 +199,23 @@ static int piece_of(const td_point_nodes *nodes, double time) {
     return low;
 }
 
-/* Where a point is in its tile. */
+/* Place of a point in its tile and in the interval. */
 static td_point_place place_of(const td_points *p, const td_point *point, int which) {
-    const points_part *part = &p->part[p->begun];
+    const td_point_part *part = &p->parts.part[p->begun];
     const double length = part->stop - part->start;
     int step = length > 0 ? (int)((point->time - part->start) / length * TD_PLACE_STEPS) : 0;
     if (step >= TD_PLACE_STEPS) step = TD_PLACE_STEPS - 1;
     return (td_point_place){{(uint8_t)(point->x % TD_TILE), (uint8_t)(point->y % TD_TILE), (uint8_t)step}, which};
 }
 
-/* The points numbered which[0 .. count) tile by tile, neighbours together: order (count). */
+/* Orders the points which[0 .. count) tile by tile, with neighbours together: order (count). */
 static tides_status order_points(const tides_renderer *renderer, td_points *p, const td_point *points, const int *which,
                                  int count, int *order, tides_error *error) {
     const int tiles = renderer->stats.tiles;
     tides_status status = td_reserve((void **)&p->place, &p->place_capacity, 2 * (size_t)count, sizeof *p->place, error);
     if (status != TIDES_OK) return status;
     td_point_place *places = p->place, *room = places + count;
-    int *end = p->wanted; /* of tiles: nobody has asked for lists yet */
+    int *end = p->wanted; /* borrowed as scratch: no lists are wanted yet */
     memset(end, 0, (size_t)tiles * sizeof *end);
     for (int i = 0; i < count; i++) end[tile_of(renderer, &points[which[i]])]++;
     for (int i = 0, sum = 0; i < tiles; i++) {
@@ -265,7 +241,7 @@ static tides_status check_point(const tides_renderer *renderer, const td_point_s
                    (int)point->x, (int)point->y, point->time, at->start, at->stop);
 }
 
-/* Point i is at `time`: in which piece, and where there. */
+/* Sets the piece of point i, which is at `time`, and its place within the piece. */
 static void place_time(const td_point_nodes *nodes, double time, td_points *p, int i) {
     const int low = piece_of(nodes, time);
     const double length = nodes->knot[low + 1] - nodes->knot[low];
@@ -274,7 +250,7 @@ static void place_time(const td_point_nodes *nodes, double time, td_points *p, i
     p->column[3][i] = length > 0 ? length : TD_POINT_INSTANT;
 }
 
-/* Lays points order[0 .. count) for a launch; returns the number of chunks, and of tiles whose lists are missing. */
+/* Prepares points order[0 .. count) for a launch. Returns the number of chunks, and the tiles whose lists are missing. */
 static int lay_launch(const tides_renderer *renderer, td_points *p, const td_point *points, const int *order, int count,
                       int *wanted) {
     int chunks = 0;
@@ -288,17 +264,9 @@ static int lay_launch(const tides_renderer *renderer, td_points *p, const td_poi
         if (chunks == 0 || p->chunks[chunks - 1].tile != tile || p->chunks[chunks - 1].count == p->engine->lanes)
             p->chunks[chunks++] = (td_points_chunk){tile, i, 0};
         p->chunks[chunks - 1].count++;
-        if (!p->listed[tile]) p->wanted[(*wanted)++] = tile;
-        p->listed[tile] = 1;
+        if (td_points_wanted_list(&p->asks, tile)) p->wanted[(*wanted)++] = tile;
     }
     return chunks;
-}
-
-tides_status td_point_take(const td_point *point, const double *found, td_point_value *value, tides_error *error) {
-    *value = (td_point_value){found[0], found[1]};
-    if (isfinite(value->L) && isfinite(value->L_dot)) return TIDES_OK;
-    return td_fail(error, TIDES_BAD_ARGUMENT, "pixel (%d, %d) at %.9g s isn't finite: log_luminance %g, its rate %g",
-                   (int)point->x, (int)point->y, point->time, value->L, value->L_dot);
 }
 
 /* Waits for the launch that is under way, if there is one. */
@@ -312,7 +280,7 @@ static tides_status finish_launch(td_points *p, tides_error *error) {
     return status;
 }
 
-/* Begins the next launch, behind the one that is under way. */
+/* Queues the next launch behind the running one. */
 static tides_status begin_launch(const tides_renderer *renderer, td_points *p, const points_away *next, tides_error *error) {
     int wanted;
     const int chunks = lay_launch(renderer, p, next->points, next->order, next->count, &wanted);
@@ -321,16 +289,16 @@ static tides_status begin_launch(const tides_renderer *renderer, td_points *p, c
                                    next->count,
                                    p->chunks,
                                    chunks,
-                                   td_points_backdrop_of(&renderer->image, renderer->backdrops)};
+                                   td_points_backdrop_of(&renderer->image, renderer->scratch.backdrops)};
     tides_status status = finish_launch(p, error);
     if (status == TIDES_OK) status = p->engine->type->lists(p->engine, p->wanted, wanted, error);
-    if (status != TIDES_OK) p->begun = -1; /* which lists are there isn't known */
+    if (status != TIDES_OK) p->begun = -1; /* it isn't known which lists are ready */
     if (status == TIDES_OK) status = p->engine->type->values(p->engine, &batch, p->values, error);
     if (status == TIDES_OK) p->away = *next;
     return status;
 }
 
-/* Works out the points numbered which[0 .. count) that see a splat without a curve; the number of points left in `which`. */
+/* Computes the points among which[0 .. count) that see a splat without a curve. `which` and `count` then hold the others. */
 static tides_status take_direct(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
                                 int *which, int *count, int *order, td_point_value *values, tides_error *error) {
     int left = 0, direct = 0;
@@ -343,44 +311,48 @@ static tides_status take_direct(tides_renderer *renderer, const tides_trajectory
     return td_points_direct_values(renderer, camera, &p->direct, p->nodes.exact, &p->at, points, order, direct, values, error);
 }
 
-/* Points of the part that has its rows: those numbered which[0 .. count), of which order (count) becomes an order. */
+/* Computes the points which[0 .. count) of the part whose rows are ready; order (count) is scratch. */
 static tides_status points_of_part(tides_renderer *renderer, const tides_trajectory *camera, td_points *p,
                                    const td_point *points, int *which, int count, int *order, td_point_value *values,
                                    tides_error *error) {
-    tides_status status = take_direct(renderer, camera, p, points, which, &count, order, values, error);
+    tides_status status = add_wanted(renderer, camera, p, points, which, count, error);
+    if (status == TIDES_OK) status = take_direct(renderer, camera, p, points, which, &count, order, values, error);
     if (status == TIDES_OK) status = order_points(renderer, p, points, which, count, order, error);
     for (int from = 0; from < count && status == TIDES_OK; from += POINTS_AT_ONCE) {
         const points_away next = {points, values, order + from, count - from < POINTS_AT_ONCE ? count - from : POINTS_AT_ONCE};
-        status = td_renderer_heed(renderer, (double)from / count, error);
+        status = td_renderer_check_stop(renderer, (double)from / count, error);
         if (status == TIDES_OK) status = begin_launch(renderer, p, &next, error);
     }
     return status;
 }
 
-/* Points of a part, which may be halved for them, and then is the first half: which (count) of them there are. */
+/* Chooses the points in part k: which (count). The part may be halved for them, and is the first half then. */
 static tides_status choose_part(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, int k,
                                 const td_point *points, int count, int *which, int *some, tides_error *error) {
     tides_status status = TIDES_OK;
     int parts;
     do {
-        parts = p->parts;
+        parts = p->parts.count;
         *some = 0;
         for (int i = 0; i < count; i++)
-            if (part_of(p, points[i].time) == k) which[(*some)++] = i;
+            if (td_point_parts_of(&p->parts, points[i].time) == k) which[(*some)++] = i;
         if (*some > 0) status = begin_part(renderer, camera, p, k, error);
-    } while (status == TIDES_OK && p->parts != parts);
+    } while (status == TIDES_OK && p->parts.count != parts);
     return status;
 }
 
-/* The last launch is left under way. */
+/* Computes points, but leaves the last launch running. */
 static tides_status begin_points(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
                                  size_t count, td_point_value *values, tides_error *error) {
     tides_status status = td_renew((void **)&p->which, &p->which_capacity, 2 * count, sizeof *p->which, error);
     for (size_t i = 0; i < count && status == TIDES_OK; i++) status = check_point(renderer, &p->at, &points[i], error);
-    if (status == TIDES_OK) status = begin_interval(p, error);
-    for (int k = 0; k < p->parts && status == TIDES_OK; k++) {
+    if (status == TIDES_OK && td_point_parts_are_others(&p->parts, &p->at)) {
+        p->begun = -1;
+        status = td_point_parts_begin(&p->parts, &p->at, error);
+    }
+    for (int k = 0; k < p->parts.count && status == TIDES_OK; k++) {
         int some = 0;
-        status = finish_launch(p, error); /* which has its points' numbers where the next part's go */
+        status = finish_launch(p, error); /* the next part overwrites the running launch's list of points */
         if (status == TIDES_OK) status = choose_part(renderer, camera, p, k, points, (int)count, p->which, &some, error);
         if (status == TIDES_OK && some > 0)
             status = points_of_part(renderer, camera, p, points, p->which, some, p->which + count, values, error);
@@ -397,9 +369,10 @@ static tides_status exact_points(tides_renderer *renderer, const tides_trajector
 
 static td_points *of_swept(tides_renderer *renderer) {
     const td_candidates *lists = &renderer->candidates;
-    const double start = renderer->swept[0], stop = renderer->swept[1];
-    const double shortest = (stop - start) / (1 << td_dynamic_finest(&renderer->dynamic));
-    renderer->points->at = (td_point_span){lists->first, lists->list, start, stop, shortest, lists->serial};
+    const double *swept = renderer->sweep.interval;
+    const double shortest = (swept[1] - swept[0]) / (1 << td_dynamic_finest(&renderer->dynamic));
+    renderer->points->at =
+        (td_point_span){lists->first, lists->list, renderer->sweep.boxes, swept[0], swept[1], shortest, lists->serial};
     return renderer->points;
 }
 
@@ -429,23 +402,25 @@ void td_renderer_points_drop(tides_renderer *renderer) {
 
 int td_renderer_points_go_on(const tides_renderer *renderer) {
     const td_points *p = renderer->points;
-    return p && !renderer->colour_filter && p->engine->goes_on && p->parts <= 1;
+    return p && !renderer->colour_filter && p->engine->goes_on && p->parts.count <= 1;
 }
 
-/* Where all is then: open paths may forget it before the instant's rows are asked for. */
+/* Keeps the objects' views at the instant: open paths may forget it before its rows are asked for. */
 static tides_status keep_views(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, tides_error *error) {
     const size_t objects = (size_t)renderer->store.objects;
-    tides_status status = td_renderer_views(renderer, camera, renderer->swept, 1, error);
+    tides_status status = td_renderer_views(renderer, camera, renderer->sweep.interval, 1, error);
     if (status != TIDES_OK) return status;
     p->nodes.kept = td_alloc(objects, sizeof *p->nodes.kept, error);
     if (!p->nodes.kept) return TIDES_NO_MEMORY;
-    memcpy(p->nodes.kept, renderer->views, objects * sizeof *p->nodes.kept);
+    memcpy(p->nodes.kept, renderer->scratch.views, objects * sizeof *p->nodes.kept);
     return status;
 }
 
 static tides_status keep_instant(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error) {
     const td_candidates *lists = &renderer->candidates;
     const size_t tiles = (size_t)renderer->stats.tiles + 1, candidates = (size_t)lists->first[tiles - 1];
+    const size_t gaussians = (size_t)renderer->store.count;
+    const double *swept = renderer->sweep.interval;
     td_points_destroy(renderer->kept);
     renderer->kept = NULL;
     tides_status status = create_points(renderer, renderer->points->nodes.exact, &renderer->kept, error);
@@ -454,10 +429,12 @@ static tides_status keep_instant(tides_renderer *renderer, const tides_trajector
     td_points *p = renderer->kept;
     p->own_first = td_alloc(tiles, sizeof *p->own_first, error);
     p->own_list = td_alloc(candidates + 1, sizeof *p->own_list, error);
-    if (!p->own_first || !p->own_list) return TIDES_NO_MEMORY;
+    p->own_boxes = td_alloc(gaussians, 4 * sizeof *p->own_boxes, error);
+    if (!p->own_first || !p->own_list || !p->own_boxes) return TIDES_NO_MEMORY;
+    memcpy(p->own_boxes, renderer->sweep.boxes, gaussians * 4 * sizeof *p->own_boxes);
     memcpy(p->own_first, lists->first, tiles * sizeof *p->own_first);
     memcpy(p->own_list, lists->list, candidates * sizeof *p->own_list);
-    p->at = (td_point_span){p->own_first, p->own_list, renderer->swept[0], renderer->swept[0], 0, lists->serial};
+    p->at = (td_point_span){p->own_first, p->own_list, p->own_boxes, swept[0], swept[0], 0, lists->serial};
     return TIDES_OK;
 }
 
@@ -467,8 +444,10 @@ tides_status td_renderer_keep_instant(tides_renderer *renderer, const tides_traj
     return status;
 }
 
+/* Paths of earlier points are kept only while they are few: nobody asks twice about the instant. */
 static tides_status kept_points(tides_renderer *renderer, const tides_trajectory *camera, const td_point *points, size_t count,
                                 td_point_value *values, tides_error *error) {
+    if (renderer->kept->nodes.made > renderer->kept->nodes.group) renderer->kept->begun = -1;
     return exact_points(renderer, camera, renderer->kept, points, count, values, error);
 }
 

@@ -1,15 +1,16 @@
-/* Points whose splats are projected at their own times (td_points_direct.h). A lot of points is an interval of an engine of its
- * own: each point is a tile with a list of its own, each splat of each point a Gaussian with one row, and its curve is what an
- * instant's is, value and rate. */
+/* Points that see a splat without a curve: all their splats are projected at the point's own time. A batch ("lot") of points
+ * is given to an engine as if it were an interval. Each point is a tile with its own list, each of its splats a Gaussian with
+ * one row, and its curve is that of an instant: value and rate. */
 #include "td_points_direct.h"
+#include "td_points_wanted.h"
 #include "td_renderer.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum { LOT = 256, LOT_SPLATS = 1 << 16 }; /* points, and what they see, that are worked out together */
+enum { LOT = 256, LOT_SPLATS = 1 << 16 }; /* points, and splats, of one lot */
 
-/* Frees the engine and arrays of a lot, which no lot goes without. */
+/* Frees the engine and arrays of a lot, without which no lot can be computed. */
 static void release_lot(td_points_direct *direct) {
     if (direct->engine) direct->engine->type->destroy(direct->engine);
     direct->engine = NULL;
@@ -29,30 +30,33 @@ void td_points_direct_release(td_points_direct *direct) {
     free(direct->bent);
     free(direct->lists);
     free(direct->numbers);
+    free(direct->sights);
 }
 
-/* -- who sees what is bent ------------------------------------------------------------------------------------------------- */
+/* -- pixels that see a splat without a curve
+ * ------------------------------------------------------------------------------------------------- */
 
-/* The pixels that a box touches. */
+/* The pixels that may see it. */
 static void mark(const tides_renderer *renderer, const float *box, uint8_t *bent) {
-    const int width = renderer->image.width, height = renderer->image.height;
-    const int x0 = box[0] > 0 ? (int)box[0] : 0, y0 = box[1] > 0 ? (int)box[1] : 0;
-    const int x1 = box[2] < (float)(width - 1) ? (int)box[2] : width - 1,
-              y1 = box[3] < (float)(height - 1) ? (int)box[3] : height - 1;
-    for (int y = y0; y <= y1; y++)
-        for (int x = x0; x <= x1; x++) bent[(size_t)y * (size_t)width + (size_t)x] = 1;
+    const td_sight sight = td_sight_of(&renderer->image, box);
+    for (int y = sight.y0; y < sight.y1; y++)
+        for (int x = sight.x0; x < sight.x1; x++) bent[(size_t)y * (size_t)renderer->image.width + (size_t)x] = 1;
 }
 
-tides_status td_points_direct_begin(const tides_renderer *renderer, const td_point_nodes *nodes, td_points_direct *direct,
-                                    tides_error *error) {
-    const size_t pixels = (size_t)renderer->image.width * (size_t)renderer->image.height;
-    direct->any = nodes->direct > 0;
-    if (!direct->any) return TIDES_OK;
-    if (!direct->bent) direct->bent = td_alloc(pixels, 1, error);
-    if (!direct->bent) return TIDES_NO_MEMORY;
-    memset(direct->bent, 0, pixels);
-    for (int i = 0; i < nodes->count; i++)
-        if (nodes->is_direct[i]) mark(renderer, renderer->boxes + 4 * (size_t)nodes->gaussians[i], direct->bent);
+void td_points_direct_clear(const tides_renderer *renderer, td_points_direct *direct) {
+    if (direct->any) memset(direct->bent, 0, (size_t)renderer->image.width * (size_t)renderer->image.height);
+    direct->any = 0;
+}
+
+tides_status td_points_direct_add(const tides_renderer *renderer, const td_point_nodes *nodes, const float *boxes,
+                                  td_points_direct *direct, tides_error *error) {
+    for (int i = 0; i < nodes->count; i++) {
+        if (!nodes->is_direct[i]) continue;
+        if (!direct->bent) direct->bent = td_alloc((size_t)renderer->image.width * (size_t)renderer->image.height, 1, error);
+        if (!direct->bent) return TIDES_NO_MEMORY;
+        direct->any = 1;
+        mark(renderer, boxes + 4 * (size_t)nodes->gaussians[i], direct->bent);
+    }
     return TIDES_OK;
 }
 
@@ -62,7 +66,7 @@ static tides_status create(const tides_renderer *renderer, td_points_direct *dir
     const td_image_numbers image = td_image_pack(&renderer->image);
     const size_t lot = LOT + TD_PAD;
     if (direct->engine) return TIDES_OK;
-    release_lot(direct); /* what an earlier try had, that failed */
+    release_lot(direct); /* left by an earlier failed attempt */
     direct->end = td_alloc(lot, sizeof *direct->end, error);
     direct->time = td_alloc(lot, sizeof *direct->time, error);
     direct->tiles = td_alloc(lot, sizeof *direct->tiles, error);
@@ -75,11 +79,11 @@ static tides_status create(const tides_renderer *renderer, td_points_direct *dir
         all = all && direct->column[k];
     }
     if (!all) return TIDES_NO_MEMORY;
-    for (size_t i = 0; i < lot; i++) direct->column[3][i] = TD_POINT_INSTANT; /* column 2, where in it, is 0 */
+    for (size_t i = 0; i < lot; i++) direct->column[3][i] = TD_POINT_INSTANT; /* column 2, the place within the curve, is 0 */
     return td_points_create_engine(renderer, &image, &direct->engine, error);
 }
 
-/* Room for `more` Gaussians in a lot. */
+/* Makes room for `more` Gaussians in a lot. */
 static tides_status reserve(td_points_direct *direct, int more, tides_error *error) {
     td_point_nodes *nodes = &direct->nodes;
     const size_t wanted = (size_t)nodes->count + (size_t)more;
@@ -88,7 +92,9 @@ static tides_status reserve(td_points_direct *direct, int more, tides_error *err
     if (status == TIDES_OK) status = td_reserve((void **)&nodes->first, &capacity[1], wanted, sizeof *nodes->first, error);
     if (status == TIDES_OK) status = td_reserve((void **)&nodes->level, &capacity[2], wanted, sizeof *nodes->level, error);
     if (status == TIDES_OK) status = td_reserve((void **)&nodes->open_at, &capacity[3], wanted, sizeof *nodes->open_at, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&nodes->path, &capacity[4], wanted, sizeof *nodes->path, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&nodes->own, &capacity[4], wanted, sizeof *nodes->own, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&direct->sights, &capacity[5], 2 * wanted, sizeof *direct->sights, error);
     if (status == TIDES_OK)
         status = td_reserve((void **)&nodes->row, &nodes->row_capacity, 2 * wanted, sizeof *nodes->row, error);
     if (status == TIDES_OK)
@@ -98,13 +104,13 @@ static tides_status reserve(td_points_direct *direct, int more, tides_error *err
     return status;
 }
 
-/* Does a box touch a pixel? */
+/* 1 if a box touches the point's pixel. */
 static int touches(const float *box, const td_point *point) {
     return box[0] <= (float)(point->x + 1) && box[2] >= (float)point->x && box[1] <= (float)(point->y + 1) &&
            box[3] >= (float)point->y;
 }
 
-/* All that a point may see, as the next Gaussians of the lot, and its tile's list. */
+/* Adds all that point k may see, as the lot's next Gaussians, and its tile's list. */
 static tides_status add_point(const tides_renderer *renderer, td_points_direct *direct, const td_point_span *span,
                               const td_point *point, int k, int *listed, tides_error *error) {
     td_point_nodes *nodes = &direct->nodes;
@@ -116,12 +122,14 @@ static tides_status add_point(const tides_renderer *renderer, td_points_direct *
                             sizeof *direct->lists, error);
     for (int i = first; i < end && status == TIDES_OK; i++) {
         const int gaussian = span->list[i], own = nodes->count;
-        if (gaussian < 0 || !touches(renderer->boxes + 4 * (size_t)gaussian, point)) continue;
+        if (gaussian < 0 || !touches(renderer->sweep.boxes + 4 * (size_t)gaussian, point)) continue;
         nodes->gaussians[own] = gaussian;
         nodes->first[own] = nodes->row[2 * own] = nodes->row[2 * own + 1] = direct->numbers[own] = own;
         nodes->level[own] = 0;
         nodes->open_at[own] = -1;
-        nodes->path[own] = own * TD_PATH_LEVELS;
+        nodes->own[own] = own * TD_PATH_LEVELS;
+        direct->sights[2 * own] = TD_SIGHT_END * renderer->image.width; /* all: its list is this pixel's alone */
+        direct->sights[2 * own + 1] = TD_SIGHT_END * renderer->image.height;
         nodes->length[own] = TD_POINT_INSTANT;
         direct->lists[(*listed)++] = own;
         nodes->count++;
@@ -137,43 +145,46 @@ static tides_status add_point(const tides_renderer *renderer, td_points_direct *
     return status;
 }
 
-/* A lot as an engine takes it, from rows that are there. */
+/* Gives a lot, whose rows are ready, to the engine as an interval. */
 static tides_status look(const tides_renderer *renderer, td_points_direct *direct, int points, int listed, tides_error *error) {
     const td_point_nodes *nodes = &direct->nodes;
-    const td_points_interval interval = {.path = nodes->path,
-                                         .gaussians = nodes->count,
-                                         .exact = nodes->exact,
-                                         .row_count = nodes->rows + 1,
-                                         .row = nodes->row,
-                                         .lengths = nodes->length,
+    const td_points_interval interval = {.gaussians = nodes->count,
                                          .curves = nodes->count,
                                          .slices = {1, 1, 0, 1},
-                                         .seen = direct->numbers,
-                                         .seen_count = nodes->count,
                                          .candidates = direct->lists,
                                          .candidate_count = listed,
                                          .tiles = direct->tiles,
                                          .tile_count = points};
+    const td_points_group all = {.exact = nodes->exact,
+                                 .row_count = nodes->rows + 1,
+                                 .row = nodes->row,
+                                 .lengths = nodes->length,
+                                 .curves = nodes->count,
+                                 .seen = direct->numbers,
+                                 .path = nodes->own,
+                                 .sights = direct->sights,
+                                 .seen_count = nodes->count};
     const td_points_batch batch = {{direct->column[0], direct->column[1], direct->column[2], direct->column[3]},
                                    direct->piece,
                                    points,
                                    direct->chunks,
                                    points,
-                                   td_points_backdrop_of(&renderer->image, renderer->backdrops)};
+                                   td_points_backdrop_of(&renderer->image, renderer->scratch.backdrops)};
     td_points_engine *engine = direct->engine;
     tides_status status = engine->type->begin(engine, &interval, error);
+    if (status == TIDES_OK) status = engine->type->add(engine, &all, error);
     if (status == TIDES_OK) status = engine->type->lists(engine, direct->numbers, points, error);
     if (status == TIDES_OK) status = engine->type->values(engine, &batch, direct->values, error);
     return status == TIDES_OK ? engine->type->finish(engine, error) : status;
 }
 
-/* Projects all that a lot's points see, and looks at it. */
+/* Projects all that a lot's points see, and computes their values. */
 static tides_status work_out(tides_renderer *renderer, const tides_trajectory *camera, td_points_direct *direct, int points,
                              int listed, tides_error *error) {
     td_point_nodes *nodes = &direct->nodes;
     nodes->rows = nodes->count;
     tides_status status = reserve(direct, points, error);
-    for (int k = nodes->count; k < points && status == TIDES_OK; k++) direct->numbers[k] = k; /* of tiles, too */
+    for (int k = nodes->count; k < points && status == TIDES_OK; k++) direct->numbers[k] = k; /* also the numbers of tiles */
     if (status == TIDES_OK) status = td_point_rows_direct(renderer, camera, nodes, direct->time, direct->end, points, error);
     return status == TIDES_OK ? look(renderer, direct, points, listed, error) : status;
 }
@@ -188,7 +199,7 @@ tides_status td_points_direct_values(tides_renderer *renderer, const tides_traje
         direct->nodes.count = 0;
         for (taken = 0; taken < LOT && from + taken < count && direct->nodes.count < LOT_SPLATS && status == TIDES_OK; taken++)
             status = add_point(renderer, direct, span, &points[which[from + taken]], taken, &listed, error);
-        if (status == TIDES_OK) status = td_renderer_heed(renderer, (double)from / count, error);
+        if (status == TIDES_OK) status = td_renderer_check_stop(renderer, (double)from / count, error);
         if (status == TIDES_OK) status = work_out(renderer, camera, direct, taken, listed, error);
         for (int k = 0; k < taken && status == TIDES_OK; k++)
             status = td_point_take(&points[which[from + k]], direct->values + 2 * k, &values[which[from + k]], error);

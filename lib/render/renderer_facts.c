@@ -1,4 +1,4 @@
-/* Facts of a renderer: its precision, knots, motion in its tiles and blocks, and the numbers of its image for checkpoints. */
+/* Facts about a renderer: its precision, knots, motion in its tiles and blocks, and the numbers that define its image. */
 #include "td_device.h"
 #include "td_renderer.h"
 
@@ -13,8 +13,8 @@ int td_renderer_is_double(const tides_renderer *renderer) { return td_device_is_
 
 int td_renderer_tile_moves(const tides_renderer *renderer, int tile) { return renderer->candidates.moving[tile]; }
 
-/* The largest travel over a colour filter's channels. Travel includes the channels' colours; td_renderer_tile_moves is about
- * places alone. */
+/* The largest travel over a colour filter's channels. Travel includes changes of colour, which differ by channel; whether a
+ * tile moves depends on places only. */
 double td_renderer_tile_travel(const tides_renderer *renderer, int tile) {
     double most = 0;
     for (; renderer; renderer = renderer->beside) most = fmax(most, (double)renderer->candidates.travel[tile]);
@@ -44,6 +44,6 @@ void td_renderer_image_facts(const tides_renderer *renderer, double facts[TD_IMA
     for (int i = 0; i < TD_IMAGE_INTS; i++) facts[at++] = image.whole[i];
     facts[at++] = psf->radius ? psf->sigma : 0;
     facts[at++] = psf->radius ? psf->domain : 0;
-    for (int c = 0; c < 3; c++) facts[at++] = renderer->backdrops[0].colour[c];
+    for (int c = 0; c < 3; c++) facts[at++] = renderer->scratch.backdrops[0].colour[c];
     facts[at++] = renderer->colour_filter;
 }

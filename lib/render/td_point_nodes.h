@@ -1,54 +1,61 @@
 /* Internal to lib/render: record paths in double precision for single pixels (points.c): which Gaussians have which nodes in
- * the interval swept last, their rows, and the curves between those. */
+ * the interval swept last, their rows, and the curves between those. They are made for a group of Gaussians at a time. */
 #ifndef TD_POINT_NODES_H
 #define TD_POINT_NODES_H
 
 #include "td_points.h"
 
-/* Error that paths may have, in log_luminance, at most: at L_dot = 20 /s it is 25 ns. */
+/* Largest error of paths, in log_luminance: with L_dot = 20 /s it is 25 ns. */
 #define TD_POINT_PATH_TARGET 5e-7
 
-/* Error that paths may have where a motion model moves the Gaussian. Its rows may be in single precision, rounded to some 1e-5
- * px: a misfit of sixteen times this isn't all rounding. With 1e-5, p95 was 0.7 us in a scene whose samples in single precision
- * alone have 0.2 us (tests/property/test_motion_events.c). */
+/* Largest error of paths of Gaussians that a motion model moves. Their rows may be in single precision, rounded to about 1e-5
+ * px, so that a smaller error may be rounding. With 1e-5 here, p95 was 0.7 us in a scene whose samples in single precision
+ * have 0.2 us (tests/property/test_motion_events.c). */
 #define TD_POINT_PATH_MOVED 1e-6
 
-/* The interval in which points are asked for: the lists of a swept interval, and its ends, or the ends of a part of it. */
+/* The interval in which points are requested, or a part of it: candidate lists, begin and end. */
 typedef struct td_point_span {
     const int *first, *list; /* as td_candidates has them */
+    const float *boxes;      /* (store.count x 4) what each Gaussian in a list touches */
     double start, stop;      /* [s after the epoch] */
-    double shortest;         /* no part is shorter because paths bend [s] */
-    uint64_t serial;         /* tells it from others */
+    double shortest;         /* least length of a part that is cut because paths bend [s] */
+    uint64_t serial;         /* identifies the swept interval */
 } td_point_span;
 
-/* How long the one curve of an instant is, of which but the beginning is asked for [s]: so short that nothing moves on it, and
- * a power of two, so that rates are what they were. */
+/* Length of an instant's only curve, of which only the beginning is used [s]: so short that nothing moves on it, and a power
+ * of two, so that rates keep their bits. */
 #define TD_POINT_INSTANT 0x1p-40
 
 typedef struct td_point_nodes {
-    td_exact *exact; /* whose rows are its own until the next that share it are found */
-    int is_shared;   /* it is another's */
-    td_view *kept;   /* (objects) views of an instant that is kept, whose paths may have forgotten it; else NULL */
-    double *knot;    /* (pieces + 1) where the pieces of the interval begin and end [s after the epoch] */
+    td_exact *exact; /* its rows are valid until another user of the scene finds rows */
+    int is_shared;   /* 1: it belongs to another td_point_nodes */
+    td_view *kept;   /* (objects) views of a kept instant, which open paths may have forgotten; else NULL */
+    double *knot;    /* (pieces + 1) ends of the pieces of the interval [s after the epoch] */
     int pieces;
     double *piece_length; /* (pieces) [s] */
-    int *path;            /* (store.count) as td_points_interval has it */
-    int *gaussians;       /* (count) those in a list */
+    int *path;            /* (store.count) first curves * TD_PATH_LEVELS + level; or TD_PATH_UNSEEN, ... */
+    int *listed;          /* (listed_count) those in a list, rising; so many have paths */
+    int listed_count, made;
+    int curves;  /* of all that have paths */
+    int *wanted; /* (wanted_count, at most listed_count) the next to get paths, rising */
+    int wanted_count;
+    int group, some; /* so many are made together at most, and of more so many tell what pieces all have */
+    int *gaussians;  /* (count) the group at hand, from here on; */
     int count;
+    int *own;       /* (count) their paths */
     uint8_t *level; /* (count) 2^level curves a piece */
     int *open_at;   /* (count) of those that have a level's rows from the one before, but for what was open: */
     uint8_t *open;  /* from open[open_at[i]] on, each curve of the level before that; -1: all rows are their own */
     int open_count;
-    int *halve_from, *halve_to; /* (halves) first rows, of a level and of the next */
+    int *halve_from, *halve_to; /* (halves) first rows, in a level and in the next one */
     int halves;
     int *first; /* (count + TD_PAD) first rows */
     int rows;
-    int *row;       /* (2 x curves) the rows that each begins and ends with */
-    double *length; /* (curves) [s] */
-    int curves;
+    int *row;       /* (2 x group_curves) the rows that each begins and ends with */
+    double *length; /* (group_curves) [s] */
+    int group_curves;
     double halve;       /* where the span is to be cut in two, each part with rows of its own; NAN: it has its rows */
-    uint8_t *is_direct; /* (count) 1: no curve follows it, and who may see it has all projected (points_direct.c); */
-    int direct;         /* so many */
+    uint8_t *is_direct; /* (count) 1: no curve follows it, and who may see it has all projected (points_direct.c) */
     int moving, bent;   /* those that move; of which paths are off by more than they should */
     int *tried;         /* (count + TD_PAD) first rows of a level's, */
     td_points_fit fit;  /* and how well they do: (count + TD_PAD) */
@@ -60,28 +67,43 @@ typedef struct td_point_nodes {
         entry_capacity[2], job_capacity;
 } td_point_nodes;
 
-/* 1 for an instant, where one row of each Gaussian is enough. */
+/* 1 for an instant, for which each Gaussian needs only one row. */
 static inline int td_point_is_instant(const td_point_nodes *nodes) { return !(nodes->knot[0] < nodes->knot[nodes->pieces]); }
 
 struct tides_renderer;
-/* `shared`: another's scene in double, or NULL. */
+/* `shared`: the scene in double of another td_point_nodes, or NULL. */
 tides_status td_point_nodes_create(const struct tides_renderer *renderer, td_exact *shared, td_point_nodes *nodes,
                                    tides_error *error);
 void td_point_nodes_release(td_point_nodes *nodes);
 
-/* All of them, or where to cut: rows would be too many, or paths bend more than all levels can follow. */
+/* A Gaussian in a list that has no path yet; and one that is about to get it. */
+enum { TD_PATH_UNMADE = -3, TD_PATH_WANTED = -4 };
+
+/* Finds the Gaussians in lists, the pieces of their paths, and a first group with paths, which stands for all others. Short
+ * lists are that group as a whole. Or it says where to cut: rows would be too many, or paths bend more than all levels can
+ * follow. */
 tides_status td_point_nodes_find(struct tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
                                  const td_point_span *span, td_point_nodes *nodes, tides_error *error);
+
+/* Makes the next of the wanted Gaussians the group, as many as are made together; each has a path then. */
+tides_status td_point_nodes_next(struct tides_renderer *renderer, const tides_trajectory *camera, td_points_engine *engine,
+                                 td_point_nodes *nodes, tides_error *error);
+
+/* The group, for an engine. */
+td_points_group td_point_nodes_group(const td_point_nodes *nodes);
+
+/* Curves that an interval may come to have. */
+int td_point_nodes_expected(const td_point_nodes *nodes);
 
 /* Rows of the Gaussians of a level, at all its nodes that are theirs to have (point_rows.c). */
 tides_status td_point_rows_project(struct tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
                                    int level, tides_error *error);
 
-/* Rows of Gaussians [end[k - 1], end[k]) at time[k], for k below `slots`: their first, whatever their level. */
+/* Computes the first rows of Gaussians [end[k - 1], end[k]) at time[k], for each k below `slots`, whatever their level. */
 tides_status td_point_rows_direct(struct tides_renderer *renderer, const tides_trajectory *camera, td_point_nodes *nodes,
                                   const double *time, const int *end, int slots, tides_error *error);
 
-/* How many slices their interval has, for tests (kernels/point_tests.h). */
+/* Number of slices of the interval, for tests of which splats a point may see. */
 td_points_slices td_point_nodes_slices(const td_point_nodes *nodes);
 
 #endif

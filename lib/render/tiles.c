@@ -1,6 +1,5 @@
-/* Tiles at times: requests to jobs of a backend, in launches that memory has room for. The candidates of a job are the sweep's;
- * what blurs the result is psf.c, what refuses it nonfinite.c, and scenes with dynamic Gaussians get their rows first
- * (dynamic/tile_jobs.c). */
+/* Tiles at times: turns requests into jobs for the backend, in launches that fit into memory. The candidates of a job are the
+ * sweep's. In scenes with dynamic Gaussians, the rows for the requested times are computed first. */
 #include "td_renderer.h"
 
 #include <stdlib.h>
@@ -20,7 +19,7 @@ static td_job job_of(const tides_renderer *renderer, const td_request *request, 
                     .blocks = td_request_blocks(request)};
 }
 
-/* Requests to jobs, longest first, and the list of requests without candidates; returns the number of jobs. */
+/* Makes jobs from requests, longest first, and lists requests without candidates; returns the number of jobs. */
 static int make_jobs(tides_renderer *renderer, const td_request *requests, int count, int *empty_count) {
     const td_candidates *candidates = &renderer->candidates;
     int jobs = 0;
@@ -29,20 +28,20 @@ static int make_jobs(tides_renderer *renderer, const td_request *requests, int c
         int tile = requests[i].tile, first = candidates->first[tile];
         int length = candidates->first[tile + 1] - first;
         if (length == 0) {
-            renderer->empty[(*empty_count)++] = i;
+            renderer->scratch.empty[(*empty_count)++] = i;
             continue;
         }
         td_job job = job_of(renderer, &requests[i], i);
         job.candidates = first;
         job.count = length;
         td_candidates_give_hint(&renderer->candidates, tile, &job);
-        renderer->jobs[jobs++] = job;
+        renderer->scratch.jobs[jobs++] = job;
     }
-    qsort(renderer->jobs, (size_t)jobs, sizeof *renderer->jobs, td_job_by_falling_count);
+    qsort(renderer->scratch.jobs, (size_t)jobs, sizeof *renderer->scratch.jobs, td_job_by_falling_count);
     return jobs;
 }
 
-/* Runs the jobs in launches of limited records (a single job may need more). */
+/* Runs the jobs, in launches with limited records (a single job may need more). */
 static tides_status run_jobs(tides_renderer *renderer, td_batch *batch, td_job *jobs, int count, double *planes,
                              tides_error *error) {
     tides_status status = TIDES_OK;
@@ -56,18 +55,18 @@ static tides_status run_jobs(tides_renderer *renderer, td_batch *batch, td_job *
         batch->jobs = jobs + from;
         batch->job_count = to - from;
         batch->records = records;
-        status = td_renderer_heed(renderer, (double)from / count, error);
+        status = td_renderer_check_stop(renderer, (double)from / count, error);
         if (status == TIDES_OK) status = renderer->backend->type->render(renderer->backend, batch, planes, error);
     }
     return status;
 }
 
-/* Tiles that nothing can reach: the backdrop by formula. */
+/* Fills tiles without candidates with the backdrop. */
 static void fill_empty(tides_renderer *renderer, const td_request *requests, int empty_count, int outputs, double *planes) {
     double pixel[TD_OUT_COLOUR];
     for (int i = 0; i < empty_count; i++) {
-        int request = renderer->empty[i];
-        const double *backdrop = (const double *)&renderer->backdrops[requests[request].slot];
+        int request = renderer->scratch.empty[i];
+        const double *backdrop = (const double *)&renderer->scratch.backdrops[requests[request].slot];
         if (outputs == TD_OUT_TRUTH)
             td_truth_of_nothing(pixel);
         else
@@ -78,13 +77,13 @@ static void fill_empty(tides_renderer *renderer, const td_request *requests, int
     renderer->stats.tile_jobs_skipped += (uint64_t)empty_count;
 }
 
-/* Draws the backdrop into the images, for tiles that nothing can reach. */
+/* Draws the backdrop into the images, for tiles without candidates. */
 static void draw_empty(tides_renderer *renderer, const td_request *requests, int empty_count, int outputs,
                        const td_pictures *to) {
     double pixel[TD_OUT_COLOUR];
-    renderer->backend->type->empty_pixel(renderer->backend, (const double *)renderer->backdrops, pixel, outputs);
+    renderer->backend->type->empty_pixel(renderer->backend, (const double *)renderer->scratch.backdrops, pixel, outputs);
     for (int i = 0; i < empty_count; i++) {
-        const td_job at = job_of(renderer, &requests[renderer->empty[i]], 0);
+        const td_job at = job_of(renderer, &requests[renderer->scratch.empty[i]], 0);
         const int right = at.x + TD_TILE < to->width ? at.x + TD_TILE : to->width;
         const int bottom = at.y + TD_TILE < to->height ? at.y + TD_TILE : to->height;
         for (int k = 0; k < outputs; k++)
@@ -94,25 +93,27 @@ static void draw_empty(tides_renderer *renderer, const td_request *requests, int
     renderer->stats.tile_jobs_skipped += (uint64_t)empty_count;
 }
 
-/* Runs empty tiles as jobs, as a decoder needs: its output for no splats depends on the ray. */
+/* Runs empty tiles as jobs, for a decoder: its output without splats depends on the ray. */
 static tides_status run_empty(tides_renderer *renderer, td_batch *batch, const td_request *requests, int count, double *planes,
                               tides_error *error) {
     if (count == 0) return TIDES_OK;
     for (int i = 0; i < count; i++) {
-        int request = renderer->empty[i];
-        renderer->jobs[i] = job_of(renderer, &requests[request], request);
+        int request = renderer->scratch.empty[i];
+        renderer->scratch.jobs[i] = job_of(renderer, &requests[request], request);
     }
-    return run_jobs(renderer, batch, renderer->jobs, count, planes, error);
+    return run_jobs(renderer, batch, renderer->scratch.jobs, count, planes, error);
 }
 
-/* Room for as many requests. */
+/* Makes room for `count` requests. */
 static tides_status reserve(tides_renderer *renderer, size_t count, tides_error *error) {
-    tides_status status = td_reserve((void **)&renderer->jobs, &renderer->job_capacity, count, sizeof *renderer->jobs, error);
+    tides_status status = td_reserve((void **)&renderer->scratch.jobs, &renderer->scratch.job_capacity, count,
+                                     sizeof *renderer->scratch.jobs, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&renderer->empty, &renderer->empty_capacity, count, sizeof *renderer->empty, error);
+        status = td_reserve((void **)&renderer->scratch.empty, &renderer->scratch.empty_capacity, count,
+                            sizeof *renderer->scratch.empty, error);
     if (status == TIDES_OK)
-        status =
-            td_reserve((void **)&renderer->in_order, &renderer->in_order_capacity, count, sizeof *renderer->in_order, error);
+        status = td_reserve((void **)&renderer->scratch.in_order, &renderer->scratch.in_order_capacity, count,
+                            sizeof *renderer->scratch.in_order, error);
     return status;
 }
 
@@ -126,22 +127,23 @@ tides_status td_renderer_raw_tiles(tides_renderer *renderer, const tides_traject
     int empty_count;
     int jobs = make_jobs(renderer, requests, asked->count, &empty_count);
     td_batch batch = {0};
-    batch.views = (const double *)renderer->views;
-    batch.backdrops = (const double *)renderer->backdrops;
+    batch.views = (const double *)renderer->scratch.views;
+    batch.backdrops = (const double *)renderer->scratch.backdrops;
     batch.slots = asked->slots;
     batch.candidates = renderer->candidates.list;
     batch.candidate_count = renderer->candidates.first[renderer->stats.tiles];
     batch.candidates_serial = renderer->candidates.serial;
     batch.outputs = outputs;
     batch.hint_count = td_candidates_hint_count(&renderer->candidates);
-    batch.in_order = renderer->in_order;
+    batch.in_order = renderer->scratch.in_order;
     batch.pictures = pictures;
     const td_groups groups = {renderer->candidates.groups, renderer->candidates.group_count};
-    const int moves = renderer->dynamic.gaussians > 0; /* whose rows are to be worked out for the batch's times */
+    const int moves = renderer->dynamic.gaussians > 0; /* their rows have to be computed for the batch's times */
     if (!moves) batch.groups = &groups;
-    status = moves ? td_dynamic_run_jobs(renderer, &batch, asked, renderer->jobs, jobs, planes, error)
-                   : run_jobs(renderer, &batch, renderer->jobs, jobs, planes, error);
-    td_candidates_take_hints(&renderer->candidates, renderer->jobs, jobs, status == TIDES_OK ? renderer->in_order : NULL);
+    status = moves ? td_dynamic_run_jobs(renderer, &batch, asked, renderer->scratch.jobs, jobs, planes, error)
+                   : run_jobs(renderer, &batch, renderer->scratch.jobs, jobs, planes, error);
+    td_candidates_take_hints(&renderer->candidates, renderer->scratch.jobs, jobs,
+                             status == TIDES_OK ? renderer->scratch.in_order : NULL);
     if (status == TIDES_OK && renderer->image.decoder) return run_empty(renderer, &batch, requests, empty_count, planes, error);
     if (status == TIDES_OK && pictures) draw_empty(renderer, requests, empty_count, outputs, pictures);
     if (status == TIDES_OK && !pictures) fill_empty(renderer, requests, empty_count, outputs, planes);

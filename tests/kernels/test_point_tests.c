@@ -1,6 +1,6 @@
-/* Points leave out splats by a quick test in single precision (kernels/point_tests.h). Whatever a point sees the test of its
- * slice must let through, with any number of slices, of one piece or of groups of several, for splats of any level, however
- * they bend; and it must turn others away, or it were none. */
+/* Points leave out splats by a quick test in single precision (kernels/point_tests.h). The test of its slice must pass every
+ * splat that a point sees, with any number of slices, of one piece or of groups of several, for splats of any level and any
+ * path. And it must reject others, or it would be useless. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -105,7 +105,7 @@ static void check_splat(uint64_t *state, const td_point_slices *slices, int leve
     static const size_t at_once = 0;
     const td_image image = plain_image();
     const td_point_tile tile = {32, 48, 0, TD_PAD};
-    const td_point_paths paths = {NULL, curves, *slices, NULL};
+    const td_point_paths paths = {curves, *slices, NULL};
     const splat s = any_splat(state);
     const double h = LENGTH / slices->pieces;
     lay_curves(&s, slices->pieces, level, curves);
