@@ -35,7 +35,7 @@ done
 
 # -- systems -----------------------------------------------------------------------------------------------------------
 # Unpacked and known to dpkg, but not set up: that would take half an hour of emulation, and neither compilers nor tests ask for it.
-small=bash,coreutils,sed,grep,mawk,findutils,diffutils,debianutils,dpkg,python3,python3-pip,ca-certificates
+small=libstdc++6,bash,coreutils,sed,grep,mawk,findutils,diffutils,debianutils,dpkg,python3,python3-pip,ca-certificates
 packages=$small,gcc,libc6-dev,libc-bin,make,pkg-config,python3-setuptools,python3-wheel,pocl-opencl-icd,ocl-icd-opencl-dev,opencl-headers
 packages=$packages,libopenexr-dev,libpng-dev,libcjson-dev,libhdf5-dev,zlib1g-dev,libdeflate-dev,libzstd-dev,liblz4-dev,libwebp-dev
 packages=$packages,libcairo2-dev,fonts-dejavu-core,libcmocka-dev
