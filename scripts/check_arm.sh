@@ -137,7 +137,13 @@ wheel() {
         python3 example.py' >"$work/said" 2>&1
     lent=
     cat "$work/said"
-    if [ -s "$bare/home/user/events.raw" ]; then pass "README's example in a bare system ($((SECONDS - began)) s)"; else fail "README's example"; fi
+    (library=$(realpath "${native%/*}/libtides.so") packages=$PWD/python_ctypes && cd "$work" &&
+        TIDES_DEVICE=reference TIDES_LIBRARY=$library PYTHONPATH=$packages "${PYTHON:-python3}" "$bare/home/user/example.py" >"$work/said" 2>&1)
+    if [ -s "$work/events.raw" ] && cmp -s "$work/events.raw" "$bare/home/user/events.raw"; then
+        pass "$(hash_of "$work/events.raw")  README's example in a bare system ($((SECONDS - began)) s)"
+    else
+        fail "README's example: $(hash_of "$work/events.raw") here, $(hash_of "$bare/home/user/events.raw") there"
+    fi
 }
 
 # -- tests -------------------------------------------------------------------------------------------------------------
