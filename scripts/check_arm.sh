@@ -158,7 +158,7 @@ one() { # PROGRAM: a line 'WORD PROGRAM (seconds of the processor)'
         137 | 152) word=late ;;
         *) word=FAIL ;;
     esac
-    reason=$(grep -m 1 -oE 'skipped: .*' "$said")
+    reason=$(grep -m 1 -oE 'skipped: .*' "$said" | cut -c 1-80)
     printf '%-6s %s (%s s%s)\n' $word "$name" "${used##*$'\n'}" "${reason:+; ${reason#skipped: }}"
     [ $word != FAIL ] || { echo "  exit $code"; grep -E 'ERROR|LINE|FAILED' "$said" | head -n 5 | sed 's/^/  /'; }
     rm -f "$said"
@@ -170,7 +170,7 @@ tests() {
     printf '%s\n' $programs | xargs -P "$jobs" -n 1 bash -c 'one "$0"' | tee "$work/tests"
     passed=$((passed + $(grep -c '^ok ' "$work/tests"))) failed=$((failed + $(grep -c '^FAIL ' "$work/tests")))
     late=$(awk '/^late /{printf " %s", $2}' "$work/tests")
-    say tests "$(awk '/ s[;)]/{sub(/.*\(/, ""); all += $1} END{printf "%d s of the processor", all}' "$work/tests"), $(grep -c '^skip ' "$work/tests") programs skipped"
+    say tests "$(awk '{sub(/\(/, "", $3); all += $3} END{printf "%d s of the processor", all}' "$work/tests"), $(grep -c '^skip ' "$work/tests") programs skipped"
     unset OCL_ICD_VENDORS
 }
 
