@@ -1,6 +1,6 @@
 /* tides bench calibrate: sensors drawn by chance, simulated on a scene, and measured again from their events (tides
- * calibrate), once from the scene's own light and once from exposed frames of it. The table says whether the values found are the true ones,
- * and whether their error bars say by how much they aren't. */
+ * calibrate), once from the light of the scene itself and once from exposed frames of it. The table compares values found with
+ * the true ones, and their errors with their error bars. */
 #include "bench.h"
 #include "bench_calibrate.h"
 #include "demo.h"
