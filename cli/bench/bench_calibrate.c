@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { SENSORS = 40, SENSORS_QUICK = 1, MEASURED = 6, SETS = 20, SET_CHARS = 4400, LIGHTS = 4, WIDTH = 64, HEIGHT = 48 };
+enum { SENSORS = 40, SENSORS_QUICK = 1, MEASURED = 6, SETS = 20, SET_CHARS = 4400, LIGHTS = 4 };
 /* Frames that a sensor is measured from [Hz]; 0: the scene itself. An exposure lasts a quarter of their period. */
 static const double lights[LIGHTS] = {0, 100, 50, 25};
 #define EXPOSED 0.25
@@ -30,7 +30,7 @@ typedef struct calibrate_rows {
     size_t count;
 } calibrate_rows;
 
-/* A scene, as it was made for this benchmark: the middle of its view alone, 64x48 px, which keeps motion in pixels as it is. */
+/* A scene, as it was made for this benchmark: the middle of its view alone, which keeps motion in pixels as it is. */
 typedef struct calibrate_scene {
     char name[64], run[4300];   /* the run file */
     char empty[4200];           /* a run file that says nothing: of what is set alone */
@@ -224,12 +224,18 @@ static tides_status print_summary(const calibrate_rows *all, tides_error *error)
 
 static void add_text(calibrate_scene *s, const char *text) { snprintf(s->view[s->views++], SET_CHARS, "%s", text); }
 
-/* The middle of a view whose lens has these values. */
-static void crop(calibrate_scene *s, double focal, double x, double y) {
+static void set_size(calibrate_scene *s, int32_t width, int32_t height) {
+    add_set(s->view, &s->views, "camera.width", width);
+    add_set(s->view, &s->views, "camera.height", height);
+}
+
+/* The middle of a view of that focal length; `off`: from the image's middle to the lens's, in both axes [px]. */
+static void crop(calibrate_scene *s, double focal, int32_t width, int32_t height, double off) {
+    set_size(s, width, height);
     add_set(s->view, &s->views, "camera.fx", focal);
     add_set(s->view, &s->views, "camera.fy", focal);
-    add_set(s->view, &s->views, "camera.cx", x);
-    add_set(s->view, &s->views, "camera.cy", y);
+    add_set(s->view, &s->views, "camera.cx", 0.5 * width + off);
+    add_set(s->view, &s->views, "camera.cy", 0.5 * height + off);
 }
 
 static tides_status make_demo(const bench *b, calibrate_scene *s, tides_error *error) {
@@ -238,7 +244,7 @@ static tides_status make_demo(const bench *b, calibrate_scene *s, tides_error *e
     if (status == TIDES_OK) status = cli_make_directory(folder, error);
     if (status == TIDES_OK) status = demo_scene_write(folder, error);
     snprintf(s->run, sizeof s->run, "%s/run.json", folder);
-    crop(s, 300, 0.5 * WIDTH, 0.5 * HEIGHT);
+    crop(s, 300, 40, 30, 0);
     return status;
 }
 
@@ -265,17 +271,16 @@ static tides_status find_scene(const bench *b, const char *name, calibrate_scene
         status = make_demo(b, s, error);
     } else if (strcmp(name, "slider_depth") == 0) {
         snprintf(s->run, sizeof s->run, "%s/data/real/slider_depth/run.json", data);
-        crop(s, 335, 0.5 * WIDTH + 10, 0.5 * HEIGHT + 10); /* its lens's middle is 10 px off the image's */
+        crop(s, 335, 64, 48, 10);
     } else {
         snprintf(s->run, sizeof s->run, "%s", s->empty);
         snprintf(s->view[s->views++], SET_CHARS, "scene.file=%.2000s/data/playcanvas/guitar_20k_inria_sh0.ply", data);
         add_text(s, "image.transfer=srgb");
-        add_set(s->view, &s->views, "camera.orbit_s", 3);
+        add_set(s->view, &s->views, "camera.orbit_s", 2);
+        set_size(s, 96, 72);
     }
-    add_set(s->view, &s->views, "camera.width", WIDTH);
-    add_set(s->view, &s->views, "camera.height", HEIGHT);
     add_set(s->view, &s->views, "time.start", 0);
-    add_set(s->view, &s->views, "time.stop", b->quick ? 0.04 : 0.16);
+    add_set(s->view, &s->views, "time.stop", b->quick ? 0.04 : 0.12);
     return status;
 }
 
