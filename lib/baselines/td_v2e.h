@@ -20,7 +20,7 @@ typedef struct td_v2e_state {
     double noise_level;   /* of the white noise before its low-pass [log units] */
 } td_v2e_state;
 
-/* What v2e reads of a frame [DN]. */
+/* The value of a frame that v2e reads [DN]. */
 static inline double td_v2e_dn(const tides_v2e *p, double Y) { return 255.0 * Y + p->added_dn; }
 
 /* v2e_surround.c: the diffuser of horizontal cells, from the last frame to this one. */

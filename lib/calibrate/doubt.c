@@ -52,8 +52,8 @@ static void halves(td_calibration *c, const td_fit *whole, tides_calibration *fo
     }
 }
 
-/* Pixels with low thresholds fire more often, so that a median over events is low by the relative variance of thresholds. What
- * isn't known of that variance is an error of the thresholds. */
+/* Pixels with low thresholds fire more often, so that a median over events is low by the relative variance of thresholds. The
+ * unknown part of that variance is an error of the thresholds. */
 static double spread_doubt(const td_calibration *c, const tides_calibration *found) {
     const tides_calibrated *sigma = &found->values[TIDES_CALIBRATED_SIGMA];
     const double mean = 0.5 * (c->raw.on + c->raw.off);
