@@ -38,7 +38,7 @@ typedef struct tides_esim {
     double minimum_framerate;        /* [Hz] 30: the longest time between two renders */
 } tides_esim;
 
-/* v2e's event emulator. Input DN = 255 Y, logarithm linear below 20. */
+/* v2e's event emulator. Input DN = 255 Y + added_dn, logarithm linear below 20. */
 typedef struct tides_v2e {
     double pos_thres, neg_thres, sigma_thres; /* [log units] 0.2, 0.2, 0.03 once per pixel */
     double cutoff_hz;                         /* [Hz] 300; 0: off */
@@ -48,6 +48,7 @@ typedef struct tides_v2e {
     double shot_noise_rate_hz;                /* [Hz] 0.001 */
     double refractory_period;                 /* [s] 0.0005 */
     double cs_lambda_pixels, cs_tau_p_ms;     /* [px], [ms] 0: no surround; */
+    double added_dn;                          /* [DN] 0: of the frames that v2e is given, which has no black level itself */
     int32_t photoreceptor_noise;              /* 0; 1: noise before the comparator instead of shot noise */
     int32_t hdr;                              /* 0; 1: what is pushed is the logarithm already */
     int32_t float32_timestamps;               /* 0; 1: sub-times rounded to float32 seconds, as v2e does */

@@ -69,8 +69,8 @@ enum {
 
 /* The run's sensor in parameters of the others (TIDES_IDEAL_SENSOR), where these aren't the same by another name:
  *   esim           spread 0: its own is drawn anew at each frame, and loses events. No low-pass, leak, or noise
- *   v2e            its pole goes with light, another is met at Y = 0.18. It has no black level: thresholds are
- *                  (0.18 + log_eps) / 0.18 times as high, the same change of light there
+ *   v2e            its pole goes with light, another is met at Y = 0.18. It has no black level: the frames get it
+ *                  (added_dn = 255 log_eps)
  *   dvs-voltmeter  k1 = 2 / (C_on + C_off), k2 = 255 log_eps, k4 = leak, and k6 from noise: a Brownian motion of k6 leaves +-1
  *                  k6^2 times per us; k3 and k5 go with light and are 0. No low-pass, spread, or refractory period
  *   iebcs          scale = 1 / log_eps, tau as v2e's pole, no latency but the low-pass's; leak and half the noise are its ON

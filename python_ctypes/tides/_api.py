@@ -2042,6 +2042,7 @@ class tides_v2e(Structure):
     double shot_noise_rate_hz; /* [Hz] 0.001 */
     double refractory_period; /* [s] 0.0005 */
     double cs_lambda_pixels, cs_tau_p_ms; /* [px], [ms] 0: no surround; */
+    double added_dn; /* [DN] 0: of the frames that v2e is given, which has no black level itself */
     int32_t photoreceptor_noise; /* 0; 1: noise before the comparator instead of shot noise */
     int32_t hdr; /* 0; 1: what is pushed is the logarithm already */
     int32_t float32_timestamps; /* 0; 1: sub-times rounded to float32 seconds, as v2e does */
@@ -2058,6 +2059,7 @@ class tides_v2e(Structure):
     refractory_period: float
     cs_lambda_pixels: float
     cs_tau_p_ms: float
+    added_dn: float
     photoreceptor_noise: int
     hdr: int
     float32_timestamps: int
@@ -2074,6 +2076,7 @@ class tides_v2e(Structure):
         ("refractory_period", c_double),
         ("cs_lambda_pixels", c_double),
         ("cs_tau_p_ms", c_double),
+        ("added_dn", c_double),
         ("photoreceptor_noise", c_int32),
         ("hdr", c_int32),
         ("float32_timestamps", c_int32),
