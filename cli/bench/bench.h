@@ -161,7 +161,7 @@ tides_status bench_write(const bench *b, const char *name, cJSON *header, const 
 /* bench_write for rows of any kind: each row has the same columns, a cell each. */
 enum { BENCH_CELLS_MAX = 40 };
 typedef struct bench_cell {
-    const char *name, *text; /* text, printed without quotes; NULL: a number: */
+    const char *name, *text; /* text that contains no quotes; NULL: a number: */
     double number;           /* NaN: none */
 } bench_cell;
 typedef struct bench_table {
