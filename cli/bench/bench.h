@@ -134,6 +134,12 @@ tides_status bench_each_scene(bench *b, const cli_list *names, bench_visit visit
  * limit. */
 tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides_error *error);
 
+/* -- the ROS 2 feed (bench_feed.c) ------------------------------------------------------------------------------------ */
+
+/* `rows`, the caller's: for each rate of events an object of rate, packets, lost, events, seconds, and `ms`, the sorted
+ * latencies of at most `packets` packets of 1 ms. NULL where the Python package can't be asked, which is said. */
+tides_status bench_feed(const bench *b, int32_t packets, cJSON **rows, tides_error *error);
+
 /* -- processes (bench_child.c) ---------------------------------------------------------------------------------------- */
 
 /* How a process ended. BENCH_RAN: by itself. BENCH_REFUSED is set by the work itself, BENCH_DIED where a signal killed it. */

@@ -111,6 +111,9 @@ void describe_man_tool(const cli_command *commands, size_t count) {
           ".TP\n\\fBtides \\-\\-version\\fR\nPrints the version.\n",
           stdout);
     fputs(".SH ENVIRONMENT\n.TP\n.B TIDES_DEVICE\nThe device, where neither \\fB\\-\\-device\\fR nor the run file names one.\n"
+          ".TP\n.B TIDES_PYTHON\nThe interpreter that has the Python package: \\fBtides bench live\\fR measures its ROS 2 "
+          "feed. The "
+          "package\\(aqs own \\fBtides\\fR sets it.\n"
           ".TP\n.B TIDES_THREADS\nHow many threads of the host a run has, where \\fB\\-\\-threads\\fR doesn't say; 0: as "
           "many as there are processors.\n"
           ".TP\n.B TIDES_KERNEL_DIR\nA folder to read the OpenCL kernels from, instead of those inside the library.\n",

@@ -1,6 +1,5 @@
-/* A part of tides_metrics_compare: intervals between events of a pixel, separately for each polarity of the first event, as
- * distances between distributions. Thresholds of ON and OFF, refractory periods and wrong front ends affect the two
- * differently. */
+/* Compares intervals between a pixel's events separately by the polarity of the first event, as distances of distributions.
+ * Differences of thresholds, refractory periods and front ends show here. */
 #include "td_metrics.h"
 
 #include <math.h>

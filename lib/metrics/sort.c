@@ -1,4 +1,4 @@
-/* Sorts many numbers, and sums them without rounding errors, for the parts of tides_metrics_compare. */
+/* Sorts many numbers, and sums numbers without loss of precision, for the metrics. */
 #include "td_metrics.h"
 
 #include "td_sort.h"

@@ -1,10 +1,10 @@
-/* Prepares streams for comparison: checks, crops, rounds down to the clock, and sorts by pixel. */
+/* Prepares streams for comparison: checks, crops, rounds times down to the clock, and sorts by pixel. */
 #include "td_metrics.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Greatest time [ns], 73 years: differences with a bit for the polarity must fit 64 bits. */
+/* Times beyond this [ns], 73 years, are refused: differences, shifted by the bit for polarity, must fit 64 bits. */
 static const int64_t time_limit = INT64_C(2305843009213693952);
 
 int64_t td_floor_to(int64_t value, int64_t step) {
@@ -66,13 +66,13 @@ static void crop(const tides_event *events, size_t count, const td_compare *c, i
     }
 }
 
-/* A counting sort by pixel, so that each pixel's events stay in order of time. */
+/* Counting sort by pixel. It is stable, so each pixel's events stay in order of time. */
 static tides_status make_train(const td_compare *c, td_stream *stream) {
     const size_t pixels = td_compare_pixels(c), width = (size_t)c->width;
     size_t *first = stream->first = td_alloc(pixels + 2, sizeof *first, c->error);
     uint64_t *train = stream->train = td_alloc(stream->count, sizeof *train, c->error);
     if (!first || !train) return TIDES_NO_MEMORY;
-    /* Counts two entries ahead: placing the events then moves each entry to its final value. */
+    /* Counts are stored two entries further: placing the events turns them into first indices. */
     for (size_t i = 0; i < stream->count; i++) first[stream->events[i].y * width + stream->events[i].x + 2]++;
     for (size_t i = 2; i < pixels + 2; i++) first[i] += first[i - 1];
     for (size_t i = 0; i < stream->count; i++) {

@@ -11,7 +11,9 @@ it measures latency and rate.
 from __future__ import annotations
 
 import argparse
+import math
 import os
+import re
 import sys
 import tempfile
 import time
@@ -20,7 +22,7 @@ from typing import Any, Iterable
 import numpy as np
 
 try:
-    from cyclonedds.core import InstanceState, Policy, Qos, ReadCondition, SampleState, ViewState, WaitSet
+    from cyclonedds.core import DDSException, InstanceState, Policy, Qos, ReadCondition, SampleState, ViewState, WaitSet
     from cyclonedds.domain import Domain, DomainParticipant
     from cyclonedds.pub import DataWriter
     from cyclonedds.sub import DataReader
@@ -31,7 +33,7 @@ except ImportError as missing:
 
 from . import ros2_messages as messages
 from ._warn import warn
-from .errors import TidesError
+from .errors import BadArgument, OutOfRange, TidesError
 from .events import EVENT
 from .image import picture_rgb
 from .live import Live, camera_quaternion
@@ -39,8 +41,9 @@ from .session import Session
 from .trajectory import Trajectory
 
 _SECOND = 1_000_000_000
-DEPTH = 10  # messages kept, ROS' default
-PERIOD_S = 0.01  # between packets on the run's own path
+DEPTH = 10  # ROS' default: so many messages are kept
+PERIOD_S = 0.01  # of packets, along the run's own path
+GAP_S = 60.0  # between poses, at most: clocks that disagree would ask for years of events
 POSE, TWIST = "geometry_msgs::msg::dds_::PoseStamped_", "geometry_msgs::msg::dds_::TwistStamped_"
 
 # #: Cyclone's settings for runs that only this machine receives.
@@ -59,19 +62,29 @@ def qos(depth: int = DEPTH) -> Any:
     )
 
 
+def _domain_of(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise ValueError(f"ROS_DOMAIN_ID={text}: a number from 0 to 232 is needed") from None
+
+
 class Bus:
     """A participant in a ROS domain (None: ROS_DOMAIN_ID, else 0). `loopback`: only on this machine (None: as
     ROS_LOCALHOST_ONLY or ROS_AUTOMATIC_DISCOVERY_RANGE says)."""
 
     def __init__(self, domain: int | None = None, loopback: bool | None = None):
-        number = int(os.environ.get("ROS_DOMAIN_ID", 0)) if domain is None else domain
+        number = _domain_of(os.environ.get("ROS_DOMAIN_ID") or "0") if domain is None else domain
         if not 0 <= number <= 232:
             raise ValueError(f"domain: {number}, where ROS has 0 to 232")
         if loopback is None:
             reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "")
             loopback = os.environ.get("ROS_LOCALHOST_ONLY") == "1" or reach.upper() == "LOCALHOST"
-        self._domain = Domain(number, LOOPBACK) if loopback else None
-        self.participant = DomainParticipant(number)
+        try:
+            self._domain = Domain(number, LOOPBACK) if loopback else None
+            self.participant = DomainParticipant(number)
+        except DDSException as error:
+            raise OSError(f"domain {number} can't be joined: {error}; a process joins one once, and 30 do so over the loopback") from None
 
     def writer(self, topic: str, kind: Any, depth: int = DEPTH) -> Any:
         return DataWriter(self.participant, Topic(self.participant, f"rt/{topic}", kind, qos=qos(depth)), qos=qos(depth))
@@ -173,13 +186,14 @@ def _inertial(session: Session) -> list[tuple[float, Any, Any]]:
 
 
 class Follower:
-    """A live run whose camera follows PoseStamped messages, and with `twists` the TwistStamped of the same stamp, in world
-    axes. `axes`: camera axes of these poses, a key of CAMERA_AXES. The first pose is the run's start; its stamp is the
-    run's time.start, and events have stamps of the same clock."""
+    """A live run whose camera is where PoseStamped messages say, and with `twists` as fast as the TwistStamped of the same stamp says, in
+    world axes. `axes`: which way the frame looks that is told, a key of CAMERA_AXES. The first pose is where the run begins; its
+    stamp is the run's time.start, and events have stamps of the same clock. A pose that can't be, or is more than `gap_s` after the one
+    before, is left out with a warning."""
 
-    def __init__(self, node: Node, twists: bool = False, axes: str = "opencv", **how: Any):
-        camera_quaternion((1, 0, 0, 0), axes)  # raises for an unknown name
-        self.node, self.axes, self._twisted = node, axes, twists
+    def __init__(self, node: Node, twists: bool = False, axes: str = "opencv", gap_s: float = GAP_S, **how: Any):
+        camera_quaternion((1, 0, 0, 0), axes)  # refuses a name that isn't one
+        self.node, self.axes, self.gap_s, self._twisted = node, axes, gap_s, twists
         self.live = Live(node.session, **how)
         self._poses = node.bus.reader(f"{node.name}/pose", messages.PoseStamped)
         self._twists = node.bus.reader(f"{node.name}/twist", messages.TwistStamped) if twists else None
@@ -220,19 +234,31 @@ class Follower:
         if twist:
             v, w = twist.twist.linear, twist.twist.angular
             told = (*told, (v.x, v.y, v.z), (w.x, w.y, w.z))
-        if self._first is None:
-            self._first = ns
-            self.node.shift_ns = ns - round(_SECOND * self.live.time)
-            self.live.tell(told, self.live.time)
+        try:
+            events = self._tell(ns, told)
+        except OutOfRange:  # the scene's motion ends, and so does the run
+            raise
+        except (BadArgument, ValueError) as error:  # then nothing was told: NaN, no rotation, half a turn, a jump
+            warn(f"pose at {ns / _SECOND:.9g} s is left out: {error}")
+            events = None
+        if events is None:
             return 0
-        ahead = self.node.session.values.start + (ns - self._first) / _SECOND - self.live.time
-        if ahead <= 0:
-            warn(f"pose at {ns / _SECOND:.9g} s: the run is past it; it is left out")
-            return 0
-        events = self.live.step(told, ahead)
         self.node.pictures(self.live.time, Trajectory.static(told[0], told[1]))
         self.node.events(events, round(_SECOND * self.live.time))
         return len(events)
+
+    def _tell(self, ns: int, told: tuple[Any, ...]) -> np.ndarray | None:
+        """The events up to a pose; None of the first, which is where the run begins, and of one that is left out."""
+        if self._first is None:
+            self.live.tell(told, self.live.time)
+            self._first, self.node.shift_ns = ns, ns - round(_SECOND * self.live.time)
+            return None
+        ahead = self.node.session.values.start + (ns - self._first) / _SECOND - self.live.time
+        if ahead <= 0:
+            raise ValueError("the run is past it")
+        if ahead > self.gap_s:
+            raise ValueError(f"it is {ahead:.3g} s after the one before, and at most {self.gap_s:g} s are run (--gap)")
+        return self.live.step(told, ahead)
 
     def close(self) -> None:
         self.live.close()
@@ -253,6 +279,7 @@ def options() -> argparse.ArgumentParser:
     made.add_argument("--poses", action="store_true", help="the camera is where NAME/pose says (PoseStamped)")
     made.add_argument("--twists", action="store_true", help="and as fast as NAME/twist says (TwistStamped of the same stamp)")
     made.add_argument("--axes", default="opencv", help="of the poses' frame: opencv, opengl or robot (opencv)")
+    made.add_argument("--gap", type=float, default=GAP_S, metavar="S", help=f"with --poses: leave later ones out ({GAP_S:g})")
     made.add_argument("--silence", type=float, metavar="S", help="with --poses: end where none comes for so long (never)")
     made.add_argument("--no-clock", action="store_true", help="no /clock; with --poses there is none anyway")
     made.add_argument("--domain", type=int, help="ROS domain (ROS_DOMAIN_ID, else 0)")
@@ -273,7 +300,20 @@ def follow(follower: Follower, silence_s: float | None) -> int:
     return count
 
 
+def check(given: argparse.Namespace) -> None:
+    """ValueError: an option that can't be."""
+    for name, value, fine in [
+        ("speed", given.speed, given.speed >= 0), ("images", given.images, given.images >= 0), ("period", given.period, given.period > 0),
+        ("gap", given.gap, given.gap > 0), ("silence", given.silence or 0.0, given.silence is None or given.silence > 0),
+    ]:  # fmt: skip
+        if not (fine and math.isfinite(value)):
+            raise ValueError(f"--{name} {value:g}: a number {'of at least' if name in ('speed', 'images') else 'above'} 0 is needed")
+    if not re.fullmatch(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", given.name, re.ASCII):
+        raise ValueError(f"--name {given.name!r}: ROS' topics begin with letters, digits and _, with / between")
+
+
 def run(given: argparse.Namespace) -> int:
+    check(given)
     settings: dict[str, str] = {}
     for one in given.set:
         key, equals, value = one.partition("=")
@@ -288,7 +328,7 @@ def run(given: argparse.Namespace) -> int:
         time.sleep(0.01)
     if not given.poses:
         return play(node, given.speed, given.period)
-    follower = Follower(node, given.twists, given.axes)
+    follower = Follower(node, given.twists, given.axes, given.gap)
     print("waiting for poses", flush=True)
     try:
         return follow(follower, given.silence)
@@ -300,7 +340,7 @@ def main(arguments: Iterable[str] | None = None) -> None:
     given = options().parse_args(None if arguments is None else list(arguments))
     try:
         print(f"{run(given)} events")
-    except (TidesError, ValueError, OSError) as error:
+    except (TidesError, ValueError, OSError, DDSException) as error:
         sys.exit(f"tides.ros2: {error}")
     except KeyboardInterrupt:
         pass

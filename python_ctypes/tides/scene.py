@@ -135,9 +135,8 @@ class SceneObject:
 
 
 class Scene(Handle):
-    """A scene of objects. Scene() is empty, Scene(file) has a file's content (.ply, .spz, .ksplat, .splat, .splatv, .lcc,
-    .sog, .glb, .h5, a trainer's folder). `len(scene)` is the number of objects. A scene doesn't change while a Renderer or
-    Simulation uses it.
+    """What is looked at. Scene() is empty, Scene(file) holds what a file does (.ply, .spz, .ksplat, .splat, .splatv, .lcc, .lcc2, .sog, .glb, .h5,
+    a trainer's folder). `len(scene)` is the number of objects. A scene doesn't change while a Renderer or Simulation uses it.
 
     Pickling stores the names of its files, which are read again, and objects that were added as values: a worker process
     gets a scene of its own. A `Motion` can't be pickled."""

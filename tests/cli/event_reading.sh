@@ -69,7 +69,7 @@ printf '#usda 1.0\n' >scene.usda
 refuse 1 "scene.usda: is an OpenUSD scene.*python -m tides.usd scene.usda scene.h5" tides info scene.usda
 refuse 1 "scene.usda: is an OpenUSD scene.*python -m tides.usd scene.usda scene.h5" tides simulate scene.usda -o x.h5
 echo '{}' >a.lcc2
-refuse 1 "a.lcc2: is an LCC 2 scene.*splat-transform" tides info a.lcc2
+refuse 1 "a.lcc2: is no LCC2 scene: its totalLevels" tides info a.lcc2
 
 # What nothing decides, somebody says.
 columns , 'print 7919 * NR * NR % 1000003, $2, $3, $4' >shuffled.csv

@@ -95,6 +95,7 @@ class Server:
         self._left, self._ended = asyncio.Event(), asyncio.Event()
         self._worker = ThreadPoolExecutor(1)  # the engine's single thread
         self.port = 0
+        self.kept: dict[str, Any] | None = None  # of a recording that ended with the run
 
     @property
     def origins(self) -> list[str]:
@@ -105,20 +106,21 @@ class Server:
         return f"{self.origins[0]}/#{self.token}"
 
     async def run(self, ready: Any = None, alone_s: float | None = None) -> None:
-        """Serves until the page is closed. `ready` is called with the address. If no page connects within `alone_s`, it ends
-        too."""
-        async with serve(
-            self._handle, HOST, self._wanted, process_request=self._request, max_size=LONGEST_MESSAGE, compression=None,
-            server_header=None,
-        ) as server:  # fmt: skip
-            self.port = next(iter(server.sockets)).getsockname()[1]
-            if ready:
-                ready(self.url)
-            if alone_s is not None:
-                asyncio.get_running_loop().call_later(alone_s, lambda: self._driver or self._ended.set())
-            await self._ended.wait()
-        await self._call(self.world.close)
-        self._worker.shutdown()
+        """Until the page is closed. `ready` is called with the address; where no page comes within `alone_s`, it ends too."""
+        try:
+            async with serve(
+                self._handle, HOST, self._wanted, process_request=self._request, max_size=LONGEST_MESSAGE, compression=None,
+                server_header=None,
+            ) as server:  # fmt: skip
+                self.port = next(iter(server.sockets)).getsockname()[1]
+                if ready:
+                    ready(self.url)
+                if alone_s is not None:
+                    asyncio.get_running_loop().call_later(alone_s, lambda: self._driver or self._ended.set())
+                await self._ended.wait()
+        finally:  # of Ctrl-C, too: behind the step that is on its way, whose events a recording has
+            self.kept = await self._call(self.world.close)
+            self._worker.shutdown()
 
     async def _call(self, function: Any, *arguments: Any) -> Any:
         return await asyncio.get_running_loop().run_in_executor(self._worker, function, *arguments)

@@ -10,6 +10,7 @@ import os
 import shlex
 import tempfile
 import time
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from ..events import EVENT, EventReader, EventWriter
 from ..image import picture_rgb
 from ..live import Live, _angular, _quaternion
 from ..presets import preset, preset_names
+from ..render import Renderer
 from ..run import Run, parameters
 from ..session import Session
 from ..trajectory import Camera, Pose, Trajectory
@@ -59,19 +61,29 @@ def event_hash(file: str | os.PathLike[str]) -> str:
     return made.hexdigest()
 
 
+def _run_file(path: Path) -> dict[str, Any]:
+    try:
+        text = json.loads(path.read_text())
+    except ValueError as error:
+        raise ValueError(f"{path}: is no run file: {error}") from None
+    if not isinstance(text, dict):
+        raise ValueError(f"{path}: is no run file: it isn't an object, {{..}}")
+    return text
+
+
 def run_text(source: str | os.PathLike[str], size: tuple[int, int] | None = None) -> tuple[dict[str, Any], str]:
     """The run file for a source and the folder that its paths are relative to: a run file unchanged, or a scene, seen from an
     orbit."""
     if os.fspath(source).endswith(".json"):
-        text, folder = json.loads(Path(source).read_text()), os.path.dirname(os.path.abspath(source))
+        text, folder = _run_file(Path(source)), os.path.dirname(os.path.abspath(source))
     else:
         text, folder = {"scene": {"file": os.path.abspath(source)}, "camera": {"orbit_s": ORBIT_S}}, os.getcwd()
         size = size or (240, 180)
     if size:
         text.setdefault("camera", {}).update(width=size[0], height=size[1])
     times = text.setdefault("time", {})
-    times.setdefault("stop", times.setdefault("start", 0.0) + 0.1)
-    for key, value in (("tolerance", TOLERANCE), ("unit", "block")):  # with long steps blocks take a third less time than tiles
+    times.setdefault("stop", times.setdefault("start", 0.0) + 1e-3)  # a run has some; how long a flight is the scene says
+    for key, value in (("tolerance", TOLERANCE), ("unit", "block")):  # blocks: a third less than tiles where a step is long
         text.setdefault("stepping", {}).setdefault(key, value)
     return text, folder
 
@@ -90,13 +102,11 @@ def _absolute(text: dict[str, Any], folder: str) -> dict[str, Any]:
     return text
 
 
-def _axis_of(pose: Pose, distance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Centre and axis of a circle: those of the run's own orbit, else the middle of the view, with up as the axis."""
+def _circle_of(pose: Pose) -> tuple[np.ndarray, np.ndarray, float]:
+    """Centre, axis and rate [rad/s] of the circle that a camera is on."""
     turning, upright = _angular(pose), -pose.rotation[:, 1]
-    rate = float(turning @ turning)
-    if rate > 1e-12:
-        return pose.position + np.cross(turning, pose.position_dot) / rate, math.copysign(1, turning @ upright) * turning
-    return pose.position + distance * pose.rotation[:, 2], upright
+    rate = float(np.linalg.norm(turning))
+    return pose.position + np.cross(turning, pose.position_dot) / rate**2, math.copysign(1, turning @ upright) * turning, rate
 
 
 class World:
@@ -122,12 +132,25 @@ class World:
         self._text = self._start(text, folder, set)
         self._session = Session(Run(text=self._text), None, device)
         self.intrinsics = self._session.intrinsics
-        self._renderer = self._session.renderer()
+        # A device of its own: calls on objects of one device wait for each other, and pictures are drawn beside steps.
+        scene, camera = self._session.scene, self._session.camera
+        assert scene is not None and camera is not None  # frames have been refused
+        self._renderer = Renderer(scene, camera, self._session.values.image, self._spec(device))
+        self._painter = ThreadPoolExecutor(1)
         self.preset = self._text["sensor"]["preset"]
+        if self._end - self._begin < 1 / rate:
+            raise ValueError(
+                f"{self.name}: its motion lasts {self._end - self._begin:g} s from the run's start on, and a picture {1 / rate:.3g} s: "
+                f"more pictures a second show it (--rate {math.ceil(2 / max(self._end - self._begin, 1e-6))})"
+            )
         self._live: Live | None = None
         self._recording: Recording | None = None
         self.flight = self._pilot()
         self._open(self._begin)
+        self._drawn = self._draw(self._begin, self.flight.pose())
+
+    def _spec(self, device: Any) -> Any:
+        return self._text["device"] if device is None and self._text["device"] != "auto" else device
 
     def _start(self, text: dict[str, Any], folder: str, set: dict[str, Any] | None) -> dict[str, Any]:
         """The run file with `set`, and an open camera path that begins at the run's first pose."""
@@ -138,6 +161,7 @@ class World:
             scene, camera = run.open()
             self._begin, text["device"] = run.values.start, run.values.device
             self._end = min(self._begin + LONGEST_S, scene.range[1])
+            self._orbits = json.loads(run.values.json)["camera"]["orbit_s"] is not None
             self._first = camera.trajectory.at(self._begin)
             still = Trajectory.static(self._first.position, _quaternion(self._first.rotation))
             Camera(still, camera.intrinsics).save(os.path.join(self._folder.name, "start.json"))
@@ -148,13 +172,15 @@ class World:
         return made
 
     def _pilot(self) -> Flight:
-        depth = self._renderer.truth(self._begin, ["depth"])["depth"]
+        """It circles as the run's own orbit does, else, upright, about what is in the middle of the view."""
+        depth, first = self._renderer.truth(self._begin, ["depth"])["depth"], self._first
         seen = depth[np.isfinite(depth)]
         distance = float(np.median(seen)) if len(seen) else 1.0
-        centre, up = _axis_of(self._first, distance)
-        reach = float(np.linalg.norm(self._first.position - centre)) or distance
-        own = float(np.linalg.norm(_angular(self._first)))
-        return Flight(self._first, centre, up, FLIGHT * reach, own if own > 1e-6 else 2 * math.pi / ORBIT_S)
+        centre, up, rate = first.position + distance * first.rotation[:, 2], -first.rotation[:, 1], 2 * math.pi / ORBIT_S
+        if self._orbits:
+            centre, up, rate = _circle_of(first)
+        reach = float(np.linalg.norm(first.position - centre)) or distance
+        return Flight(first, centre, up, FLIGHT * reach, rate)
 
     # -- the run ----------------------------------------------------------------------------------------------------
     @property
@@ -211,23 +237,30 @@ class World:
         return self.live.time + self.speed / self.rate > self._end
 
     def step(self, controls: Controls) -> np.ndarray:
-        """The events of one picture's time. When the scene's own motion ends, it starts again; during a recording time stops
-        there."""
+        """The events of one picture's time. Where the scene's own motion ends, it begins again; a recording holds still there.
+        The picture at its end is drawn meanwhile: the pose is known before the events are."""
         dt = self.speed / self.rate
         if self.at_end and self._recording:
             return np.empty(0, EVENT)
         if self.at_end:
             self._open(self._begin)
-        events = self.live.step(self.flight.step(controls, dt, RESPONSE_S * self.speed), dt)
+        pose = self.flight.step(controls, dt, RESPONSE_S * self.speed)
+        self._drawn = self._draw(self.live.time + dt, pose)
+        events = self.live.step(pose, dt)
         if self._recording:
             self._recording.append(events)
         return events
 
+    def _draw(self, time: float, pose: tuple[Any, ...]) -> Future[np.ndarray]:
+        def draw() -> np.ndarray:
+            frame = self._renderer.frame(time, "RGB", Trajectory.static(pose[0], pose[1]))
+            return picture_rgb(frame["R"], frame["G"], frame["B"])
+
+        return self._painter.submit(draw)
+
     def picture(self) -> np.ndarray:
-        """The camera's present view, uint8 (height x width x 3)."""
-        position, quaternion, *_ = self.flight.pose()
-        frame = self._renderer.frame(self.live.time, "RGB", Trajectory.static(position, quaternion))
-        return picture_rgb(frame["R"], frame["G"], frame["B"])
+        """What the camera sees where the last step ended, uint8 (height x width x 3)."""
+        return self._drawn.result()
 
     def says(self) -> dict[str, Any]:
         """Facts of the preset: its sentence, and rows of (name, value, unit, source)."""
@@ -264,13 +297,19 @@ class World:
         self._open(self.live.time)
         return made
 
-    def close(self) -> None:
-        if self._recording:
-            self._recording.finish()
-            self._recording = None
+    def close(self) -> dict[str, Any] | None:
+        """Ends the run, and a recording as `keep` does."""
+        recording, self._recording = self._recording, None
+        try:
+            return recording.finish() if recording else None
+        finally:
+            self._end_run()
+
+    def _end_run(self) -> None:
         if self._live:
             self._live.close()
             self._live = None
+        self._painter.shutdown()
         self._folder.cleanup()
 
 
