@@ -212,6 +212,10 @@ typedef struct td_swap_place {
 const td_swap *td_solve_swaps(const tides_simulator *s, const td_refine_step *step, int32_t local, int *count);
 td_swap_place td_solve_swap_place(const tides_simulator *s, const td_refine_step *step, const td_swap *swap);
 
+/* How far swaps that don't show in a step's samples may move a pixel's log_luminance between these: all together, where it is S
+ * or more at both ends. */
+double td_solve_swapped(const tides_simulator *s, const td_refine_step *step, int32_t local, double S);
+
 /* td_solve_sample offers a settled event to the measurement, and sets its `order`. td_solve_cut keeps the events to be
  * measured, TD_CHOSEN_MOST at most (chosen.c). */
 enum { TD_CHOSEN_MOST = 256 };
