@@ -193,7 +193,7 @@ static coding kept_by(const tides_scene_format *format, const coding *given) {
     return format->losses & (TIDES_LOSES_TRANSFER | no_exponent) ? srgb : *given;
 }
 
-/* Saves the scene as PATH with the format's ending, and reads the file again: what it keeps, and a loss where that is another. */
+/* Saves the scene with the format's ending, and reads the file again: `now` is what it keeps, and a change of it is a loss. */
 static tides_scene *pass_file(const tides_scene *scene, const tides_scene_format *format, const char *path, coding *now) {
     char file[1200];
     snprintf(file, sizeof file, "%s%.*s", path, (int)strcspn(format->endings, " "), format->endings);

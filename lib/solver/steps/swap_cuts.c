@@ -100,10 +100,6 @@ td_swap_place td_solve_swap_place(const tides_simulator *s, const td_refine_step
     return (td_swap_place){(swap->part * part - step->from) / length, (double)swap->wide * part / length, (double)swap->light};
 }
 
-/* Of a swap `wide` steps to either side the cubic through a step's ends leaves so much unseen: all of it where the swap is
- * short, and where it is long, what a kink of the curvature leaves, by the square of how fast the depths pass. */
-static const double unseen_at_one = 0.3;
-
 double td_solve_swapped(const tides_simulator *s, const td_refine_step *step, int32_t local, double S) {
     int count;
     double squares = 0;
@@ -111,7 +107,7 @@ double td_solve_swapped(const tides_simulator *s, const td_refine_step *step, in
     for (int k = 0; k < count; k++) {
         const td_swap_place swap = td_solve_swap_place(s, step, &list[k]);
         if (!(swap.s + swap.wide > 0 && swap.s - swap.wide < 1)) continue;
-        const double light = swap.light * td_lesser(1, unseen_at_one / (swap.wide * swap.wide));
+        const double light = swap.light * td_solve_swap_unseen(swap.wide);
         squares += light * light;
     }
     return squares > 0 ? sqrt(squares) / td_renderer_swap_scale(s->renderer, td_exp(S)) : 0;
