@@ -135,12 +135,17 @@ tides_status bench_find_truth(bench *b, bench_scene *scene, int32_t rules, tides
 
 /* -- processes (bench_child.c) ---------------------------------------------------------------------------------------- */
 
-/* Runs work(user, result) in a process of its own, for `limit_s` at most. `how` it went: BENCH_RAN where it ended by itself;
- * where it died, of which `signal`. BENCH_REFUSED is for what the work itself says. */
+/* BENCH_RAN where a process ended by itself. BENCH_REFUSED is for what the work itself says. */
 enum { BENCH_RAN, BENCH_REFUSED, BENCH_STOPPED, BENCH_DIED, BENCH_LATE };
+typedef struct bench_ending {
+    int32_t how;    /* BENCH_RAN .. */
+    int32_t signal; /* that the process died of; 0: none */
+} bench_ending;
+
+/* Runs work(user, result) in a process of its own, for `limit_s` at most. */
 typedef void (*bench_work)(void *user, void *result);
-tides_status bench_child(bench *b, bench_work work, void *user, void *result, size_t size, double limit_s, int32_t *how,
-                         int32_t *signal, tides_error *error);
+tides_status bench_child(bench *b, bench_work work, void *user, void *result, size_t size, double limit_s, bench_ending *ending,
+                         tides_error *error);
 /* Puts the facts of the device that `b` names into b->info. A process of its own queries it, so that this one has none of the
  * driver's threads. */
 tides_status bench_ask_device(bench *b, tides_error *error);

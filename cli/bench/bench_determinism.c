@@ -66,12 +66,13 @@ static double usual_time(const row *first, const row *end) {
 
 static tides_status make_row(bench *b, sheet *s, const row *first, row *r, tides_error *error) {
     determinism_job job = {b, s->file, r->run, r->way, usual_time(first, r)};
-    int32_t how, signal;
+    bench_ending ending;
     const double began = cli_now();
-    tides_status status = bench_child(b, work, &job, &r->result, sizeof r->result, LIMIT_S, &how, &signal, error);
+    tides_status status = bench_child(b, work, &job, &r->result, sizeof r->result, LIMIT_S, &ending, error);
     if (status != TIDES_OK) return status;
-    if (how == BENCH_STOPPED) return TIDES_CANCELLED;
-    if (how != BENCH_RAN) r->result = (determinism_result){.how = how, .signal = signal, .elapsed_s = cli_now() - began};
+    if (ending.how == BENCH_STOPPED) return TIDES_CANCELLED;
+    if (ending.how != BENCH_RAN)
+        r->result = (determinism_result){.how = ending.how, .signal = ending.signal, .elapsed_s = cli_now() - began};
     judge(r, first);
     b->failed += !r->pass;
     bench_say(b, "%s  %-14s %-14s %.16s  %7llu events %6.2f s%s%s", r->pass ? "same" : "FAIL", r->run->name, r->way->name,

@@ -59,16 +59,16 @@ static void say_row(const bench *b, const stability_row *row, size_t index, size
 static tides_status measure_row(bench *b, stability_row *row, tides_error *error) {
     job j = {b, row->of};
     stability_result *r = &row->result;
-    int32_t how, signal;
+    bench_ending ending;
     const double began = cli_now();
     tides_status status =
-        bench_child(b, measure, &j, r, sizeof *r, row->of->flags & STABILITY_BIG ? BIG_LIMIT_S : LIMIT_S, &how, &signal, error);
+        bench_child(b, measure, &j, r, sizeof *r, row->of->flags & STABILITY_BIG ? BIG_LIMIT_S : LIMIT_S, &ending, error);
     if (status != TIDES_OK) return status;
-    if (how == BENCH_STOPPED || (how == BENCH_RAN && r->how == BENCH_STOPPED)) return TIDES_CANCELLED;
-    if (how != BENCH_RAN) {
+    if (ending.how == BENCH_STOPPED || (ending.how == BENCH_RAN && r->how == BENCH_STOPPED)) return TIDES_CANCELLED;
+    if (ending.how != BENCH_RAN) {
         memset(r, 0, sizeof *r);
-        r->how = how;
-        r->signal = signal;
+        r->how = ending.how;
+        r->signal = ending.signal;
         r->elapsed_s = cli_now() - began;
     }
     row->verdict = stability_judge(row->of, r);

@@ -11,7 +11,7 @@
 /* The quintic spline through the samples (camera/curve.c) errs most in its first and last segments. On short paths this many
  * samples keep those two apart. camera/generators.c has the same number. */
 #define FEWEST_SAMPLES 9
-#define MOST_SAMPLES 5e6 /* 0.8 GB */
+#define MOST_SAMPLES 5e6 /* 2.3 GB with the path that is made of them */
 /* Longest step of the integrator [s]. The fastest motion is the bounce of a ball, half a period of 15 ms (balls.c): 60 steps.
  * Within the bounce, one step of fourth order then errs by 3e-9 of its amplitude, (pi / 60)^5 / 120. */
 #define STEP_S 0.00025

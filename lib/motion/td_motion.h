@@ -45,6 +45,22 @@ typedef struct td_mover_numbers {
     char defines[256]; /* "#define TD_BUILD_WIDTH 64\n": sizes that the model's kernel is compiled with; may be "" */
 } td_mover_numbers;
 
+/* Rows that are asked for: Gaussians index[0 .. count) at own time tau. */
+typedef struct td_motion_asked {
+    double tau, tau_dot; /* tau_dot: d(tau)/dt [1/s] */
+    int side;            /* of a knot at tau: 1 what begins there, -1 what ends */
+    int fades;           /* as td_mover has it */
+    const int32_t *index;
+    int64_t count;
+} td_motion_asked;
+
+/* The place of those rows. SH only where the model moves it: else both may be NULL. */
+typedef struct td_motion_sink {
+    double *geometry, *rates; /* (count x TD_GEOMETRY_STRIDE) */
+    double *sh, *sh_rates;    /* (count x sh_stride), 3 k + channel */
+    int sh_stride;
+} td_motion_sink;
+
 typedef struct td_motion_class {
     const char *name; /* in files and facts: "polynomial" */
     int code;         /* TD_MOTION_... */
@@ -85,11 +101,9 @@ typedef struct td_motion_class {
     /* moving[i] = 0 where Gaussian i is the same at all times. NULL: all move. */
     void (*find_moving)(const tides_motion *motion, const tides_gaussians *gaussians, uint8_t *moving);
 
-    /* TD_MOTION_HOST only: rows of geometry, rates (count x TD_GEOMETRY_STRIDE) and, where moves_sh, sh and sh_rates (count x
-     * sh_stride, 3 k + channel) of Gaussians index[0 .. count) at tau; rates per unit of tau. */
-    tides_status (*evaluate)(const tides_motion *motion, const tides_gaussians *gaussians, double tau, int side,
-                             const int32_t *index, int64_t count, double *geometry, double *rates, double *sh, double *sh_rates,
-                             int sh_stride, tides_error *error);
+    /* TD_MOTION_HOST only: the rows that are asked for; rates per unit of tau. */
+    tides_status (*evaluate)(const tides_motion *motion, const tides_gaussians *gaussians, const td_motion_asked *asked,
+                             const td_motion_sink *to, tides_error *error);
 
     /* Frees `own`; NULL where there is none. */
     void (*release)(tides_motion *motion);
@@ -141,17 +155,9 @@ void td_motion_find_moving(const tides_motion *motion, const tides_gaussians *ga
 
 /* -- rows.c -- */
 
-/* Where rows go. SH only where the model moves it: else both may be NULL. */
-typedef struct td_motion_sink {
-    double *geometry, *rates; /* (count x TD_GEOMETRY_STRIDE) */
-    double *sh, *sh_rates;    /* (count x sh_stride) */
-    int sh_stride;
-} td_motion_sink;
-
-/* Rows of Gaussians index[0 .. count) in double, rates per second for tau_dot [1/s]. `numbers` from the class's pack. */
+/* The rows in double, rates per second. `numbers` from the class's pack. */
 tides_status td_motion_rows(const tides_motion *motion, const tides_gaussians *gaussians, const td_mover_numbers *numbers,
-                            double tau, double tau_dot, int side, int fades, const int32_t *index, int64_t count,
-                            const td_motion_sink *sink, tides_error *error);
+                            const td_motion_asked *asked, const td_motion_sink *to, tides_error *error);
 
 /* The class of a name from a file, or NULL (classes.c: one line per model). */
 const td_motion_class *td_motion_class_find(const char *name);

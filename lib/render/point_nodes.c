@@ -139,7 +139,7 @@ static tides_status too_many(const td_point_nodes *nodes, tides_error *error) {
  * nodes, or is over, shows in neither. Above MOST_LEVEL where none is enough. */
 static int first_level(const tides_renderer *renderer, const td_point_nodes *nodes, int gaussian) {
     int level = 1;
-    while (level <= MOST_LEVEL && renderer->travel[gaussian] > (double)((int64_t)nodes->pieces << level)) level++;
+    while (level <= MOST_LEVEL && renderer->sweep.travel[gaussian] > (double)((int64_t)nodes->pieces << level)) level++;
     return level;
 }
 
@@ -345,7 +345,7 @@ static tides_status find_cut(tides_renderer *renderer, const tides_trajectory *c
 /* Does halving the interval, and its halves, bring cubics nearer to what paths do within it? */
 static int is_tame(const tides_renderer *renderer) {
     for (int i = 0; i < renderer->store.objects; i++) {
-        const double *px = renderer->strays.px + (size_t)i * TD_STRAY_LEVELS;
+        const double *px = renderer->sweep.strays.px + (size_t)i * TD_STRAY_LEVELS;
         for (int k = 1; k < WHOLE_LEVEL; k++)
             if (px[k] > strays_px && px[k] > strays_share * px[k - 1]) return 0;
     }

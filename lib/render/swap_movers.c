@@ -57,15 +57,15 @@ static void put(struct td_swaps *swaps, const td_swap_samples *at, int splat, in
 static tides_status move_batch(const tides_renderer *renderer, struct td_swaps *swaps, const td_swap_samples *at,
                                const moving *object, batch *b, tides_error *error) {
     const tides_object *of = &object->of;
+    const double *swept = renderer->sweep.interval;
     const td_motion_sink sink = {b->geometry, b->rates, b->sh, b->sh_rates, SH_STRIDE};
     tides_status status = TIDES_OK;
     for (int k = 0; k <= at->parts && status == TIDES_OK; k++) {
-        double tau, tau_dot;
-        const double time = k < at->parts ? renderer->swept[0] + k * at->h : renderer->swept[1];
+        double tau = 0, tau_dot = 0;
+        const double time = k < at->parts ? swept[0] + k * at->h : swept[1];
         status = td_motion_time(of->motion, of->duration_s, time, &tau, &tau_dot, error);
-        if (status == TIDES_OK)
-            status = td_motion_rows(of->motion, &of->gaussians, &object->numbers, tau, tau_dot, k < at->parts ? 1 : -1, 0,
-                                    b->index, b->count, &sink, error);
+        const td_motion_asked asked = {tau, tau_dot, k < at->parts ? 1 : -1, 0, b->index, b->count};
+        if (status == TIDES_OK) status = td_motion_rows(of->motion, &of->gaussians, &object->numbers, &asked, &sink, error);
         for (int i = 0; i < b->count && status == TIDES_OK; i++)
             put(swaps, at, b->splat[i], k, b->geometry + i * TD_GEOMETRY_STRIDE, b->rates + i * TD_GEOMETRY_STRIDE);
     }
@@ -79,7 +79,7 @@ static tides_status move_object(const tides_renderer *renderer, struct td_swaps 
     tides_status status = TIDES_OK;
     b->count = 0;
     for (int g = 0; g < store->count && status == TIDES_OK; g++) {
-        const float *box = renderer->boxes + 4 * (size_t)g;
+        const float *box = renderer->sweep.boxes + 4 * (size_t)g;
         if (store->object[g] != object || !(box[0] <= box[2])) continue;
         swaps->mover[g] = swaps->moves++;
         const size_t moves = (size_t)swaps->moves, samples = (size_t)at->parts + 1;

@@ -34,10 +34,10 @@ tides_status td_renderer_interpolate(tides_renderer *renderer, double tolerance,
 
 /* -- stopping -------------------------------------------------------------------------------------------------------------- */
 
-/* From now on `heed` (NULL: none) is asked before each launch of tiles or points. If it returns other than 0, the work under
- * way ends with TIDES_CANCELLED: its results must not be used, and the renderer is as good as before. */
-typedef int (*td_heed)(void *user);
-void td_renderer_set_heed(tides_renderer *renderer, td_heed heed, void *user);
+/* From now on `interrupt` (NULL: none) is called before each launch of tiles or points. If it returns other than 0, the work
+ * under way ends with TIDES_CANCELLED: its results must not be used, and the renderer is as good as before. */
+typedef int (*td_interrupt)(void *user);
+void td_renderer_set_interrupt(tides_renderer *renderer, td_interrupt interrupt, void *user);
 
 /* Counts so far, by each channel of a colour filter, for work that may be undone. td_renderer_put_counts restores them, but for
  * the time that went by. */

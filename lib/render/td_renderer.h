@@ -131,7 +131,7 @@ void td_candidates_take_hints(td_candidates *candidates, const td_job *jobs, int
 
 /* progress.c: TIDES_CANCELLED where the user or the solver wants to stop: asked before each launch, with the share of the work
  * in hand that is done. And the share of a call of the user's that the work from there on is. */
-tides_status td_renderer_heed(const tides_renderer *renderer, double done, tides_error *error);
+tides_status td_renderer_check_stop(const tides_renderer *renderer, double done, tides_error *error);
 void td_renderer_set_part(tides_renderer *renderer, double from, double width);
 
 /* Records per launch. */
@@ -146,50 +146,64 @@ tides_status td_points_create_engine(const tides_renderer *renderer, const td_im
 tides_status td_point_take(const td_point *point, const double *found, td_point_value *value, tides_error *error);
 void td_points_destroy(td_points *points);
 
-struct tides_renderer {
-    double epoch; /* [s] every time in lib/render is an offset from it, so that times of 1e9 s resolve like those near 0 */
-    td_dynamic dynamic; /* Gaussians that a motion moves */
-    int row_limit;      /* rows of dynamic Gaussians at a time */
-    tides_device *device;
-    const tides_scene *scene;
-    td_image image;
-    td_store store;
-    td_backend *backend;
-    td_candidates candidates;
-    td_clusters clusters;
-    float *boxes;          /* (store.count x 4) */
-    float *travel;         /* (store.count) */
-    int *object_first;     /* (objects + 1) an object's Gaussians in the store */
+/* Knowledge of the interval that was swept last. Arrays are in the store's order. */
+typedef struct td_swept {
+    double interval[2];    /* its ends [s after the epoch] */
+    double *times;         /* (td_sweep_times) of the pieces in hand */
+    size_t time_capacity;  /* of `times` */
+    float *boxes;          /* (store.count x 4) what each Gaussian may touch [px] */
+    float *travel;         /* (store.count) diameters that each travels on the screen */
     uint8_t *object_moves; /* (objects) against the camera */
-    int rested;            /* the last sweep saw a camera at rest, at rest_pose: boxes of what doesn't move hold on */
+    int rested;            /* the camera rests, at rest_pose: boxes of what doesn't move hold on */
     tides_pose rest_pose;
-    int listed;         /* the lists are of the boxes as they are */
-    td_strays strays;   /* of the interval swept last */
-    double *sweep_time; /* (td_sweep_times) of the pieces in hand */
-    size_t sweep_time_capacity;
-    td_view *views; /* (slots x objects) */
-    td_backdrop *backdrops;
+    int listed;             /* the lists of candidates are of these boxes */
+    td_strays strays;       /* how far motions stray from their samples */
+    struct td_swaps *swaps; /* when splats change places in depth (td_swaps.h); NULL: nobody has asked */
+} td_swept;
+
+/* Memory that calls share and keep: fresh pages cost as much as the work on a frame. */
+typedef struct td_renderer_scratch {
+    td_view *views;         /* (slots x objects) */
+    td_backdrop *backdrops; /* (slots) */
     size_t view_capacity, backdrop_capacity;
     td_job *jobs;
     size_t job_capacity;
     int *empty;           /* requests without candidates */
-    double *frame_planes; /* of a whole image: memory that is new costs its pages, as much as all else of putting it together */
-    size_t frame_capacity;
-    uint8_t *in_order; /* (requests) 1 where a job's list was in order */
-    size_t empty_capacity, in_order_capacity;
-    int record_limit;       /* records per launch */
-    int record_limit_told;  /* where somebody waits to be told */
-    td_points *points;      /* exact ones, where they were asked for (points.c) */
-    td_points *kept;        /* those of an instant that is kept, which share what these have */
-    double swept[2];        /* the interval swept last [s after the epoch] */
-    struct td_swaps *swaps; /* of that (td_swaps.h); NULL: nobody has asked */
-    td_psf psf;             /* what the optics make of L and L_dot */
-    td_heed heed;           /* asked before each launch, with */
-    void *heed_user;
-    td_share told; /* tides_renderer_set_progress */
+    double *frame_planes; /* of a whole image */
+    uint8_t *in_order;    /* (requests) 1 where a job's list was in order */
+    size_t empty_capacity, frame_capacity, in_order_capacity;
+} td_renderer_scratch;
+
+/* The callers that may stop the work before each launch, or watch it. */
+typedef struct td_renderer_control {
+    td_interrupt interrupt; /* the solver; NULL: none */
+    void *user;             /* its argument */
+    td_share share;         /* of the user's call (tides_renderer_set_progress) */
+    int record_limit;       /* records per launch where either is there: launches are short then */
+} td_renderer_control;
+
+struct tides_renderer {
+    double epoch;       /* [s] every time in lib/render is an offset from it, so that 1e9 s resolve like 0 */
+    td_dynamic dynamic; /* Gaussians that a motion moves */
+    int row_limit;      /* rows of dynamic Gaussians at a time */
+    int record_limit;   /* records per launch */
+    tides_device *device;
+    const tides_scene *scene;
+    td_image image;
+    td_store store;
+    int *object_first; /* (objects + 1) an object's Gaussians in the store */
+    td_backend *backend;
+    td_candidates candidates;
+    td_clusters clusters;
+    td_swept sweep;
+    td_renderer_scratch scratch;
+    td_renderer_control control;
+    td_points *points; /* exact ones, where they were asked for (points.c) */
+    td_points *kept;   /* those of an instant that is kept, which share what `points` have */
+    td_psf psf;        /* of the optics, for L and L_dot */
     tides_render_stats stats;
-    int colour_filter;      /* TIDES_FILTER_*: other than OFF this is the renderer of red, and (mosaic.c) */
-    tides_renderer *beside; /* that of green beside it, and that of blue beside that; NULL: there is no other */
+    int colour_filter;      /* TIDES_FILTER_*: other than OFF this is the renderer of red, */
+    tides_renderer *beside; /* and green's is beside it, and blue's beside that; NULL: there is no other */
     double *mosaic;         /* planes of theirs */
     size_t mosaic_capacity;
 };

@@ -77,6 +77,17 @@ typedef struct td_packet {
     tides_event last; /* that was given away, of the run's parts before too; of no polarity: there was none */
 } td_packet;
 
+/* Steps per launch. */
+typedef struct td_batch_size {
+    int steps, limit; /* now, and at most */
+} td_batch_size;
+
+/* Statistics that no portion of work collects. */
+typedef struct td_totals {
+    tides_stats here;   /* times and steps since the run began or was restored */
+    tides_stats before; /* all counts of the parts before a restore */
+} td_totals;
+
 struct tides_simulator {
     tides_renderer *renderer;
     const tides_scene *scene; /* the caller's, as is the camera's path */
@@ -99,17 +110,16 @@ struct tides_simulator {
     double *tile_risk;   /* (tiles) at the time reached */
 
     td_moving moving;
-    int batch, batch_limit; /* steps per launch: now, and at most */
-    td_launch launch;       /* what was rendered last */
-    td_refine refine;       /* adaptive steps; */
-    td_solve solve;         /* and events on the image itself */
-    td_portion done;        /* what has come of the run: events that wait to be given away, and what has happened */
-    td_sharing sharing;     /* of work under way, on several threads */
+    td_batch_size batch;
+    td_launch launch;   /* what was rendered last */
+    td_refine refine;   /* adaptive steps; */
+    td_solve solve;     /* and events on the image itself */
+    td_portion done;    /* what has come of the run: events that wait to be given away, and what has happened */
+    td_sharing sharing; /* of work under way, on several threads */
     td_packet packet;
     td_asking asking;
     td_undo undo;
-    tides_stats stats;  /* times and steps; the rest is put together when asked for (statistics.c) */
-    tides_stats before; /* what was counted in the parts of the run before a restore */
+    td_totals totals;
 };
 
 /* A step is over: what was to come is now, and the sample before it is free. */

@@ -76,7 +76,7 @@ static inline tides_simulator *make_simulator(const job *j, tides_device *device
     scene_expect_ok(tides_simulator_create(device, j->scene, j->path, &j->camera, &params, &j->sensor, &j->stepping, j->start,
                                            j->stop, NULL, NULL, &s, &error),
                     &error);
-    if (j->batch) s->batch = s->batch_limit = j->batch;
+    if (j->batch) s->batch.steps = s->batch.limit = j->batch;
     return s;
 }
 

@@ -26,7 +26,7 @@ static void write_npy(const char *path, const char *dtype, size_t item, int ndim
     td_npy_writer *npy = NULL;
     tides_error error = {0, ""};
     scene_expect_ok(td_npy_writer_open(path, 0, &npy, &error), &error);
-    const tides_status status = td_npy_writer_put(npy, "data", dtype, item, ndim, inner, rows, HEIGHT, &error);
+    const tides_status status = td_npy_writer_put(npy, &(td_npy_form){"data", dtype, item, ndim, inner}, rows, HEIGHT, &error);
     scene_expect_ok(td_npy_writer_end(npy, status, &error), &error);
 }
 

@@ -187,9 +187,16 @@ void td_cubic_weights(double start, double stop, double time, double weights[TD_
 
 /* -- sweeps (sweep_rows.c) -- */
 
-/* Boxes and travel of all that moves over [start, stop], as td_backend_class.sweep gives them. At an instant, start = stop,
- * rates are those of what begins there. */
-tides_status td_dynamic_sweep_rows(td_dynamic *dynamic, td_backend *backend, const double *views, const double *strays,
-                                   double start, double stop, int row_limit, float *boxes, float *travel, tides_error *error);
+/* An interval [start, stop] to sweep, and where its results go. At an instant, start = stop, rates are those of what begins
+ * there. */
+typedef struct td_dynamic_sweep {
+    const double *views, *strays; /* of td_sweep_request */
+    double start, stop;           /* [s after the epoch] */
+    int row_limit;                /* rows per launch, where they aren't cached */
+    float *boxes, *travel;        /* (store.count x 4) and (store.count), results */
+} td_dynamic_sweep;
+
+/* Boxes and travel of all that moves. */
+tides_status td_dynamic_sweep_rows(td_dynamic *dynamic, td_backend *backend, const td_dynamic_sweep *sweep, tides_error *error);
 
 #endif

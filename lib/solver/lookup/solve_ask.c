@@ -21,8 +21,8 @@ tides_status td_solve_ask(td_solve_batch *batch, const td_tile *tile, int32_t lo
 
 void td_solve_note_time(tides_simulator *s, double begun) {
     const double took = td_now() - begun;
-    s->stats.time_look_up_s += took;
-    s->stats.time_compare_s -= took; /* which it is no part of */
+    s->totals.here.time_look_up_s += took;
+    s->totals.here.time_compare_s -= took; /* which it is no part of */
 }
 
 tides_status td_solve_send(tides_simulator *s, td_solve_batch *batch, tides_error *error) {

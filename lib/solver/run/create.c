@@ -167,10 +167,10 @@ static tides_status lay_out(tides_simulator *s, const tides_intrinsics *intrinsi
     s->layout.width = intrinsics->width;
     s->layout.height = intrinsics->height;
     s->layout.image_tiles = facts.tiles;
-    s->batch = 1;
-    s->batch_limit = BATCH_TILES / s->layout.image_tiles;
-    if (s->batch_limit > TD_BATCH_STEPS) s->batch_limit = TD_BATCH_STEPS;
-    if (s->batch_limit < 1) s->batch_limit = 1;
+    s->batch.steps = 1;
+    s->batch.limit = BATCH_TILES / s->layout.image_tiles;
+    if (s->batch.limit > TD_BATCH_STEPS) s->batch.limit = TD_BATCH_STEPS;
+    if (s->batch.limit < 1) s->batch.limit = 1;
     status = td_units_lay(s, error);
     return status == TIDES_OK ? allocate(s, (size_t)s->layout.width * (size_t)s->layout.height, error) : status;
 }
@@ -243,7 +243,7 @@ tides_status tides_simulator_create(tides_device *device, const tides_scene *sce
         tides_simulator_destroy(s);
         return status;
     }
-    s->stats.run_time_s = td_now() - begun; /* building kernels is part of the run */
+    s->totals.here.run_time_s = td_now() - begun; /* building kernels is part of the run */
     *simulator = s;
     return TIDES_OK;
 }

@@ -71,17 +71,19 @@ static int steps_to_knot(const tides_simulator *s, int count) {
     return count;
 }
 
-int td_fixed_batch(const tides_simulator *s, int64_t most) { return steps_to_knot(s, most < s->batch ? (int)most : s->batch); }
+int td_fixed_batch(const tides_simulator *s, int64_t most) {
+    return steps_to_knot(s, most < s->batch.steps ? (int)most : s->batch.steps);
+}
 
 void td_fixed_adapt(tides_simulator *s, const tides_render_stats *before) {
     tides_render_stats after;
     tides_renderer_stats(s->renderer, &after);
     double projected = (double)(after.gaussians_projected - before->gaussians_projected);
     double culled = (double)(after.gaussians_culled - before->gaussians_culled);
-    if (culled > too_many_culled * projected && s->batch > 1)
-        s->batch /= 2;
+    if (culled > too_many_culled * projected && s->batch.steps > 1)
+        s->batch.steps /= 2;
     else if (culled < few_culled * projected || projected == 0)
-        s->batch = 2 * s->batch < s->batch_limit ? 2 * s->batch : s->batch_limit;
+        s->batch.steps = 2 * s->batch.steps < s->batch.limit ? 2 * s->batch.steps : s->batch.limit;
 }
 
 static void store_first(tides_simulator *s, const td_ask *ask, const double *planes, const void *user) {

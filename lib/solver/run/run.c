@@ -56,7 +56,7 @@ static tides_status compare_tiles(tides_simulator *s, tides_error *error) {
 /* Ends a step that was compared: the simulator has reached its end, and its events go through the readout. */
 static tides_status reach(tides_simulator *s, tides_error *error) {
     s->step++;
-    s->stats.tile_steps_still += (uint64_t)(s->layout.image_tiles - s->moving.tiles);
+    s->totals.here.tile_steps_still += (uint64_t)(s->layout.image_tiles - s->moving.tiles);
     return s->readout.arbiter ? td_readout_step(s, error) : TIDES_OK;
 }
 
@@ -83,7 +83,7 @@ static tides_status emit(tides_simulator *s, tides_event_sink sink, void *user, 
     }
     if (count > 0) s->packet.last = events[count - 1];
     const int stopped = sink && sink(user, events, count);
-    s->stats.time_sink_s += td_now() - begun;
+    s->totals.here.time_sink_s += td_now() - begun;
     s->done.work.events.count = s->readout.count = 0;
     return stopped ? td_fail(error, TIDES_CANCELLED, "stopped by the event sink at %.9g s", td_time_reached(s)) : TIDES_OK;
 }
@@ -103,7 +103,7 @@ static tides_status compare_fixed(tides_simulator *s, int k, tides_error *error)
         s->done.steps.steps += (uint64_t)s->moving.count;
         status = reach(s, error);
     }
-    s->stats.time_compare_s += td_now() - begun;
+    s->totals.here.time_compare_s += td_now() - begun;
     return status;
 }
 
@@ -168,7 +168,7 @@ static tides_status compare_still(tides_simulator *s, double start, double stop,
     tides_status status = td_grid_step(&s->grid, start, stop, &whole, error);
     if (status == TIDES_OK) status = td_solve_still(s, &whole, start, error);
     if (status == TIDES_OK) status = td_compare_still(s, &whole, error);
-    s->stats.time_compare_s += td_now() - begun;
+    s->totals.here.time_compare_s += td_now() - begun;
     return status;
 }
 
@@ -176,7 +176,7 @@ static tides_status compare_still(tides_simulator *s, double start, double stop,
 static tides_status measure(tides_simulator *s, tides_error *error) {
     const double begun = td_now();
     const tides_status status = td_solve_measure(s, error);
-    s->stats.time_compare_s += td_now() - begun; /* less what looking up took */
+    s->totals.here.time_compare_s += td_now() - begun; /* less what looking up took */
     s->broken |= status != TIDES_OK;
     return status;
 }
@@ -207,7 +207,7 @@ static tides_status advance_refined(tides_simulator *s, tides_event_sink sink, v
     status = reach(s, error);
     const double begun = td_now();
     if (status == TIDES_OK) status = sort_from(s, 0, error);
-    s->stats.time_compare_s += td_now() - begun;
+    s->totals.here.time_compare_s += td_now() - begun;
     s->broken = status != TIDES_OK;
     return status == TIDES_OK ? emit(s, sink, user, error) : status;
 }
@@ -279,8 +279,8 @@ tides_status tides_simulator_run(tides_simulator *simulator, double until, tides
     td_ask_begin(simulator, progress, user);
     if (status == TIDES_OK) status = advance_to(simulator, last, sink, sink_user, error);
     td_ask_end(simulator);
-    simulator->stats.run_time_s += td_now() - begun;
-    simulator->stats.time_alone_s += td_own_time() - own;
+    simulator->totals.here.run_time_s += td_now() - begun;
+    simulator->totals.here.time_alone_s += td_own_time() - own;
     return status;
 }
 

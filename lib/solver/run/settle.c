@@ -140,7 +140,7 @@ tides_status td_settle(tides_simulator *s, double start, double stop, int early,
         status = settle_together(s, start, stop, early, error);
     else if (status == TIDES_OK)
         status = settle_apart(s, early, error);
-    s->stats.time_compare_s += td_now() - begun;
+    s->totals.here.time_compare_s += td_now() - begun;
     s->broken |= status != TIDES_OK;
     return status;
 }

@@ -28,7 +28,7 @@ void td_simulator_state(tides_simulator *s, td_state *state) {
 void td_simulator_resume(tides_simulator *s, int64_t step, const tides_stats *before) {
     td_sensor_resume(&s->sensor);
     if (s->surround.surround.on) td_surround_steps_resume(s);
-    s->before = *before;
+    s->totals.before = *before;
     s->step = step;
     s->started = 1;
 }

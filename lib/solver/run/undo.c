@@ -10,8 +10,8 @@ static const int64_t usual_at_first = 16;
 
 /* -- asking ---------------------------------------------------------------------------------------------------------------- */
 
-/* A td_heed. Before the step's first launch nothing has been done since progress was asked last. How many are to come isn't
- * known: after as many as the step before took, half of this one is said to be done, so that it never seems to go back. */
+/* A td_interrupt. Before the step's first launch nothing has been done since progress was asked last. The number of
+ * launches to come is unknown: after as many as the last step took, half of this one counts as done. So it never goes back. */
 static int ask(void *user) {
     const tides_simulator *s = user;
     td_asking *asking = &((tides_simulator *)user)->asking;
@@ -23,7 +23,7 @@ static int ask(void *user) {
 
 void td_ask_begin(tides_simulator *s, tides_progress progress, void *user) {
     s->asking = (td_asking){progress, user, 0, usual_at_first, 0};
-    if (progress) td_renderer_set_heed(s->renderer, ask, s);
+    if (progress) td_renderer_set_interrupt(s->renderer, ask, s);
 }
 
 void td_ask_step(tides_simulator *s) {
@@ -33,7 +33,7 @@ void td_ask_step(tides_simulator *s) {
 
 void td_ask_end(tides_simulator *s) {
     s->asking.progress = NULL;
-    td_renderer_set_heed(s->renderer, NULL, NULL);
+    td_renderer_set_interrupt(s->renderer, NULL, NULL);
 }
 
 /* -- undoing --------------------------------------------------------------------------------------------------------------- */

@@ -130,6 +130,6 @@ tides_status td_control_steps(tides_simulator *s, tides_error *error) {
     if (r->pending_count == 0) return TIDES_OK; /* nothing was ever reserved, perhaps */
     memcpy(r->open + r->open_count, r->pending, r->pending_count * sizeof *r->open);
     r->open_count += r->pending_count;
-    s->stats.steps_rejected += r->pending_count;
+    s->totals.here.steps_rejected += r->pending_count;
     return TIDES_OK;
 }

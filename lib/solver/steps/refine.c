@@ -305,7 +305,7 @@ static tides_status first_level(tides_simulator *s, td_refine *r, double start, 
     status = add_cuts(s, r, r->pending_count, start, stop, error);
     if (status == TIDES_OK) status = render_level(s, count, error);
     for (size_t i = 0; i < count && !looks && status == TIDES_OK; i++) td_control_judge(s, &r->step[r->fresh[i]], start, stop);
-    if (looks && status == TIDES_OK) s->stats.steps_rejected += count;
+    if (looks && status == TIDES_OK) s->totals.here.steps_rejected += count;
     return status;
 }
 

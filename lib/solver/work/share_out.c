@@ -96,7 +96,7 @@ tides_status td_share_out(tides_simulator *s, int count, int fewest, td_portion_
     if (all.portions < 2 || td_pool_threads(sharing->pool) < 2) return run_alone(s, count, worker, user, error);
     const double own = td_own_time();
     td_pool_run(sharing->pool, all.portions, work_on, &all);
-    s->stats.time_alone_s -= td_own_time() - own;
+    s->totals.here.time_alone_s -= td_own_time() - own;
     for (int k = 0; k < all.portions && status == TIDES_OK; k++) {
         td_portion *portion = &sharing->portion[k];
         status = join(s, portion, error);
