@@ -63,22 +63,24 @@ void td_crossing_begin(td_crossing_walk *walk, const td_model *model, const td_s
     walk->value[walk->knots++] = b[3];
 }
 
-/* Where Newton begins: where the chord reaches the level, or an end that is much nearer to it, as the end of a piece is that
- * was looked up at the crossing itself. */
+/* Newton's first guess: where the chord reaches the level, or an end of the bracket that is much nearer to the level. A piece
+ * often ends at a crossing that was looked up in the image, so that such an end is common. */
 static double near_guess(const td_level *at, double low, double high, double value_high) {
     const double value_low = td_model_value(at->model, low), span = high - low, rise = value_high - value_low;
     const double after_low = at->reference - value_low + at->rise, before_high = at->reference - value_high + at->rise;
-    const double much = 0x1p-6; /* then Newton's first step squares what is left; else a third one is needed */
+    const double much = 0x1p-6; /* then two Newton steps suffice instead of three */
     if (fabs(before_high) < much * fabs(rise) && fabs(before_high) < much * span * fabs(td_level_slope(at, high))) return high;
     if (fabs(after_low) < much * fabs(rise) && fabs(after_low) < much * span * fabs(td_level_slope(at, low))) return low;
     return low + span * (after_low / rise);
 }
 
-/* Finds a place that has the time which td_level_solve would give: 1 where it did. That function spends two thirds of its time
- * on telling neighbouring numbers apart, in the rounding of the excess. Here Newton goes on until its next step is short; then
- * two places beside it of one nanosecond, on both sides of the level by more than rounding, have all places between them where
- * it could end, for the piece is monotone. An end of the piece is such a place as it stands: td_level_solve ends between both.
- * A place that was crossed before, and is only near now, doesn't count. */
+/* Finds a place whose time in nanoseconds is the one that a search to the last bit (td_level_solve) would give; returns 1 on
+ * success. The search to the last bit spends two thirds of its time where the excess is mere rounding.
+ *
+ * Newton's method stops at a short step. On both sides of its place, a small fraction of a nanosecond away, the signal must be
+ * on either side of the level by more than rounding, and both sides must have the same nanosecond. As the piece is monotone,
+ * the exact place lies between them. An end of the piece serves as a side as it is. If the walk stands at a place that is only
+ * near, the place must be clearly after it. */
 static int solve_near(const td_level *at, const td_crossing_walk *walk, double high, double value_high, double *s) {
     enum { TRIES = 6 };
     const td_step *step = walk->step;
@@ -99,7 +101,7 @@ static int solve_near(const td_level *at, const td_crossing_walk *walk, double h
            (!inner_after || sign * td_level_excess(at, after) > least);
 }
 
-/* From a place that is only near to where that is: crossing after crossing since the last that is known. */
+/* Replaces a place that is only near by the exact one: finds all crossings since the last exact place, one after the other. */
 static void settle(td_crossing_walk *walk, double knot, double value) {
     for (int i = 0; i < walk->near; i++) {
         const td_level at = {&walk->model, walk->crossed[i].reference, walk->crossed[i].rise};
@@ -109,7 +111,7 @@ static void settle(td_crossing_walk *walk, double knot, double value) {
     walk->near = 0;
 }
 
-/* On to the crossing that lies before `knot`: near where that will do. */
+/* Moves the walk to the crossing before `knot`: to a place that is only near, if its time is proven. */
 static void go(td_crossing_walk *walk, double reference, double rise, double knot, double value) {
     const td_level at = {&walk->model, reference, rise};
     if (walk->near == TD_CROSSED_MAX) settle(walk, knot, value);
@@ -136,7 +138,7 @@ int td_crossing_next(td_crossing_walk *walk, double reference, double threshold_
     return 0;
 }
 
-/* The walk over [from, to] only: its knots between them, and both. */
+/* Restricts the walk to [from, to]: both become knots, and knots outside are removed. */
 static void cut(td_crossing_walk *walk, double from, double to) {
     td_crossing_walk all = *walk;
     walk->knots = 0;

@@ -1,5 +1,4 @@
-/* Cubics between the places where a pixel's signal is known. The solver judges the nodes and adds more; the comparator decides
- * which crossings count. */
+/* Cubics between the places of a step where a pixel's signal is known. */
 #include "td_pieces.h"
 #include "td_crossing.h"
 
@@ -16,7 +15,7 @@ void td_pieces_make(td_pieces *pieces, const td_ends *ends, const td_node *nodes
     pieces->from[count + 1] = 1;
 }
 
-/* Where pieces meet the ramp is worked out once for both. */
+/* Where pieces meet, the ramp's value is computed once for both, so that they stay equal. */
 void td_pieces_add_ramp(td_pieces *pieces, double begin, double rise) {
     for (int k = 0; k < pieces->count; k++) {
         const double from = pieces->from[k], to = pieces->from[k + 1], third = (to - from) / 3;

@@ -1,4 +1,5 @@
-/* The extrema of crossing.c, by the same arithmetic without its branches, in a loop that vectorises. */
+/* Finds extrema of many local models, in a loop without branches, which vectorises. td_model_extrema, for one model, uses the
+ * same arithmetic. */
 #include "td_turns.h"
 
 #include "td_extremes.h"
@@ -6,8 +7,8 @@
 
 #include <float.h>
 
-/* a / (a + b) where a and b have the same sign, else 0: crossing.c's share. One comparison at a time (lib/sensor/comparator.c
- * says why). */
+/* a / (a + b) if a and b have the same sign, else 0. Conditions are written singly, because gcc 12 doesn't vectorise two
+ * combined ones. */
 static inline double share(double a, double b) {
     const double part = a / (a + b);
     double above = a > 0.0 ? part : 0.0, below = a < 0.0 ? part : 0.0;
@@ -16,7 +17,7 @@ static inline double share(double a, double b) {
     return above + below; /* one of them is 0 */
 }
 
-/* `at` where it lies within the step, else 1. */
+/* Returns `at` if it is within the step, else 1. */
 static inline double within(double at) {
     const double begun = at > 0.0 ? at : 1.0;
     return begun < 1.0 ? begun : 1.0;
