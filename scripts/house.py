@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """What `make lint` checks of the house as a whole. Prints findings, one line each, and exits 1 where there are any.
 
-usage: house.py arrows|circles|cites|openings|guards|libm [ROOT]     ROOT: a tree like this repository's (default: this repository)
+usage: house.py arrows|circles|wide|cites|openings|guards|libm [ROOT]     ROOT: a tree like this repository's (default: this repository)
 
 arrows     every #include goes to a folder that scripts/arrows.txt allows
 circles    no files of a folder of lib or cli use one another's functions in a circle, but for those of its `circle` lines; files
            of folders within another use those of the folders beside them as it allows
+wide       no struct of lib has more than 30 fields, and no function more than 8 parameters, but those of its `wide` lines
 cites      comments and pages cite files that are in the repository, and sections that docs/DESIGN.md has
 openings   every file of lib begins with a comment of a sentence or more
 guards     no two headers hide each other
@@ -153,6 +154,50 @@ def check_circles(root):
     return found
 
 
+# -- wide structs and functions -----------------------------------------------------------------------------------------
+
+MOST_FIELDS, MOST_PARAMETERS = 30, 8
+STRUCT = re.compile(r"\bstruct (\w+) \{")
+HEAD_WITH_PARAMETERS = re.compile(r"^[A-Za-z_][\w \t*]*[\s*](\w+)\(([^;{}]*?)\)\s*\{", re.M)
+
+
+def without_inner(text, opening, closing):
+    """The text with all that stands between such brackets left out, whatever is nested in them."""
+    pattern = re.compile(rf"\{opening}[^\{opening}\{closing}]*\{closing}")
+    while pattern.search(text):
+        text = pattern.sub("", text)
+    return text
+
+
+def wide_of(code):
+    """(name, number, what) of the structs and functions that are too wide."""
+    for match in STRUCT.finditer(code):
+        depth, at = 1, match.end()
+        while depth and at < len(code):
+            depth += (code[at] == "{") - (code[at] == "}")
+            at += 1
+        fields = without_inner(without_inner(code[match.end() : at - 1], "{", "}"), "(", ")")
+        count = sum(1 + field.count(",") for field in fields.split(";")[:-1])
+        if count > MOST_FIELDS:
+            yield match[1], count, "fields"
+    for match in HEAD_WITH_PARAMETERS.finditer(code):
+        count = 1 + without_inner(match[2], "(", ")").count(",")
+        if count > MOST_PARAMETERS:
+            yield match[1], count, "parameters"
+
+
+def check_wide(root):
+    lines = (line.split("#")[0].split() for line in (root / "scripts/arrows.txt").read_text().splitlines())
+    known = {words[1] for words in lines if words[:1] == ["wide:"]}
+    found, seen = [], set()
+    for path in files(root, ("lib",), {".c", ".h"}):
+        for name, count, what in wide_of(code_of(path)):
+            seen.add(name)
+            if name not in known:
+                found.append(f"{path.relative_to(root)}: {name} has {count} {what}")
+    return found + [f"arrows.txt: {name} is wide no more: take its line out" for name in sorted(known - seen)]
+
+
 # -- citations ---------------------------------------------------------------------------------------------------------
 
 # A mention of the design with its sections: "DESIGN 3.3, 3.4", "DESIGN 3.2 and 3.3".
@@ -293,6 +338,7 @@ def check_libm(root):
 CHECKS = {
     "arrows": check_arrows,
     "circles": check_circles,
+    "wide": check_wide,
     "cites": check_cites,
     "openings": check_openings,
     "guards": check_guards,

@@ -5,7 +5,7 @@
 set -u
 jobs=${JOBS:-2}
 failed=
-stages=${*:-format clang tidy cppcheck kernels sizes shell top arrows circles oracle cites openings guards libm types words prose}
+stages=${*:-format clang tidy cppcheck kernels sizes shell top arrows circles wide oracle cites openings guards libm types words prose}
 
 # One process for many files: one for each took minutes on a busy machine.
 stage_format() {
@@ -81,6 +81,7 @@ stage_top() {
 
 stage_arrows() { ${PYTHON:-python3} scripts/house.py arrows; }
 stage_circles() { ${PYTHON:-python3} scripts/house.py circles; }
+stage_wide() { ${PYTHON:-python3} scripts/house.py wide; }
 
 # tests/oracle knows the library by its public headers alone, and what works the truth out not even by these.
 stage_oracle() {

@@ -188,17 +188,17 @@ static tides_status add_member(td_npy_writer *w, const char *name, tides_error *
 }
 
 /* Takes over dtype and shape; TIDES_BAD_ARGUMENT if they are invalid. */
-static tides_status set_form(td_npy_writer *w, const char *dtype, size_t item, int ndim, const size_t *inner,
-                             tides_error *error) {
-    if (ndim < 0 || ndim > TD_NPY_DIMENSIONS_MAX || item == 0 || strlen(dtype) > HEADER_MAX - 1024)
+static tides_status set_form(td_npy_writer *w, const td_npy_form *form, tides_error *error) {
+    const int ndim = form->ndim;
+    if (ndim < 0 || ndim > TD_NPY_DIMENSIONS_MAX || form->item == 0 || strlen(form->dtype) > HEADER_MAX - 1024)
         return td_fail(error, TIDES_BAD_ARGUMENT, "%s: an array of %d dimensions and elements of %zu bytes can't be written",
-                       w->path, ndim, item);
+                       w->path, ndim, form->item);
     free(w->dtype);
-    if (!(w->dtype = td_strdup(dtype, error))) return TIDES_NO_MEMORY;
+    if (!(w->dtype = td_strdup(form->dtype, error))) return TIDES_NO_MEMORY;
     w->ndim = ndim;
-    w->row_bytes = item;
+    w->row_bytes = form->item;
     for (int d = 1; d < ndim; d++) {
-        w->inner[d] = inner[d - 1];
+        w->inner[d] = form->inner[d - 1];
         if (w->inner[d] && w->row_bytes > SIZE_MAX / w->inner[d])
             return td_fail(error, TIDES_BAD_ARGUMENT, "%s: a row has more bytes than memory could", w->path);
         w->row_bytes *= w->inner[d];
@@ -206,11 +206,10 @@ static tides_status set_form(td_npy_writer *w, const char *dtype, size_t item, i
     return TIDES_OK;
 }
 
-tides_status td_npy_writer_begin(td_npy_writer *writer, const char *name, const char *dtype, size_t item, int ndim,
-                                 const size_t *inner, tides_error *error) {
+tides_status td_npy_writer_begin(td_npy_writer *writer, const td_npy_form *form, tides_error *error) {
     tides_status status = end_array(writer, error);
-    if (!status) status = set_form(writer, dtype, item, ndim, inner, error);
-    if (!status) status = add_member(writer, name, error);
+    if (!status) status = set_form(writer, form, error);
+    if (!status) status = add_member(writer, form->name, error);
     if (status) return status;
     char header[HEADER_MAX];
     writer->rows = 0;
@@ -235,9 +234,9 @@ tides_status td_npy_writer_append(td_npy_writer *writer, const void *rows, size_
     return TIDES_OK;
 }
 
-tides_status td_npy_writer_put(td_npy_writer *writer, const char *name, const char *dtype, size_t item, int ndim,
-                               const size_t *inner, const void *rows, size_t count, tides_error *error) {
-    const tides_status status = td_npy_writer_begin(writer, name, dtype, item, ndim, inner, error);
+tides_status td_npy_writer_put(td_npy_writer *writer, const td_npy_form *form, const void *rows, size_t count,
+                               tides_error *error) {
+    const tides_status status = td_npy_writer_begin(writer, form, error);
     return status == TIDES_OK ? td_npy_writer_append(writer, rows, count, error) : status;
 }
 

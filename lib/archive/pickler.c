@@ -81,7 +81,8 @@ tides_status td_pickler_end(td_pickler *p, td_npy_writer *npy, const char *name)
     td_pickler_text(p, "O");
     op(p, "tR.");
     tides_status status = p->status;
-    if (status == TIDES_OK) status = td_npy_writer_put(npy, name, "'|O'", p->size, 0, NULL, p->bytes, 1, p->error);
+    if (status == TIDES_OK)
+        status = td_npy_writer_put(npy, &(td_npy_form){name, "'|O'", p->size, 0, NULL}, p->bytes, 1, p->error);
     td_pickler_drop(p);
     return status;
 }

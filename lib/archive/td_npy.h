@@ -65,18 +65,24 @@ typedef struct td_npy_writer td_npy_writer;
  * Otherwise an .npy with exactly one. TIDES_WRITE_FAILED, TIDES_NO_MEMORY. */
 tides_status td_npy_writer_open(const char *path, int zipped, td_npy_writer **writer, tides_error *error);
 
-/* Begins an array, and ends the previous one. `dtype` is as in numpy's headers: "'<f4'" with its quotes, or "[('t', '<i8'),
- * ('x', '<i2')]". `item`: bytes per element. The first extent is the number of rows appended; `inner` has the other `ndim` -
- * 1 (NULL if ndim is 1). ndim 0 is a scalar: append exactly one element. */
-tides_status td_npy_writer_begin(td_npy_writer *writer, const char *name, const char *dtype, size_t item, int ndim,
-                                 const size_t *inner, tides_error *error);
+/* An array but for its first extent, which is the number of rows that are appended. */
+typedef struct td_npy_form {
+    const char *name;
+    const char *dtype;   /* as numpy writes it in a header: "'<f4'" with its quotes, or "[('t', '<i8'), ('x', '<i2')]" */
+    size_t item;         /* bytes per element */
+    int ndim;            /* 0: a scalar, of which exactly one element is appended */
+    const size_t *inner; /* (ndim - 1) the other extents; NULL where ndim is 1 */
+} td_npy_form;
+
+/* Begins an array, and ends the previous one. */
+tides_status td_npy_writer_begin(td_npy_writer *writer, const td_npy_form *form, tides_error *error);
 
 /* Appends `count` rows, little-endian and packed. A row is one element times the inner extents. */
 tides_status td_npy_writer_append(td_npy_writer *writer, const void *rows, size_t count, tides_error *error);
 
 /* Writes a whole array: begins it and appends its `count` rows. */
-tides_status td_npy_writer_put(td_npy_writer *writer, const char *name, const char *dtype, size_t item, int ndim,
-                               const size_t *inner, const void *rows, size_t count, tides_error *error);
+tides_status td_npy_writer_put(td_npy_writer *writer, const td_npy_form *form, const void *rows, size_t count,
+                               tides_error *error);
 
 /* Completes the file and renames it. Frees the writer in any case; on failure removes the partial file. */
 tides_status td_npy_writer_close(td_npy_writer *writer, tides_error *error);

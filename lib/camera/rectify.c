@@ -74,7 +74,7 @@ tides_status tides_rectify_save(const char *file, const tides_intrinsics *raw, c
     status = map ? tides_rectify_map(raw, rectified, rotation, map, error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK) status = td_npy_writer_open(file, 0, &writer, error);
     if (status == TIDES_OK)
-        status = td_npy_writer_put(writer, "rectify_map", "'<f4'", sizeof *map, 3, inner, map, height, error);
+        status = td_npy_writer_put(writer, &(td_npy_form){"rectify_map", "'<f4'", sizeof *map, 3, inner}, map, height, error);
     free(map);
     return td_npy_writer_end(writer, status, error);
 }

@@ -48,13 +48,13 @@ static hid_t create(td_arrays *arrays, const char *name, hid_t stored, size_t ch
     return dataset;
 }
 
-tides_status td_array_begin(td_arrays *arrays, const char *name, hid_t stored, hid_t memory, int ndim, const size_t *inner,
-                            size_t chunk, td_array *array, tides_error *error) {
-    *array = (td_array){.memory = memory, .ndim = ndim, .shape = {1, 1, 1, 1}};
-    for (int d = 1; d < ndim; d++) array->shape[d] = inner[d - 1];
+tides_status td_array_begin(td_arrays *arrays, const char *name, const td_array_form *form, td_array *array,
+                            tides_error *error) {
+    *array = (td_array){.memory = form->memory, .ndim = form->ndim, .shape = {1, 1, 1, 1}};
+    for (int d = 1; d < form->ndim; d++) array->shape[d] = form->inner[d - 1];
     td_h5_quiet saved;
     td_h5_quiet_begin(&saved);
-    array->dataset = create(arrays, name, stored, chunk, array);
+    array->dataset = create(arrays, name, form->stored, form->chunk, array);
     const tides_status status = array->dataset < 0 || arrays->failed ? write_failed(arrays, error) : TIDES_OK;
     td_h5_quiet_end(&saved);
     return status;

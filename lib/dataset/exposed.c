@@ -12,8 +12,9 @@ void td_exposed_between(const td_member *camera, int64_t us, int64_t *from_us, i
 }
 
 tides_status td_exposed_make(const td_member *camera, const tides_trajectory *path, tides_renderer *renderer,
-                             const td_picture *picture, double *light, uint16_t *values, uint8_t *rgb, uint8_t *grey,
-                             tides_error *error) {
+                             const td_picture *picture, const td_exposed *to, tides_error *error) {
+    double *light = to->light;
+    uint16_t *values = to->values;
     const int32_t width = camera->facts.intrinsics.width, height = camera->facts.intrinsics.height;
     const double *weights = camera->facts.values.image.luminance;
     const size_t pixels = td_pixels(camera);
@@ -24,11 +25,11 @@ tides_status td_exposed_make(const td_member *camera, const tides_trajectory *pa
     tides_status status = tides_renderer_expose(renderer, path, td_seconds(picture->us), &exposure, light, NULL, error);
     if (status == TIDES_OK) status = tides_exposure_values(&exposure, width, height, picture->index, light, values, error);
     if (status != TIDES_OK) return status;
-    for (size_t i = 0; i < 3 * pixels; i++) rgb[i] = (uint8_t)values[i];
+    for (size_t i = 0; i < 3 * pixels; i++) to->rgb[i] = (uint8_t)values[i];
     for (size_t i = 0; i < pixels; i++)
         y[i] = weights[0] * light[i] + weights[1] * light[pixels + i] + weights[2] * light[2 * pixels + i];
     exposure.colour = 0;
     status = tides_exposure_values(&exposure, width, height, picture->index, y, values, error);
-    for (size_t i = 0; i < pixels && status == TIDES_OK; i++) grey[i] = (uint8_t)values[i];
+    for (size_t i = 0; i < pixels && status == TIDES_OK; i++) to->grey[i] = (uint8_t)values[i];
     return status;
 }

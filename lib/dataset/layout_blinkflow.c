@@ -71,8 +71,8 @@ static tides_status write_flow(td_writer *w, const char *path, const float *flow
     td_npy_writer *npy = NULL;
     tides_status status = td_npy_writer_open(path, 0, &npy, error);
     if (status != TIDES_OK) return status;
-    status = td_npy_writer_put(npy, "data", "'<f4'", sizeof(float), 3, inner, flow, (size_t)w->camera->facts.intrinsics.height,
-                               error);
+    status = td_npy_writer_put(npy, &(td_npy_form){"data", "'<f4'", sizeof(float), 3, inner}, flow,
+                               (size_t)w->camera->facts.intrinsics.height, error);
     return td_npy_writer_end(npy, status, error);
 }
 

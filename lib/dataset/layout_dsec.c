@@ -48,7 +48,8 @@ static tides_status write_rectify_map(const td_writer *w, tides_error *error) {
         status =
             td_arrays_open(&file, td_in_folder(w->folder, error, "events/%s/rectify_map.h5", sides[w->camera->event]), error);
     if (status == TIDES_OK)
-        status = td_array_begin(&file, "rectify_map", H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, 3, inner, height, &array, error);
+        status = td_array_begin(&file, "rectify_map", &(td_array_form){H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, 3, inner, height},
+                                &array, error);
     if (status == TIDES_OK) status = td_array_append(&file, &array, height, map, error);
     td_array_end(&array);
     const tides_status closed = td_arrays_close(&file, error);

@@ -37,9 +37,9 @@ static tides_status open_file(td_writer *w, int which, tides_error *error) {
 
 static tides_status begin_columns(evimo *e, tides_error *error) {
     const size_t two = 2;
-    tides_status status = td_npy_writer_begin(e->file[T], "data", "'<f8'", 8, 1, NULL, error);
-    if (status == TIDES_OK) status = td_npy_writer_begin(e->file[XY], "data", "'<u2'", 2, 2, &two, error);
-    return status == TIDES_OK ? td_npy_writer_begin(e->file[P], "data", "'|u1'", 1, 1, NULL, error) : status;
+    tides_status status = td_npy_writer_begin(e->file[T], &(td_npy_form){"data", "'<f8'", 8, 1, NULL}, error);
+    if (status == TIDES_OK) status = td_npy_writer_begin(e->file[XY], &(td_npy_form){"data", "'<u2'", 2, 2, &two}, error);
+    return status == TIDES_OK ? td_npy_writer_begin(e->file[P], &(td_npy_form){"data", "'|u1'", 1, 1, NULL}, error) : status;
 }
 
 static tides_status begin(td_writer *w, tides_error *error) {
@@ -72,14 +72,18 @@ static tides_status events(td_writer *w, const tides_event *list, size_t count, 
 }
 
 /* Writes a (height x width) plane; if `last` isn't 0, with `last` values per pixel. */
-static tides_status put(td_writer *w, int which, const char *kind, size_t index, const char *dtype, size_t item, size_t last,
-                        const void *values, tides_error *error) {
+static tides_status put(td_writer *w, int which, const char *kind, size_t index, size_t last, const void *values,
+                        tides_error *error) {
+    static const struct {
+        const char *dtype;
+        size_t bytes;
+    } number[] = {[CLASSICAL] = {"'|u1'", 1}, [DEPTH] = {"'<u2'", 2}, [MASK] = {"'<u2'", 2}, [FLOW] = {"'<f4'", 4}};
     char name[48];
     snprintf(name, sizeof name, "%s_%010zu", kind, index);
     const size_t inner[2] = {(size_t)w->camera->facts.intrinsics.width, last};
     td_npy_writer *file = ((evimo *)w->state)->file[which];
-    return td_npy_writer_put(file, name, dtype, item, last ? 3 : 2, inner, values, (size_t)w->camera->facts.intrinsics.height,
-                             error);
+    return td_npy_writer_put(file, &(td_npy_form){name, number[which].dtype, number[which].bytes, last ? 3 : 2, inner}, values,
+                             (size_t)w->camera->facts.intrinsics.height, error);
 }
 
 static tides_status picture(td_writer *w, const td_picture *p, tides_error *error) {
@@ -87,11 +91,11 @@ static tides_status picture(td_writer *w, const td_picture *p, tides_error *erro
     const size_t each = td_pictures_per_truth(w->set), number = p->index / each;
     const int between = p->index % each != 0 || number >= w->set->truths;
     e->taken[between][e->pictures[between]++] = td_seconds(p->us);
-    return put(w, CLASSICAL, between ? "between" : "classical", between ? p->index : number, "'|u1'", 1, 3, p->rgb, error);
+    return put(w, CLASSICAL, between ? "between" : "classical", between ? p->index : number, 3, p->rgb, error);
 }
 
 static tides_status put_times(evimo *e, int which, const char *name, const double *times, size_t count, tides_error *error) {
-    return td_npy_writer_put(e->file[which], name, "'<f8'", 8, 1, NULL, times, count, error);
+    return td_npy_writer_put(e->file[which], &(td_npy_form){name, "'<f8'", 8, 1, NULL}, times, count, error);
 }
 
 static tides_status put_flow(td_writer *w, const td_truth *t, tides_error *error) {
@@ -102,7 +106,7 @@ static tides_status put_flow(td_writer *w, const td_truth *t, tides_error *error
     }
     e->times[e->flows] = td_seconds(t->us);
     e->times[w->set->truths + e->flows++] = td_seconds(t->next_us);
-    return put(w, FLOW, "flow", t->index, "'<f4'", 4, 2, e->flow, error);
+    return put(w, FLOW, "flow", t->index, 2, e->flow, error);
 }
 
 static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
@@ -112,10 +116,10 @@ static tides_status truth(td_writer *w, const td_truth *t, tides_error *error) {
     if (status != TIDES_OK) return status;
     td_evimo_frame(&e->meta, w, t->index, &place, w->camera->picture >= 0);
     td_depth_16(w->set, w->camera, t->depth, 1000, e->plane);
-    status = put(w, DEPTH, "depth", t->index, "'<u2'", 2, 0, e->plane, error);
+    status = put(w, DEPTH, "depth", t->index, 0, e->plane, error);
     for (size_t i = 0; i < td_pixels(w->camera); i++)
         e->plane[i] = t->instance[i] >= 0 && t->instance[i] < 65 ? (uint16_t)(1000 * (int)(t->instance[i] + 1)) : 0;
-    if (status == TIDES_OK) status = put(w, MASK, "mask", t->index, "'<u2'", 2, 0, e->plane, error);
+    if (status == TIDES_OK) status = put(w, MASK, "mask", t->index, 0, e->plane, error);
     return status == TIDES_OK && t->next_u ? put_flow(w, t, error) : status;
 }
 
@@ -142,8 +146,9 @@ static tides_status write_info(td_writer *w, tides_error *error) {
     tides_status status = path ? td_npy_writer_open(path, 1, &npy, error) : TIDES_NO_MEMORY;
     free(path);
     if (status != TIDES_OK) return status;
-    status = td_npy_writer_put(npy, "K", "'<f8'", 8, 2, &three, matrix, 3, error);
-    if (status == TIDES_OK) status = td_npy_writer_put(npy, "D", "'<f8'", 8, 1, NULL, lens, (size_t)count, error);
+    status = td_npy_writer_put(npy, &(td_npy_form){"K", "'<f8'", 8, 2, &three}, matrix, 3, error);
+    if (status == TIDES_OK)
+        status = td_npy_writer_put(npy, &(td_npy_form){"D", "'<f8'", 8, 1, NULL}, lens, (size_t)count, error);
     if (status == TIDES_OK) status = td_evimo_end(&((evimo *)w->state)->meta, w, npy);
     return td_npy_writer_end(npy, status, error);
 }

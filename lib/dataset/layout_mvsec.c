@@ -81,23 +81,20 @@ static tides_status begin_arrays(td_writer *w, tides_error *error) {
     const hid_t f64 = H5T_IEEE_F64LE, real = H5T_NATIVE_DOUBLE;
     const struct {
         const char *name;
-        hid_t stored, memory;
-        int ndim;
-        const size_t *inner;
-        size_t chunk;
-    } forms[ARRAYS] = {
-        [EVENTS] = {"events", f64, real, 2, four, EVENT_ROWS},
-        [IMAGES] = {"image_raw", H5T_STD_U8LE, H5T_NATIVE_UINT8, 3, plane, 1},
-        [IMAGE_TIMES] = {"image_raw_ts", f64, real, 1, NULL, NUMBER_ROWS},
-        [IMAGE_EVENTS] = {"image_raw_event_inds", H5T_STD_I64LE, H5T_NATIVE_INT64, 1, NULL, NUMBER_ROWS},
-        [IMU] = {"imu", f64, real, 2, &six, NUMBER_ROWS},
-        [IMU_TIMES] = {"imu_ts", f64, real, 1, NULL, NUMBER_ROWS},
-        [DEPTH] = {"depth_image_raw", H5T_IEEE_F32LE, real, 3, plane, 1},
-        [DEPTH_TIMES] = {"depth_image_raw_ts", f64, real, 1, NULL, NUMBER_ROWS},
-        [POSES] = {"pose", f64, real, 3, four, NUMBER_ROWS},
-        [POSE_TIMES] = {"pose_ts", f64, real, 1, NULL, NUMBER_ROWS},
-        [FLOW] = {"flow_dist", f64, real, 4, pair, 1},
-        [FLOW_TIMES] = {"flow_dist_ts", f64, real, 1, NULL, NUMBER_ROWS},
+        td_array_form form;
+    } arrays[ARRAYS] = {
+        [EVENTS] = {"events", {f64, real, 2, four, EVENT_ROWS}},
+        [IMAGES] = {"image_raw", {H5T_STD_U8LE, H5T_NATIVE_UINT8, 3, plane, 1}},
+        [IMAGE_TIMES] = {"image_raw_ts", {f64, real, 1, NULL, NUMBER_ROWS}},
+        [IMAGE_EVENTS] = {"image_raw_event_inds", {H5T_STD_I64LE, H5T_NATIVE_INT64, 1, NULL, NUMBER_ROWS}},
+        [IMU] = {"imu", {f64, real, 2, &six, NUMBER_ROWS}},
+        [IMU_TIMES] = {"imu_ts", {f64, real, 1, NULL, NUMBER_ROWS}},
+        [DEPTH] = {"depth_image_raw", {H5T_IEEE_F32LE, real, 3, plane, 1}},
+        [DEPTH_TIMES] = {"depth_image_raw_ts", {f64, real, 1, NULL, NUMBER_ROWS}},
+        [POSES] = {"pose", {f64, real, 3, four, NUMBER_ROWS}},
+        [POSE_TIMES] = {"pose_ts", {f64, real, 1, NULL, NUMBER_ROWS}},
+        [FLOW] = {"flow_dist", {f64, real, 4, pair, 1}},
+        [FLOW_TIMES] = {"flow_dist_ts", {f64, real, 1, NULL, NUMBER_ROWS}},
     };
     mvsec *m = w->state;
     tides_status status = TIDES_OK;
@@ -105,9 +102,8 @@ static tides_status begin_arrays(td_writer *w, tides_error *error) {
         if (i >= FLOW && w->camera->event != 0) break;
         if ((i == IMU || i == IMU_TIMES) && !w->set->has_imu) continue;
         char name[64];
-        snprintf(name, sizeof name, "davis/%s/%s", sides[w->camera->event], forms[i].name);
-        status = td_array_begin(file_of(w, i), name, forms[i].stored, forms[i].memory, forms[i].ndim, forms[i].inner,
-                                forms[i].chunk, &m->array[i], error);
+        snprintf(name, sizeof name, "davis/%s/%s", sides[w->camera->event], arrays[i].name);
+        status = td_array_begin(file_of(w, i), name, &arrays[i].form, &m->array[i], error);
     }
     return status;
 }
@@ -229,7 +225,8 @@ static tides_status copy_flow(td_writer *w, td_npy_writer *npy, int which, tides
     mvsec *m = w->state;
     const size_t pixels = td_pixels(w->camera);
     const size_t inner[2] = {(size_t)w->camera->facts.intrinsics.height, (size_t)w->camera->facts.intrinsics.width};
-    tides_status status = td_npy_writer_begin(npy, which ? "y_flow_dist" : "x_flow_dist", "'<f8'", 8, 3, inner, error);
+    tides_status status =
+        td_npy_writer_begin(npy, &(td_npy_form){which ? "y_flow_dist" : "x_flow_dist", "'<f8'", 8, 3, inner}, error);
     for (size_t k = 0; k < m->array[FLOW].rows && status == TIDES_OK; k++) {
         status = td_array_read(file_of(w, FLOW), &m->array[FLOW], k, m->rows, error);
         if (status == TIDES_OK) status = td_npy_writer_append(npy, m->rows + (size_t)which * pixels, 1, error);
@@ -244,7 +241,7 @@ static tides_status write_flow(td_writer *w, tides_error *error) {
     tides_status status = path ? td_npy_writer_open(path, 1, &npy, error) : TIDES_NO_MEMORY;
     free(path);
     if (status != TIDES_OK) return status;
-    status = td_npy_writer_begin(npy, "timestamps", "'<f8'", 8, 1, NULL, error);
+    status = td_npy_writer_begin(npy, &(td_npy_form){"timestamps", "'<f8'", 8, 1, NULL}, error);
     for (size_t k = 0; k < m->array[FLOW].rows && status == TIDES_OK; k++) {
         const double time = td_seconds(td_dataset_us(w->set, w->set->truth_hz, k));
         status = td_npy_writer_append(npy, &time, 1, error);

@@ -69,9 +69,9 @@ static tides_status picture(scenes *s, size_t index) {
     td_picture made = {index, us, us, us, s->grey, s->rgb};
     tides_status status;
     if (s->set->exposed) {
+        const td_exposed to = {plane(s, R), s->numbers, s->rgb, s->grey};
         td_exposed_between(s->camera, us, &made.from_us, &made.to_us);
-        status =
-            td_exposed_make(s->camera, s->view->path, s->renderer, &made, plane(s, R), s->numbers, s->rgb, s->grey, s->error);
+        status = td_exposed_make(s->camera, s->view->path, s->renderer, &made, &to, s->error);
     } else {
         status = render(s, us);
     }

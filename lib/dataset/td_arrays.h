@@ -22,9 +22,16 @@ typedef struct td_array {
 /* Creates a file; takes over `path` (NULL: out of memory). */
 tides_status td_arrays_open(td_arrays *arrays, char *path, tides_error *error);
 
-/* Creates an array "group/name" without rows; `inner`: extents beyond the first; `chunk` rows form a chunk. */
-tides_status td_array_begin(td_arrays *arrays, const char *name, hid_t stored, hid_t memory, int ndim, const size_t *inner,
-                            size_t chunk, td_array *array, tides_error *error);
+typedef struct td_array_form {
+    hid_t stored, memory; /* types in the file, and of what is appended */
+    int ndim;
+    const size_t *inner; /* (ndim - 1) extents beyond the first, which grows */
+    size_t chunk;        /* rows that form a chunk */
+} td_array_form;
+
+/* Creates an array "group/name" without rows. */
+tides_status td_array_begin(td_arrays *arrays, const char *name, const td_array_form *form, td_array *array,
+                            tides_error *error);
 tides_status td_array_append(td_arrays *arrays, td_array *array, size_t rows, const void *values, tides_error *error);
 /* reads one row */
 tides_status td_array_read(td_arrays *arrays, td_array *array, size_t row, void *values, tides_error *error);

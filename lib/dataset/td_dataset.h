@@ -124,12 +124,20 @@ void td_rectify_release(td_member *camera);
 /* Camera number `side` (0: left, 1: right) among those of a kind; NULL: none. */
 const td_member *td_find_camera(const td_dataset *set, int kind, int side);
 
-/* Begin and end of a picture's exposure at `us`, over all rows, in whole microseconds; td_exposed_make renders it. `light`
- * has room for four planes, `values` for three. */
+/* Begin and end of a picture's exposure at `us`, over all rows, in whole microseconds. */
 void td_exposed_between(const td_member *camera, int64_t us, int64_t *from_us, int64_t *to_us);
+
+/* Room for an exposed picture: planes of (pixels) each. */
+typedef struct td_exposed {
+    double *light;    /* four planes */
+    uint16_t *values; /* three */
+    uint8_t *rgb;     /* (pixels x 3), result */
+    uint8_t *grey;    /* (pixels), result */
+} td_exposed;
+
+/* Exposes a picture as the camera's run says. */
 tides_status td_exposed_make(const td_member *camera, const tides_trajectory *path, tides_renderer *renderer,
-                             const td_picture *picture, double *light, uint16_t *values, uint8_t *rgb, uint8_t *grey,
-                             tides_error *error);
+                             const td_picture *picture, const td_exposed *to, tides_error *error);
 
 /* Gives pictures and ground truth of a camera to every layout. */
 typedef struct td_scenes {

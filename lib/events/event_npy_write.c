@@ -38,9 +38,12 @@ static tides_status create_writer(td_event_sink *sink, int zipped, tides_error *
 tides_status td_event_npy_create(td_event_sink *sink, tides_error *error) {
     tides_status status = create_writer(sink, 0, error);
     npy_writer *w = sink->state;
-    return status == TIDES_OK ? td_npy_writer_begin(w->file, "data", "[('x', '<i2'), ('y', '<i2'), ('t', '<i8'), ('p', '|i1')]",
-                                                    RECORD, 1, NULL, error)
-                              : status;
+    return status == TIDES_OK
+               ? td_npy_writer_begin(w->file,
+                                     &(td_npy_form){"data", "[('x', '<i2'), ('y', '<i2'), ('t', '<i8'), ('p', '|i1')]", RECORD,
+                                                    1, NULL},
+                                     error)
+               : status;
 }
 
 tides_status td_event_npy_write(td_event_sink *sink, const tides_event *events, size_t count, tides_error *error) {
@@ -124,7 +127,8 @@ tides_status td_event_npz_complete(td_event_sink *sink, int64_t stop_ns, tides_e
     npy_writer *w = sink->state;
     if (fflush(w->spool) != 0) return td_fail(error, TIDES_WRITE_FAILED, "%s: can't be written: its disk is full", sink->part);
     for (int c = 0; c < TD_NPY_COLUMNS; c++) {
-        tides_status status = td_npy_writer_begin(w->file, arrays[c].name, arrays[c].dtype, arrays[c].bytes, 1, NULL, error);
+        tides_status status =
+            td_npy_writer_begin(w->file, &(td_npy_form){arrays[c].name, arrays[c].dtype, arrays[c].bytes, 1, NULL}, error);
         if (status == TIDES_OK) status = write_column(w, sink->part, c, error);
         if (status != TIDES_OK) return status;
     }

@@ -11,7 +11,7 @@
 /* The quintic spline through the samples has its largest errors in the first and last segment. With this many samples, short
  * paths keep these two apart. */
 #define FEWEST_SAMPLES 9
-#define MOST_SAMPLES 5e6 /* 0.8 GB */
+#define MOST_SAMPLES 5e6 /* 2.3 GB with the path that is made of them */
 /* Longest step of the integrator [s]. The fastest motion is a ball's bounce, a half period of 15 ms: 60 steps. A step of
  * fourth order within it has an error of 3e-9 of its amplitude, (pi / 60)^5 / 120. */
 #define STEP_S 0.00025

@@ -14,7 +14,7 @@ typedef struct cell {
     size_t point;
 } cell;
 
-/* The points of one stream, window and polarity. */
+/* The points of one stream in one window, of one polarity. */
 typedef struct cloud {
     td_point *points;
     double *weights; /* number of events in each point */

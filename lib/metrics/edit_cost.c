@@ -1,5 +1,5 @@
-/* Victor-Purpura distance (Victor & Purpura 1996): the least cost of turning one train into another, where adding or
- * removing an event costs 1 and shifting it costs `cost` per time.
+/* Victor-Purpura distance (Victor & Purpura 1996): the least cost of turning one train into another. Adding or removing an
+ * event costs 1, and shifting it `cost` per time.
  *
  * A shift pays if it is cheaper than removing and adding. So the distance is count_a + count_b minus the largest sum of (2 -
  * cost |dt|) over order-preserving pairings. Events further apart than 2 / cost are never paired. So a row of the dynamic

@@ -1,4 +1,4 @@
-/* ISI spike ratio (paper, Sec. 4.3): the fraction of intervals near zero or at the quanta of a clock.
+/* ISI spike ratio (paper, Sec. 4.3): the fraction of intervals near zero or at multiples of a clock's period.
  *
  * Near zero means at most 1 us. With a known clock, intervals within 1 us of a multiple of its period count. Without one,
  * spikes are searched in a histogram of intervals up to 50 ms, whose bins are ticks. A bin is a spike if it holds at least 8

@@ -9,7 +9,7 @@ void tides_metrics_options_defaults(tides_metrics_options *options) {
     options->size = sizeof *options;
     options->wanted = TIDES_METRICS_DEFAULT;
     options->tick_ns = 1000;
-    options->isi_floor_s = 0.5e-6; /* half a tick */
+    options->isi_floor_s = 0.5e-6; /* [s] half a tick */
     options->fano_bin_s[0] = 1e-3;
     options->fano_bin_s[1] = 0.2e-3; /* three sizes, since a bin as long as a simulator's frame hides its batches */
     options->fano_bin_s[2] = 5e-3;

@@ -120,22 +120,23 @@ static void activate(const callback_rows *rows, int64_t i, double *geometry, dou
     }
 }
 
-static tides_status evaluate(const tides_motion *motion, const tides_gaussians *gaussians, double tau, int side,
-                             const int32_t *index, int64_t count, double *geometry, double *rates, double *sh, double *sh_rates,
-                             int sh_stride, tides_error *error) {
+static tides_status evaluate(const tides_motion *motion, const tides_gaussians *gaussians, const td_motion_asked *asked,
+                             const td_motion_sink *to, tides_error *error) {
+    const int32_t *index = asked->index;
+    const int64_t count = asked->count;
     const tides_callback_motion *own = motion->own;
     callback_rows rows;
     tides_status status = rows_create(&rows, gaussians, own->moves_sh, count, error);
     if (status != TIDES_OK) return status;
     rows_fill(&rows, gaussians, index, count);
-    status = call(own, tau, side, index, count, &rows, error);
+    status = call(own, asked->tau, asked->side, index, count, &rows, error);
     for (int64_t i = 0; i < 3 * count; i++) rows.value[MEAN][i] -= gaussians->origin[i % 3];
-    if (status == TIDES_OK) status = check_rows(&rows, tau, index, count, error);
+    if (status == TIDES_OK) status = check_rows(&rows, asked->tau, index, count, error);
     for (int64_t i = 0; i < count && status == TIDES_OK; i++) {
-        activate(&rows, i, geometry + i * TD_GEOMETRY_STRIDE, rates + i * TD_GEOMETRY_STRIDE);
+        activate(&rows, i, to->geometry + i * TD_GEOMETRY_STRIDE, to->rates + i * TD_GEOMETRY_STRIDE);
         for (int k = 0; k < rows.width[SH]; k++) {
-            sh[i * sh_stride + k] = rows.value[SH][i * rows.width[SH] + k];
-            sh_rates[i * sh_stride + k] = rows.rate[SH][i * rows.width[SH] + k];
+            to->sh[i * to->sh_stride + k] = rows.value[SH][i * rows.width[SH] + k];
+            to->sh_rates[i * to->sh_stride + k] = rows.rate[SH][i * rows.width[SH] + k];
         }
     }
     free(rows.memory);

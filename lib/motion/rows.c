@@ -21,28 +21,23 @@ static void scale(double *values, size_t count, double factor) {
 }
 
 tides_status td_motion_rows(const tides_motion *motion, const tides_gaussians *gaussians, const td_mover_numbers *numbers,
-                            double tau, double tau_dot, int side, int fades, const int32_t *index, int64_t count,
-                            const td_motion_sink *sink, tides_error *error) {
-    size_t stride = (size_t)sink->sh_stride, rows = (size_t)count;
+                            const td_motion_asked *asked, const td_motion_sink *to, tides_error *error) {
+    const double tau_dot = asked->tau_dot;
+    size_t stride = (size_t)to->sh_stride, rows = (size_t)asked->count;
     if (motion->type->evaluate) {
-        tides_status status = motion->type->evaluate(motion, gaussians, tau, side, index, count, sink->geometry, sink->rates,
-                                                     sink->sh, sink->sh_rates, sink->sh_stride, error);
-        scale(sink->rates, rows * TD_GEOMETRY_STRIDE, tau_dot);
-        scale(numbers->moves_sh ? sink->sh_rates : NULL, rows * stride, tau_dot);
+        tides_status status = motion->type->evaluate(motion, gaussians, asked, to, error);
+        scale(to->rates, rows * TD_GEOMETRY_STRIDE, tau_dot);
+        scale(numbers->moves_sh ? to->sh_rates : NULL, rows * stride, tau_dot);
         return status;
     }
     double moment[TD_MOMENT_REALS];
-    td_mover mover = mover_of(motion, numbers, gaussians->count, fades);
-    td_motion_moment(motion, tau, tau_dot, side, moment);
+    td_mover mover = mover_of(motion, numbers, gaussians->count, asked->fades);
+    td_motion_moment(motion, asked->tau, tau_dot, asked->side, moment);
     for (size_t i = 0; i < rows; i++) {
-        td_theta_sink to = {sink->geometry + i * TD_GEOMETRY_STRIDE,
-                            sink->rates + i * TD_GEOMETRY_STRIDE,
-                            NULL,
-                            NULL,
-                            sink->sh_stride,
-                            tau_dot};
-        if (numbers->moves_sh) to.sh = sink->sh + i * stride, to.sh_rates = sink->sh_rates + i * stride;
-        td_move_group(&mover, numbers->data, moment, index[i], &to);
+        td_theta_sink row =
+            {to->geometry + i * TD_GEOMETRY_STRIDE, to->rates + i * TD_GEOMETRY_STRIDE, NULL, NULL, to->sh_stride, tau_dot};
+        if (numbers->moves_sh) row.sh = to->sh + i * stride, row.sh_rates = to->sh_rates + i * stride;
+        td_move_group(&mover, numbers->data, moment, asked->index[i], &row);
     }
     return TIDES_OK;
 }

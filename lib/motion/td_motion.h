@@ -45,6 +45,22 @@ typedef struct td_mover_numbers {
     char defines[256]; /* sizes for compiling the kernel, "#define TD_BUILD_WIDTH 64\n"; may be "" */
 } td_mover_numbers;
 
+/* Rows that are asked for: Gaussians index[0 .. count) at own time tau. */
+typedef struct td_motion_asked {
+    double tau, tau_dot; /* tau_dot: d(tau)/dt [1/s] */
+    int side;            /* of a knot at tau: 1 what begins there, -1 what ends */
+    int fades;           /* as td_mover has it */
+    const int32_t *index;
+    int64_t count;
+} td_motion_asked;
+
+/* Targets of rows. SH may be NULL unless the model changes them. */
+typedef struct td_motion_sink {
+    double *geometry, *rates; /* (count x TD_GEOMETRY_STRIDE) */
+    double *sh, *sh_rates;    /* (count x sh_stride), 3 k + channel */
+    int sh_stride;
+} td_motion_sink;
+
 typedef struct td_motion_class {
     const char *name; /* in files and facts, such as "polynomial" */
     int code;         /* TD_MOTION_... */
@@ -85,11 +101,9 @@ typedef struct td_motion_class {
     /* Sets moving[i] = 0 if Gaussian i is the same at all times. NULL: all move. */
     void (*find_moving)(const tides_motion *motion, const tides_gaussians *gaussians, uint8_t *moving);
 
-    /* For TD_MOTION_HOST only: computes rows of Gaussians index[0 .. count) at tau, with rates per unit of tau. Geometry and
-     * rates are (count x TD_GEOMETRY_STRIDE); with moves_sh, sh and sh_rates are (count x sh_stride), 3 k + channel. */
-    tides_status (*evaluate)(const tides_motion *motion, const tides_gaussians *gaussians, double tau, int side,
-                             const int32_t *index, int64_t count, double *geometry, double *rates, double *sh, double *sh_rates,
-                             int sh_stride, tides_error *error);
+    /* For TD_MOTION_HOST only: computes the rows that are asked for, with rates per unit of tau. */
+    tides_status (*evaluate)(const tides_motion *motion, const tides_gaussians *gaussians, const td_motion_asked *asked,
+                             const td_motion_sink *to, tides_error *error);
 
     /* Frees `own`; NULL if the class has none. */
     void (*release)(tides_motion *motion);
@@ -141,18 +155,9 @@ void td_motion_find_moving(const tides_motion *motion, const tides_gaussians *ga
 
 /* -- rows -- */
 
-/* Targets of rows. SH may be NULL unless the model changes them. */
-typedef struct td_motion_sink {
-    double *geometry, *rates; /* (count x TD_GEOMETRY_STRIDE) */
-    double *sh, *sh_rates;    /* (count x sh_stride) */
-    int sh_stride;
-} td_motion_sink;
-
-/* Computes rows of Gaussians index[0 .. count) in double, with rates per second for tau_dot [1/s]. `numbers` come from the
- * class's pack. */
+/* Computes rows in double, with rates per second. `numbers` come from the class's pack. */
 tides_status td_motion_rows(const tides_motion *motion, const tides_gaussians *gaussians, const td_mover_numbers *numbers,
-                            double tau, double tau_dot, int side, int fades, const int32_t *index, int64_t count,
-                            const td_motion_sink *sink, tides_error *error);
+                            const td_motion_asked *asked, const td_motion_sink *to, tides_error *error);
 
 /* The class of this name, or NULL. */
 const td_motion_class *td_motion_class_find(const char *name);

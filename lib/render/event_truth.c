@@ -17,15 +17,28 @@ typedef struct launch {
     td_request *requests;   /* (EVENTS_AT_ONCE) */
 } launch;
 
-static int64_t time_of(const tides_event *events, const int64_t *fired, size_t i) { return fired ? fired[i] : events[i].t; }
+/* Events whose truth is asked for. They are in order, up to a readout's delays. */
+typedef struct asked_events {
+    const tides_event *events;
+    const int64_t *fired; /* when each fired [ns], where its stamp is that of a readout; else NULL */
+    size_t count;
+    tides_event_truth *truth; /* results */
+} asked_events;
 
-/* The number of events, from the first on, within longest_ns, and their span of time. Events are in order, up to a readout's
- * delays. */
-static size_t take_some(const tides_event *events, const int64_t *fired, size_t count, int64_t span[2]) {
+static int64_t time_of(const asked_events *asked, size_t i) { return asked->fired ? asked->fired[i] : asked->events[i].t; }
+
+/* The events from number `from` on. */
+static asked_events rest_of(const asked_events *all, size_t from, size_t count) {
+    const asked_events rest = {all->events + from, all->fired ? all->fired + from : NULL, count, all->truth + from};
+    return rest;
+}
+
+/* The number of events, from the first on, within longest_ns, and their span of time. */
+static size_t take_some(const asked_events *asked, int64_t span[2]) {
     size_t taken = 0;
-    span[0] = span[1] = time_of(events, fired, 0);
-    for (; taken < count && taken < EVENTS_AT_ONCE; taken++) {
-        const int64_t t = time_of(events, fired, taken);
+    span[0] = span[1] = time_of(asked, 0);
+    for (; taken < asked->count && taken < EVENTS_AT_ONCE; taken++) {
+        const int64_t t = time_of(asked, taken);
         const int64_t low = t < span[0] ? t : span[0], high = t > span[1] ? t : span[1];
         if (high - low > longest_ns) break;
         span[0] = low, span[1] = high;
@@ -44,13 +57,14 @@ static void take_values(const td_request *request, int pixel, const double *plan
 }
 
 /* Handles the events of one launch; times count from `epoch_ns`, the renderer's epoch. */
-static tides_status run_launch(tides_renderer *r, const tides_trajectory *camera, const tides_event *events,
-                               const int64_t *fired, size_t count, const int64_t span[2], int64_t epoch_ns, const launch *l,
-                               tides_event_truth *truth, tides_error *error) {
+static tides_status run_launch(tides_renderer *r, const tides_trajectory *camera, const asked_events *asked,
+                               const int64_t span[2], int64_t epoch_ns, const launch *l, tides_error *error) {
+    const tides_event *events = asked->events;
+    const size_t count = asked->count;
     for (size_t i = 0; i < count; i++) {
         const int tile = events[i].y / TD_TILE * r->candidates.tiles_x + events[i].x / TD_TILE;
         const int block = events[i].y % TD_TILE / TD_BLOCK * (TD_TILE / TD_BLOCK) + events[i].x % TD_TILE / TD_BLOCK;
-        l->times[i] = 1e-9 * (double)(time_of(events, fired, i) - epoch_ns);
+        l->times[i] = 1e-9 * (double)(time_of(asked, i) - epoch_ns);
         l->requests[i] = (td_request){tile, (int)i, 1 << block};
     }
     const td_tile_batch batch = {l->times, (int)count, TD_SIDE_BEGINS, l->requests, (int)count, TD_OUT_TRUTH};
@@ -58,21 +72,21 @@ static tides_status run_launch(tides_renderer *r, const tides_trajectory *camera
         td_renderer_sweep_alone(r, camera, 1e-9 * (double)(span[0] - epoch_ns), 1e-9 * (double)(span[1] - epoch_ns), error);
     if (status == TIDES_OK) status = td_renderer_sharp_tiles(r, camera, &batch, l->planes, error);
     for (size_t i = 0; i < count && status == TIDES_OK; i++)
-        take_values(&l->requests[i], td_tile_pixel(events[i].x % TD_TILE, events[i].y % TD_TILE), l->planes, &truth[i]);
+        take_values(&l->requests[i], td_tile_pixel(events[i].x % TD_TILE, events[i].y % TD_TILE), l->planes, &asked->truth[i]);
     return status;
 }
 
-static tides_status run_all(tides_renderer *r, const tides_trajectory *camera, const tides_event *events, const int64_t *fired,
-                            size_t count, const launch *l, tides_event_truth *truth, tides_error *error) {
-    const int64_t second = 1000000000, epoch = time_of(events, fired, 0) / second;
+static tides_status run_all(tides_renderer *r, const tides_trajectory *camera, const asked_events *asked, const launch *l,
+                            tides_error *error) {
+    const int64_t second = 1000000000, epoch = time_of(asked, 0) / second;
     tides_status status = TIDES_OK;
     td_renderer_set_epoch(r, (double)epoch); /* keeps nanoseconds at times of 1.4e9 s */
-    for (size_t from = 0; from < count && status == TIDES_OK;) {
+    for (size_t from = 0; from < asked->count && status == TIDES_OK;) {
         int64_t span[2];
-        const size_t some = take_some(events + from, fired ? fired + from : NULL, count - from, span);
-        status = run_launch(r, camera, events + from, fired ? fired + from : NULL, some, span, epoch * second, l, truth + from,
-                            error);
-        from += some;
+        asked_events some = rest_of(asked, from, asked->count - from);
+        some.count = take_some(&some, span);
+        status = run_launch(r, camera, &some, span, epoch * second, l, error);
+        from += some.count;
     }
     return status;
 }
@@ -96,7 +110,8 @@ tides_status tides_renderer_event_truth(tides_renderer *r, const tides_trajector
                 td_alloc((size_t)EVENTS_AT_ONCE * TD_OUT_TRUTH * TD_TILE_PIXELS, sizeof *l.planes, error),
                 td_alloc(EVENTS_AT_ONCE, sizeof *l.requests, error)};
     tides_status status = l.times && l.planes && l.requests ? check_events(r, events, count, error) : TIDES_NO_MEMORY;
-    if (status == TIDES_OK) status = run_all(r, camera, events, fired, count, &l, truth, error);
+    const asked_events asked = {events, fired, count, truth};
+    if (status == TIDES_OK) status = run_all(r, camera, &asked, &l, error);
     td_renderer_set_epoch(r, epoch);
     free(l.times);
     free(l.planes);

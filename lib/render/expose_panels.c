@@ -309,7 +309,7 @@ double td_expose_asked(const tides_renderer *r, const td_expose_band *band, int 
  * two, so that tiles share times. `*unknown`: more would be needed. */
 static int first_panels(const expose_job *job, int tile, int *unknown) {
     const int number = job->band->first * job->tiles_x + tile;
-    const double *swept = job->renderer->swept;
+    const double *swept = job->renderer->sweep.interval;
     const td_row_window w = window_of(job, tile);
     const double part = (w.stop - w.start) / (swept[1] - swept[0]);
     const double travel = td_renderer_tile_travel(job->renderer, number) * part;

@@ -23,7 +23,7 @@ static const double slack = 1e-6;
 
 /* Level of an object's path in the interval swept last: 2^level pieces follow it. */
 static int path_level(const tides_renderer *r, int object) {
-    const double *px = r->strays.px + (size_t)object * TD_STRAY_LEVELS;
+    const double *px = r->sweep.strays.px + (size_t)object * TD_STRAY_LEVELS;
     int level = 0;
     while (level < TD_STRAY_LEVELS - 1 && px[level] > strays_px) level++;
     return level < LEAST_STRAY_LEVEL ? 0 : level;
@@ -41,7 +41,7 @@ static int finest_path(const tides_renderer *r) {
 /* Pieces that a Gaussian's changes need, from the sweep; with a colour filter, those of the worst channel. */
 static double rough_pieces(const tides_renderer *r, int gaussian) {
     double most = 0;
-    for (; r; r = r->beside) most = td_greater(most, 2 * (double)r->travel[gaussian]);
+    for (; r; r = r->beside) most = td_greater(most, 2 * (double)r->sweep.travel[gaussian]);
     return most;
 }
 
@@ -59,7 +59,8 @@ static tides_status ask_for_moved(const tides_renderer *r, td_dynamic_object *ob
     uint8_t *rests = motion->type->find_resting ? td_alloc((size_t)object->of.gaussians.count, 1, error) : NULL;
     if (motion->type->find_resting && !rests) return TIDES_NO_MEMORY;
     tides_status status = TIDES_OK;
-    if (rests) status = td_dynamic_own_times(&r->dynamic, object, r->swept[0], r->swept[1], &from, &to, NULL, error);
+    if (rests)
+        status = td_dynamic_own_times(&r->dynamic, object, r->sweep.interval[0], r->sweep.interval[1], &from, &to, NULL, error);
     if (rests && status == TIDES_OK) status = motion->type->find_resting(motion, &object->of.gaussians, from, to, rests, error);
     for (int i = 0; i < object->count && status == TIDES_OK; i++) {
         const int32_t pieces = level[i] > 0 ? 1 << level[i] : 0;
@@ -134,7 +135,7 @@ static tides_status expose_halves(tides_renderer *r, const tides_trajectory *cam
 /* Exposes a stretch, or its two halves. */
 static tides_status expose_part(tides_renderer *r, const tides_trajectory *camera, td_expose_band *band, td_row_window part,
                                 int depth, tides_error *error) {
-    tides_status status = td_renderer_heed(r, 0, error);
+    tides_status status = td_renderer_check_stop(r, 0, error);
     if (status == TIDES_OK) status = is_long(r, part, &band->unknown, error);
     if (status != TIDES_OK) return status;
     if (band->unknown && band->by_sweeps && depth < DEEPEST) return expose_halves(r, camera, band, part, depth, error);

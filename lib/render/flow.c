@@ -93,12 +93,12 @@ static tides_status own_flow(tides_renderer *renderer, const tides_trajectory *c
     if (status != TIDES_OK || !any) return status;
     float *from = td_alloc(values, sizeof *from, error);
     status = from ? td_renderer_sweep_alone(renderer, camera, time, time, error) : TIDES_NO_MEMORY;
-    if (status == TIDES_OK) memcpy(from, renderer->boxes, values * sizeof *from);
+    if (status == TIDES_OK) memcpy(from, renderer->sweep.boxes, values * sizeof *from);
     if (status == TIDES_OK) status = td_renderer_sweep_alone(renderer, camera, other, other, error);
     for (int i = 0; i < store->objects && status == TIDES_OK; i++) {
         status = moves_itself(renderer, i, &moves, error);
         for (int g = renderer->object_first[i]; moves && g < renderer->object_first[i + 1] && status == TIDES_OK; g++) {
-            double way = displacement(&renderer->image, from + 4 * (size_t)g, renderer->boxes + 4 * (size_t)g);
+            double way = displacement(&renderer->image, from + 4 * (size_t)g, renderer->sweep.boxes + 4 * (size_t)g);
             *fastest = fmax(*fastest, way / fabs(other - time));
         }
     }

@@ -55,7 +55,7 @@ static tides_status moment_take(tides_renderer *r, const tides_trajectory *camer
         name_splats(r, m->splat);
         status = td_renderer_views(r, camera, &time, 1, error);
     }
-    if (status == TIDES_OK) memcpy(m->views, r->views, (size_t)r->store.objects * sizeof *m->views);
+    if (status == TIDES_OK) memcpy(m->views, r->scratch.views, (size_t)r->store.objects * sizeof *m->views);
     return status;
 }
 
@@ -233,17 +233,27 @@ static int is_inside(const moment *m, const tides_track *track) {
            track->v < m->image.height;
 }
 
-/* Sets the tracks of points, whose Gaussians are `own`. `shown` gets the Gaussian that each place shows, or -1: it may hide
- * the point. */
-static tides_status place_points(tides_renderer *r, const moment *m, const tides_material_point *points, const int *own,
-                                 size_t count, double *rows, int *shown, tides_track *tracks, tides_error *error) {
-    tides_status status = td_renderer_rows_at(r, own, count, m->time, rows, error);
-    for (size_t i = 0; i < count && status == TIDES_OK; i++) {
+/* Points under way: Gaussians of the store, and their rows. */
+typedef struct followed {
+    size_t count;
+    const tides_material_point *points;
+    int *own, *shown;          /* the point's own; the one that its place shows, -1 where there is none */
+    double *rows, *shown_rows; /* (count x TD_GEOMETRY_STRIDE) */
+    tides_track *tracks;       /* results */
+} followed;
+
+/* Sets the tracks of the points as if nothing hid them, and the Gaussians that their places show. */
+static tides_status place_points(tides_renderer *r, const moment *m, const followed *f, tides_error *error) {
+    const int *own = f->own;
+    int *shown = f->shown;
+    tides_track *tracks = f->tracks;
+    tides_status status = td_renderer_rows_at(r, own, f->count, m->time, f->rows, error);
+    for (size_t i = 0; i < f->count && status == TIDES_OK; i++) {
         double p[3];
         tracks[i] = (tides_track){.u = NAN, .v = NAN, .depth = NAN};
         shown[i] = -1;
         if (own[i] < 0) continue;
-        point_at(m, &m->views[r->store.object[own[i]]], rows + i * TD_GEOMETRY_STRIDE, points[i].xi, p);
+        point_at(m, &m->views[r->store.object[own[i]]], f->rows + i * TD_GEOMETRY_STRIDE, f->points[i].xi, p);
         tracks[i].depth = p[2];
         if (!(p[2] > m->image.near)) continue;
         project(m, p, &tracks[i].u, &tracks[i].v);
@@ -253,14 +263,15 @@ static tides_status place_points(tides_renderer *r, const moment *m, const tides
     return status;
 }
 
-static tides_status hide_points(tides_renderer *r, const moment *m, const int *own, size_t count, const double *rows,
-                                const int *shown, double *shown_rows, tides_track *tracks, tides_error *error) {
-    tides_status status = td_renderer_rows_at(r, shown, count, m->time, shown_rows, error);
-    for (size_t i = 0; i < count && status == TIDES_OK; i++) {
+static tides_status hide_points(tides_renderer *r, const moment *m, const followed *f, tides_error *error) {
+    const int *own = f->own, *shown = f->shown;
+    tides_track *tracks = f->tracks;
+    tides_status status = td_renderer_rows_at(r, shown, f->count, m->time, f->shown_rows, error);
+    for (size_t i = 0; i < f->count && status == TIDES_OK; i++) {
         if (shown[i] < 0 || shown[i] == own[i]) continue;
         const double u = tracks[i].u, v = tracks[i].v;
-        const glance mine = glance_at(m, &m->views[r->store.object[own[i]]], rows + i * TD_GEOMETRY_STRIDE, u, v);
-        const glance there = glance_at(m, &m->views[r->store.object[shown[i]]], shown_rows + i * TD_GEOMETRY_STRIDE, u, v);
+        const glance mine = glance_at(m, &m->views[r->store.object[own[i]]], f->rows + i * TD_GEOMETRY_STRIDE, u, v);
+        const glance there = glance_at(m, &m->views[r->store.object[shown[i]]], f->shown_rows + i * TD_GEOMETRY_STRIDE, u, v);
         if (is_hidden(m, tracks[i].depth, &mine, &there)) tracks[i].visible = 0;
     }
     return status;
@@ -271,13 +282,15 @@ tides_status tides_renderer_follow(tides_renderer *r, const tides_trajectory *ca
     if (!r || !camera || (count && (!points || !tracks)))
         return td_fail(error, TIDES_BAD_ARGUMENT, "tides_renderer_follow: renderer, camera, points and tracks must be given");
     moment m = {0};
-    int *own = td_alloc(2 * count + 1, sizeof *own, error), *shown = own ? own + count : NULL;
+    int *own = td_alloc(2 * count + 1, sizeof *own, error);
     double *rows = td_alloc(2 * count + 1, TD_GEOMETRY_STRIDE * sizeof *rows, error);
     tides_status status = own && rows ? find_points(r, points, count, own, error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK) status = moment_take(r, camera, time - r->epoch, &m, error);
-    if (status == TIDES_OK) status = place_points(r, &m, points, own, count, rows, shown, tracks, error);
-    if (status == TIDES_OK)
-        status = hide_points(r, &m, own, count, rows, shown, rows + count * TD_GEOMETRY_STRIDE, tracks, error);
+    if (status == TIDES_OK) {
+        const followed f = {count, points, own, own + count, rows, rows + count * TD_GEOMETRY_STRIDE, tracks};
+        status = place_points(r, &m, &f, error);
+        if (status == TIDES_OK) status = hide_points(r, &m, &f, error);
+    }
     moment_release(&m);
     free(rows);
     free(own);

@@ -58,12 +58,12 @@ tides_status td_renderer_all_tiles(tides_renderer *renderer, const tides_traject
     const int tiles = renderer->stats.tiles;
     td_request *requests = request_all(renderer, error);
     const td_tile_batch batch = {&time, 1, TD_SIDE_BEGINS, requests, tiles, outputs};
-    tides_status status = requests ? td_reserve((void **)&renderer->frame_planes, &renderer->frame_capacity,
+    tides_status status = requests ? td_reserve((void **)&renderer->scratch.frame_planes, &renderer->scratch.frame_capacity,
                                                 (size_t)tiles * (size_t)outputs * TD_TILE_PIXELS, sizeof(double), error)
                                    : TIDES_NO_MEMORY;
     const int truth = outputs == TD_OUT_TRUTH; /* neither blur nor colour filter applies to it */
-    double *planes = renderer->frame_planes;
-    if (status == TIDES_OK) status = td_renderer_heed(renderer, 0, error);
+    double *planes = renderer->scratch.frame_planes;
+    if (status == TIDES_OK) status = td_renderer_check_stop(renderer, 0, error);
     if (status == TIDES_OK) status = (truth ? td_renderer_sweep_alone : td_renderer_sweep)(renderer, camera, time, time, error);
     if (status == TIDES_OK)
         status = (truth ? td_renderer_sharp_tiles : td_renderer_tiles)(renderer, camera, &batch, planes, error);
@@ -85,7 +85,7 @@ static tides_status draw(tides_renderer *renderer, const tides_trajectory *camer
     td_pictures pictures = {.width = renderer->image.width, .height = renderer->image.height};
     for (int c = 0; c < TIDES_CHANNELS; c++)
         if (frame->plane[c]) pictures.plane[plane_of(c, outputs)] = frame->plane[c];
-    tides_status status = requests ? td_renderer_heed(renderer, 0, error) : TIDES_NO_MEMORY;
+    tides_status status = requests ? td_renderer_check_stop(renderer, 0, error) : TIDES_NO_MEMORY;
     if (status == TIDES_OK) status = td_renderer_sweep(renderer, camera, time, time, error);
     if (status == TIDES_OK) status = td_renderer_raw_tiles(renderer, camera, &batch, NULL, &pictures, error);
     free(requests);

@@ -16,9 +16,11 @@ static int by_gaussian(const void *a, const void *b) {
     return x->gaussian < y->gaussian ? -1 : x->gaussian > y->gaussian;
 }
 
-/* Fetches rows of Gaussians that move by themselves; wants[0 .. count) is ascending. */
-static tides_status take_moved(tides_renderer *r, const wanted *wants, int count, double time, int *gaussians, int *rows,
-                               td_moved_rows *moved, double *geometry, tides_error *error) {
+/* Fetches rows of Gaussians that move by themselves; wants[0 .. count) is ascending. `lists` is scratch memory for
+ * 2 x ROWS_AT_ONCE numbers. */
+static tides_status take_moved(tides_renderer *r, const wanted *wants, int count, double time, int *lists, td_moved_rows *moved,
+                               double *geometry, tides_error *error) {
+    int *gaussians = lists, *rows = lists + ROWS_AT_ONCE;
     for (int i = 0; i < count; i++) gaussians[i] = wants[i].gaussian;
     tides_status status = td_dynamic_rows_at(&r->dynamic, r->backend, gaussians, count, time, TD_SIDE_BEGINS, rows, error);
     for (int i = 0; i < count && status == TIDES_OK;) {
@@ -55,8 +57,8 @@ tides_status td_renderer_rows_at(tides_renderer *r, const int *gaussians, size_t
     }
     if (moving) qsort(wants, (size_t)moving, sizeof *wants, by_gaussian);
     for (int from = 0; from < moving && status == TIDES_OK; from += ROWS_AT_ONCE)
-        status = take_moved(r, wants + from, moving - from < ROWS_AT_ONCE ? moving - from : ROWS_AT_ONCE, time, lists,
-                            lists + ROWS_AT_ONCE, &moved, geometry, error);
+        status = take_moved(r, wants + from, moving - from < ROWS_AT_ONCE ? moving - from : ROWS_AT_ONCE, time, lists, &moved,
+                            geometry, error);
     td_moved_rows_release(&moved);
     free(wants);
     free(lists);

@@ -139,7 +139,7 @@ static tides_status too_many(const td_point_nodes *nodes, tides_error *error) {
  * would show at neither. Above MOST_LEVEL if no level is enough. */
 static int first_level(const tides_renderer *renderer, const td_point_nodes *nodes, int gaussian) {
     int level = 1;
-    while (level <= MOST_LEVEL && renderer->travel[gaussian] > (double)((int64_t)nodes->pieces << level)) level++;
+    while (level <= MOST_LEVEL && renderer->sweep.travel[gaussian] > (double)((int64_t)nodes->pieces << level)) level++;
     return level;
 }
 
@@ -349,7 +349,7 @@ static tides_status find_cut(tides_renderer *renderer, const tides_trajectory *c
 /* 1 if halving the interval, and its halves, brings the cubics nearer to the paths. */
 static int is_tame(const tides_renderer *renderer) {
     for (int i = 0; i < renderer->store.objects; i++) {
-        const double *px = renderer->strays.px + (size_t)i * TD_STRAY_LEVELS;
+        const double *px = renderer->sweep.strays.px + (size_t)i * TD_STRAY_LEVELS;
         for (int k = 1; k < WHOLE_LEVEL; k++)
             if (px[k] > strays_px && px[k] > strays_share * px[k - 1]) return 0;
     }

@@ -113,7 +113,7 @@ static tides_status send(tides_renderer *renderer, const tides_trajectory *camer
     tides_status status = nodes->kept ? td_renderer_views_again(renderer, nodes->kept, slots, error)
                                       : td_renderer_views(renderer, camera, times, slots, error);
     if (status != TIDES_OK) return status;
-    const td_node_request request = {.views = (const double *)renderer->views,
+    const td_node_request request = {.views = (const double *)renderer->scratch.views,
                                      .slots = slots,
                                      .jobs = nodes->jobs,
                                      .job_count = nodes->job_count,

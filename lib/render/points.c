@@ -320,7 +320,7 @@ static tides_status begin_launch(const tides_renderer *renderer, td_points *p, c
                                    next->count,
                                    p->chunks,
                                    chunks,
-                                   td_points_backdrop_of(&renderer->image, renderer->backdrops)};
+                                   td_points_backdrop_of(&renderer->image, renderer->scratch.backdrops)};
     tides_status status = finish_launch(p, error);
     if (status == TIDES_OK) status = p->engine->type->lists(p->engine, p->wanted, wanted, error);
     if (status != TIDES_OK) p->begun = -1; /* it isn't known which lists are ready */
@@ -351,7 +351,7 @@ static tides_status points_of_part(tides_renderer *renderer, const tides_traject
     if (status == TIDES_OK) status = order_points(renderer, p, points, which, count, order, error);
     for (int from = 0; from < count && status == TIDES_OK; from += POINTS_AT_ONCE) {
         const points_away next = {points, values, order + from, count - from < POINTS_AT_ONCE ? count - from : POINTS_AT_ONCE};
-        status = td_renderer_heed(renderer, (double)from / count, error);
+        status = td_renderer_check_stop(renderer, (double)from / count, error);
         if (status == TIDES_OK) status = begin_launch(renderer, p, &next, error);
     }
     return status;
@@ -397,9 +397,9 @@ static tides_status exact_points(tides_renderer *renderer, const tides_trajector
 
 static td_points *of_swept(tides_renderer *renderer) {
     const td_candidates *lists = &renderer->candidates;
-    const double start = renderer->swept[0], stop = renderer->swept[1];
-    const double shortest = (stop - start) / (1 << td_dynamic_finest(&renderer->dynamic));
-    renderer->points->at = (td_point_span){lists->first, lists->list, start, stop, shortest, lists->serial};
+    const double *swept = renderer->sweep.interval;
+    const double shortest = (swept[1] - swept[0]) / (1 << td_dynamic_finest(&renderer->dynamic));
+    renderer->points->at = (td_point_span){lists->first, lists->list, swept[0], swept[1], shortest, lists->serial};
     return renderer->points;
 }
 
@@ -435,17 +435,18 @@ int td_renderer_points_go_on(const tides_renderer *renderer) {
 /* Keeps the instant's views: open paths may forget it before its points are requested. */
 static tides_status keep_views(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, tides_error *error) {
     const size_t objects = (size_t)renderer->store.objects;
-    tides_status status = td_renderer_views(renderer, camera, renderer->swept, 1, error);
+    tides_status status = td_renderer_views(renderer, camera, renderer->sweep.interval, 1, error);
     if (status != TIDES_OK) return status;
     p->nodes.kept = td_alloc(objects, sizeof *p->nodes.kept, error);
     if (!p->nodes.kept) return TIDES_NO_MEMORY;
-    memcpy(p->nodes.kept, renderer->views, objects * sizeof *p->nodes.kept);
+    memcpy(p->nodes.kept, renderer->scratch.views, objects * sizeof *p->nodes.kept);
     return status;
 }
 
 static tides_status keep_instant(tides_renderer *renderer, const tides_trajectory *camera, tides_error *error) {
     const td_candidates *lists = &renderer->candidates;
     const size_t tiles = (size_t)renderer->stats.tiles + 1, candidates = (size_t)lists->first[tiles - 1];
+    const double *swept = renderer->sweep.interval;
     td_points_destroy(renderer->kept);
     renderer->kept = NULL;
     tides_status status = create_points(renderer, renderer->points->nodes.exact, &renderer->kept, error);
@@ -457,7 +458,7 @@ static tides_status keep_instant(tides_renderer *renderer, const tides_trajector
     if (!p->own_first || !p->own_list) return TIDES_NO_MEMORY;
     memcpy(p->own_first, lists->first, tiles * sizeof *p->own_first);
     memcpy(p->own_list, lists->list, candidates * sizeof *p->own_list);
-    p->at = (td_point_span){p->own_first, p->own_list, renderer->swept[0], renderer->swept[0], 0, lists->serial};
+    p->at = (td_point_span){p->own_first, p->own_list, swept[0], swept[0], 0, lists->serial};
     return TIDES_OK;
 }
 

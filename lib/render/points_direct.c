@@ -53,7 +53,7 @@ tides_status td_points_direct_begin(const tides_renderer *renderer, const td_poi
     if (!direct->bent) return TIDES_NO_MEMORY;
     memset(direct->bent, 0, pixels);
     for (int i = 0; i < nodes->count; i++)
-        if (nodes->is_direct[i]) mark(renderer, renderer->boxes + 4 * (size_t)nodes->gaussians[i], direct->bent);
+        if (nodes->is_direct[i]) mark(renderer, renderer->sweep.boxes + 4 * (size_t)nodes->gaussians[i], direct->bent);
     return TIDES_OK;
 }
 
@@ -117,7 +117,7 @@ static tides_status add_point(const tides_renderer *renderer, td_points_direct *
                             sizeof *direct->lists, error);
     for (int i = first; i < end && status == TIDES_OK; i++) {
         const int gaussian = span->list[i], own = nodes->count;
-        if (gaussian < 0 || !touches(renderer->boxes + 4 * (size_t)gaussian, point)) continue;
+        if (gaussian < 0 || !touches(renderer->sweep.boxes + 4 * (size_t)gaussian, point)) continue;
         nodes->gaussians[own] = gaussian;
         nodes->first[own] = nodes->row[2 * own] = nodes->row[2 * own + 1] = direct->numbers[own] = own;
         nodes->level[own] = 0;
@@ -160,7 +160,7 @@ static tides_status look(const tides_renderer *renderer, td_points_direct *direc
                                    points,
                                    direct->chunks,
                                    points,
-                                   td_points_backdrop_of(&renderer->image, renderer->backdrops)};
+                                   td_points_backdrop_of(&renderer->image, renderer->scratch.backdrops)};
     td_points_engine *engine = direct->engine;
     tides_status status = engine->type->begin(engine, &interval, error);
     if (status == TIDES_OK) status = engine->type->lists(engine, direct->numbers, points, error);
@@ -189,7 +189,7 @@ tides_status td_points_direct_values(tides_renderer *renderer, const tides_traje
         direct->nodes.count = 0;
         for (taken = 0; taken < LOT && from + taken < count && direct->nodes.count < LOT_SPLATS && status == TIDES_OK; taken++)
             status = add_point(renderer, direct, span, &points[which[from + taken]], taken, &listed, error);
-        if (status == TIDES_OK) status = td_renderer_heed(renderer, (double)from / count, error);
+        if (status == TIDES_OK) status = td_renderer_check_stop(renderer, (double)from / count, error);
         if (status == TIDES_OK) status = work_out(renderer, camera, direct, taken, listed, error);
         for (int k = 0; k < taken && status == TIDES_OK; k++)
             status = td_point_take(&points[which[from + k]], direct->values + 2 * k, &values[which[from + k]], error);

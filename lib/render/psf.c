@@ -261,7 +261,7 @@ static tides_status finish(tides_renderer *renderer, const td_request *requests,
         if (psf->wide.step) status = td_psf_wide_begin(&psf->wide, s.width, s.height, error);
         for (int i = psf->slot_first[slot]; i < psf->slot_first[slot + 1] && status == TIDES_OK; i++) {
             size_t at = (size_t)psf->order[i];
-            if (i % HEED_TILES == 0 && (status = td_renderer_heed(renderer, 1, error)) != TIDES_OK) break;
+            if (i % HEED_TILES == 0 && (status = td_renderer_check_stop(renderer, 1, error)) != TIDES_OK) break;
             finish_tile(psf, &s, requests[at].tile, (double)renderer->image.log_eps,
                         planes + at * (size_t)outputs * TD_TILE_PIXELS);
         }

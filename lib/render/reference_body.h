@@ -18,33 +18,50 @@ typedef struct reference_key {
     int candidate;
 } reference_key;
 
+/* Gaussians that a motion moves: where their rows come from (reference_moves.h). */
+typedef struct reference_moved {
+    td_mover *movers;
+    td_real *data, *moments, *decoder;
+    size_t moment_capacity;
+    int *owners; /* (2 x rows) object and Gaussian of each row */
+    int moves_sh, kinds;
+} reference_moved;
+
+/* A sweep's arguments in this precision. */
+typedef struct reference_interval {
+    td_stray *strays; /* (objects) */
+    int *rows;        /* (td_sweep_times) the first row at each time */
+    size_t stray_capacity, row_capacity;
+} reference_interval;
+
+/* A tile under way: its records, in the list's order and then front to back. */
+typedef struct reference_sorted {
+    td_real *records, *colours, *depths, *lights, *planes;
+    reference_key *keys;
+    int *masks, *order, *sorted_masks, *words, *hints;
+    size_t capacity[10], hint_capacity;
+    int last_count; /* of the last job, for inspect */
+    td_real last_brightest;
+} reference_sorted;
+
 typedef struct reference {
     td_backend base;
     td_image image;
     td_source source;
     int *object;
-    td_real *arrays[4]; /* geometry, rates, sh, sh_rates, to which `source` points */
-    int count, rows;    /* rows of the store; all rows, with moved ones behind these */
-    td_mover *movers;
-    td_real *data, *moments, *decoder;
-    int *owners; /* (2 x rows) */
-    int moves_sh, kinds;
-    size_t moment_capacity;
+    td_real *arrays[4]; /* geometry, rates, sh, sh_rates: the arrays of `source` */
+    int count, rows;    /* of the store; room for moved ones behind it */
+    reference_moved moved;
     td_view *views; /* (slots x objects) */
     td_backdrop *backdrops;
-    td_real *records, *colours, *depths, *lights, *planes;
-    reference_key *keys;
-    int *masks, *order, *sorted_masks, *words, *hints;
-    td_stray *strays; /* (objects), for the last sweep */
-    int *sweep_rows;
-    size_t view_capacity, backdrop_capacity, record_capacity[10], hint_capacity, stray_capacity, sweep_row_capacity;
-    td_real *path_rows, *path_beside; /* record paths */
+    size_t view_capacity, backdrop_capacity;
+    reference_interval interval;
+    reference_sorted sorted;
+    td_real *path_rows, *path_beside; /* record paths (reference_paths.h) */
     size_t path_row_capacity, path_beside_capacity;
     td_real *surfaces; /* ground truth */
     size_t surface_capacity;
     int *object_numbers, scene_objects;
-    int last_count; /* of the last job, for inspect */
-    td_real last_brightest;
 } reference;
 
 typedef char td_view_has_these_reals[sizeof(td_view) == TD_VIEW_REALS * sizeof(td_real) ? 1 : -1];
@@ -89,16 +106,19 @@ static tides_status copy_interval(reference *r, const td_sweep_request *request,
     int times = td_sweep_times(request->level);
     size_t strays = (size_t)r->image.objects * TD_STRAY_REALS;
     tides_status status = copy_views(r, request->views, times, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&r->strays, &r->stray_capacity, strays, sizeof(td_real), error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&r->sweep_rows, &r->sweep_row_capacity, (size_t)times, sizeof *r->sweep_rows, error);
+        status = td_reserve((void **)&r->interval.strays, &r->interval.stray_capacity, strays, sizeof(td_real), error);
+    if (status == TIDES_OK)
+        status =
+            td_reserve((void **)&r->interval.rows, &r->interval.row_capacity, (size_t)times, sizeof *r->interval.rows, error);
     if (status != TIDES_OK) return status;
     if (request->strays)
-        narrow(request->strays, (td_real *)r->strays, strays);
+        narrow(request->strays, (td_real *)r->interval.strays, strays);
     else
-        memset(r->strays, 0, strays * sizeof(td_real));
-    for (int i = 0; i < times; i++) r->sweep_rows[i] = request->rows ? request->rows[i] : request->begin;
-    const td_interval made = {r->views, r->strays, r->object, r->sweep_rows, (td_real)request->duration, request->level};
+        memset(r->interval.strays, 0, strays * sizeof(td_real));
+    for (int i = 0; i < times; i++) r->interval.rows[i] = request->rows ? request->rows[i] : request->begin;
+    const td_interval made = {r->views,         r->interval.strays,         r->object,
+                              r->interval.rows, (td_real)request->duration, request->level};
     *interval = made;
     return TIDES_OK;
 }
@@ -130,20 +150,27 @@ static tides_status sweep(td_backend *backend, const td_sweep_request *request, 
 
 /* Makes room for the stages of one job. */
 static tides_status reserve_records(reference *r, size_t count, int outputs, tides_error *error) {
-    size_t *capacity = r->record_capacity;
-    tides_status status = td_reserve((void **)&r->records, &capacity[0], count * TD_RECORD_STRIDE, sizeof *r->records, error);
+    size_t *capacity = r->sorted.capacity;
+    tides_status status =
+        td_reserve((void **)&r->sorted.records, &capacity[0], count * TD_RECORD_STRIDE, sizeof *r->sorted.records, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&r->colours, &capacity[1], count * TD_FEATURE_STRIDE, sizeof *r->colours, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&r->depths, &capacity[8], count, sizeof *r->depths, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&r->lights, &capacity[9], count, sizeof *r->lights, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&r->masks, &capacity[2], count, sizeof *r->masks, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&r->keys, &capacity[3], count, sizeof *r->keys, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&r->order, &capacity[4], count, sizeof *r->order, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&r->sorted_masks, &capacity[5], count, sizeof *r->sorted_masks, error);
+        status =
+            td_reserve((void **)&r->sorted.colours, &capacity[1], count * TD_FEATURE_STRIDE, sizeof *r->sorted.colours, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&r->words, &capacity[7], count / 2 + 2 * TD_TILE_BLOCKS, sizeof *r->words, error);
+        status = td_reserve((void **)&r->sorted.depths, &capacity[8], count, sizeof *r->sorted.depths, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&r->planes, &capacity[6], (size_t)outputs * TD_BLOCK_PIXELS, sizeof *r->planes, error);
+        status = td_reserve((void **)&r->sorted.lights, &capacity[9], count, sizeof *r->sorted.lights, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&r->sorted.masks, &capacity[2], count, sizeof *r->sorted.masks, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&r->sorted.keys, &capacity[3], count, sizeof *r->sorted.keys, error);
+    if (status == TIDES_OK) status = td_reserve((void **)&r->sorted.order, &capacity[4], count, sizeof *r->sorted.order, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&r->sorted.sorted_masks, &capacity[5], count, sizeof *r->sorted.sorted_masks, error);
+    if (status == TIDES_OK)
+        status =
+            td_reserve((void **)&r->sorted.words, &capacity[7], count / 2 + 2 * TD_TILE_BLOCKS, sizeof *r->sorted.words, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&r->sorted.planes, &capacity[6], (size_t)outputs * TD_BLOCK_PIXELS,
+                            sizeof *r->sorted.planes, error);
     return status;
 }
 
@@ -157,51 +184,55 @@ static void project_job(reference *r, const td_job *job, const td_batch *batch, 
     td_job local = *job; /* records are reused by each job */
     td_sink sink;
     local.records = 0;
-    sink.records = r->records;
-    sink.colours = r->colours;
-    sink.depths = r->depths;
-    sink.lights = r->lights;
-    sink.masks = r->masks;
+    sink.records = r->sorted.records;
+    sink.colours = r->sorted.colours;
+    sink.depths = r->sorted.depths;
+    sink.lights = r->sorted.lights;
+    sink.masks = r->sorted.masks;
     for (int i = 0; i < job->count; i++)
         td_project_group(&local, i, batch->candidates, r->object, r->views, image, &r->source, &sink);
 }
 
 /* Appends a candidate to the list, front to back. */
 static void add_splat(reference *r, int candidate, td_list *list) {
-    r->order[list->count] = candidate;
-    r->sorted_masks[list->count++] = r->masks[candidate];
+    r->sorted.order[list->count] = candidate;
+    r->sorted.sorted_masks[list->count++] = r->sorted.masks[candidate];
 }
 
 /* The brightest of all the tile's splats and the backdrop. All splats count, so that a block stops at the same place
  * whichever blocks are requested. */
 static td_real brightest_of(const reference *r, const td_job *job) {
     td_real most = r->backdrops[job->slot].luminance;
-    for (int i = 0; i < job->count; i++) most = r->lights[i] > most ? r->lights[i] : most;
+    for (int i = 0; i < job->count; i++) most = r->sorted.lights[i] > most ? r->sorted.lights[i] : most;
     return most;
 }
 
 static td_list sort_job(reference *r, const td_job *job, int *kept) {
-    const int *hint = job->hint ? r->hints + job->hint : NULL;
+    const int *hint = job->hint ? r->sorted.hints + job->hint : NULL;
     const td_view *view = r->views + job->slot * r->image.objects;
-    td_list list = {r->records, r->colours, r->order, r->sorted_masks, r->words, 0, brightest_of(r, job), view, r->decoder};
+    td_list list = {r->sorted.records,    r->sorted.colours,
+                    r->sorted.order,      r->sorted.sorted_masks,
+                    r->sorted.words,      0,
+                    brightest_of(r, job), view,
+                    r->moved.decoder};
     int sorted = 0;
     *kept = 1;
     for (int i = 0; i < job->count; i++) {
         int candidate = hint ? hint[i] : i;
-        if (!job->new_hint && !(r->masks[candidate] & job->blocks)) continue;
-        reference_key key = {r->depths[candidate], candidate};
-        if (sorted > 0 && compare_keys(&r->keys[sorted - 1], &key) > 0) *kept = 0;
-        r->keys[sorted++] = key;
+        if (!job->new_hint && !(r->sorted.masks[candidate] & job->blocks)) continue;
+        reference_key key = {r->sorted.depths[candidate], candidate};
+        if (sorted > 0 && compare_keys(&r->sorted.keys[sorted - 1], &key) > 0) *kept = 0;
+        r->sorted.keys[sorted++] = key;
     }
-    if (!*kept) qsort(r->keys, (size_t)sorted, sizeof *r->keys, compare_keys);
+    if (!*kept) qsort(r->sorted.keys, (size_t)sorted, sizeof *r->sorted.keys, compare_keys);
     for (int i = 0; i < sorted; i++) {
-        int candidate = r->keys[i].candidate;
-        if (job->new_hint) r->hints[job->new_hint + i] = candidate;
-        if (r->masks[candidate] & job->blocks) add_splat(r, candidate, &list);
+        int candidate = r->sorted.keys[i].candidate;
+        if (job->new_hint) r->sorted.hints[job->new_hint + i] = candidate;
+        if (r->sorted.masks[candidate] & job->blocks) add_splat(r, candidate, &list);
     }
-    td_lay_words(r->sorted_masks, list.count, 0, 1, r->words);
-    r->last_count = list.count;
-    r->last_brightest = list.brightest;
+    td_lay_words(r->sorted.sorted_masks, list.count, 0, 1, r->sorted.words);
+    r->sorted.last_count = list.count;
+    r->sorted.last_brightest = list.brightest;
     return list;
 }
 
@@ -211,9 +242,9 @@ static void composite_job(reference *r, const td_job *job, const td_list *list, 
     for (int block = 0; block < TD_TILE_BLOCKS; block++) {
         if (!(job->blocks >> block & 1)) continue;
         for (int pixel = 0; pixel < TD_BLOCK_PIXELS; pixel++)
-            pairs += (size_t)td_composite_block(job, list, image, backdrop, block, pixel, r->planes + pixel);
+            pairs += (size_t)td_composite_block(job, list, image, backdrop, block, pixel, r->sorted.planes + pixel);
         for (int i = 0; i < image->outputs * TD_BLOCK_PIXELS; i++)
-            planes[i / TD_BLOCK_PIXELS * TD_TILE_PIXELS + block * TD_BLOCK_PIXELS + i % TD_BLOCK_PIXELS] = r->planes[i];
+            planes[i / TD_BLOCK_PIXELS * TD_TILE_PIXELS + block * TD_BLOCK_PIXELS + i % TD_BLOCK_PIXELS] = r->sorted.planes[i];
         r->base.stats.blocks++;
     }
     r->base.stats.pairs_evaluated += pairs;
@@ -235,7 +266,8 @@ static tides_status render(td_backend *backend, const td_batch *batch, double *p
     if (status == TIDES_OK)
         status = td_reserve((void **)&r->backdrops, &r->backdrop_capacity, (size_t)batch->slots, sizeof *r->backdrops, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&r->hints, &r->hint_capacity, (size_t)batch->hint_count, sizeof *r->hints, error);
+        status = td_reserve((void **)&r->sorted.hints, &r->sorted.hint_capacity, (size_t)batch->hint_count,
+                            sizeof *r->sorted.hints, error);
     if (status != TIDES_OK) return status;
     narrow(batch->backdrops, (td_real *)r->backdrops, (size_t)batch->slots * TD_BACKDROP_REALS);
     for (int i = 0; i < batch->job_count; i++) {
@@ -292,12 +324,12 @@ static tides_status inspect(td_backend *backend, td_stages *stages, tides_error 
     const reference *r = (const reference *)backend;
     size_t records = (size_t)stages->records;
     (void)error;
-    for (size_t i = 0; i < records * TD_RECORD_STRIDE; i++) stages->record[i] = r->records[i];
-    memcpy(stages->mask, r->masks, records * sizeof *r->masks);
-    memcpy(stages->order, r->order, records * sizeof *r->order);
-    memcpy(stages->sorted_mask, r->sorted_masks, records * sizeof *r->sorted_masks);
-    stages->count = r->last_count;
-    stages->brightest = r->last_brightest;
+    for (size_t i = 0; i < records * TD_RECORD_STRIDE; i++) stages->record[i] = r->sorted.records[i];
+    memcpy(stages->mask, r->sorted.masks, records * sizeof *r->sorted.masks);
+    memcpy(stages->order, r->sorted.order, records * sizeof *r->sorted.order);
+    memcpy(stages->sorted_mask, r->sorted.sorted_masks, records * sizeof *r->sorted.sorted_masks);
+    stages->count = r->sorted.last_count;
+    stages->brightest = r->sorted.last_brightest;
     return TIDES_OK;
 }
 
@@ -305,26 +337,26 @@ static void destroy(td_backend *backend) {
     reference *r = (reference *)backend;
     for (int i = 0; i < 4; i++) free(r->arrays[i]);
     free(r->object);
-    free(r->movers);
-    free(r->data);
-    free(r->moments);
-    free(r->decoder);
-    free(r->owners);
+    free(r->moved.movers);
+    free(r->moved.data);
+    free(r->moved.moments);
+    free(r->moved.decoder);
+    free(r->moved.owners);
     free(r->views);
-    free(r->strays);
-    free(r->sweep_rows);
+    free(r->interval.strays);
+    free(r->interval.rows);
     free(r->backdrops);
-    free(r->records);
-    free(r->colours);
-    free(r->depths);
-    free(r->lights);
-    free(r->planes);
-    free(r->keys);
-    free(r->masks);
-    free(r->order);
-    free(r->sorted_masks);
-    free(r->words);
-    free(r->hints);
+    free(r->sorted.records);
+    free(r->sorted.colours);
+    free(r->sorted.depths);
+    free(r->sorted.lights);
+    free(r->sorted.planes);
+    free(r->sorted.keys);
+    free(r->sorted.masks);
+    free(r->sorted.order);
+    free(r->sorted.sorted_masks);
+    free(r->sorted.words);
+    free(r->sorted.hints);
     free(r->surfaces);
     free(r->object_numbers);
     free(r->path_rows);
@@ -368,17 +400,17 @@ static tides_status copy_store(reference *r, const td_store *store, tides_error 
 
 static tides_status copy_movers(reference *r, const td_movers *movers, tides_error *error) {
     if (movers->count == 0) return TIDES_OK;
-    r->kinds = movers->kinds;
-    r->moves_sh = movers->moves_sh;
-    r->movers = td_alloc((size_t)movers->count, sizeof *r->movers, error);
-    if (!r->movers) return TIDES_NO_MEMORY;
+    r->moved.kinds = movers->kinds;
+    r->moved.moves_sh = movers->moves_sh;
+    r->moved.movers = td_alloc((size_t)movers->count, sizeof *r->moved.movers, error);
+    if (!r->moved.movers) return TIDES_NO_MEMORY;
     for (int i = 0; i < movers->count; i++) {
         td_real reals[TD_MOVER_REALS];
         narrow(movers->row[i].real, reals, TD_MOVER_REALS);
-        memcpy(&r->movers[i], reals, sizeof reals);
-        memcpy((char *)&r->movers[i] + sizeof reals, movers->row[i].whole, sizeof movers->row[i].whole);
+        memcpy(&r->moved.movers[i], reals, sizeof reals);
+        memcpy((char *)&r->moved.movers[i] + sizeof reals, movers->row[i].whole, sizeof movers->row[i].whole);
     }
-    return copy_array(movers->data, movers->data_count, &r->data, error);
+    return copy_array(movers->data, movers->data_count, &r->moved.data, error);
 }
 
 tides_status TD_REFERENCE_CREATE(const td_store *store, const td_image_numbers *image, td_backend **backend,
@@ -393,7 +425,7 @@ tides_status TD_REFERENCE_CREATE(const td_store *store, const td_image_numbers *
     tides_status status = copy_store(r, store, error);
     if (status == TIDES_OK) status = copy_numbers(r, store, error);
     if (status == TIDES_OK) status = copy_movers(r, &store->movers, error);
-    if (status == TIDES_OK) status = copy_array(store->decoder, TD_DECODER_REALS, &r->decoder, error);
+    if (status == TIDES_OK) status = copy_array(store->decoder, TD_DECODER_REALS, &r->moved.decoder, error);
     if (status != TIDES_OK) {
         destroy(&r->base);
         return status;

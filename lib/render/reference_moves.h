@@ -12,10 +12,10 @@ static tides_status grow(td_real **array, size_t count, tides_error *error) {
 /* Makes room for `rows` moved rows behind the store's. */
 static tides_status grow_rows(reference *r, int rows, tides_error *error) {
     if (rows <= r->rows) return TIDES_OK;
-    size_t all = (size_t)r->count + (size_t)rows, sh = r->moves_sh ? (size_t)r->image.sh_stride : 0;
-    int *owners = realloc(r->owners, 2 * (size_t)rows * sizeof *owners);
+    size_t all = (size_t)r->count + (size_t)rows, sh = r->moved.moves_sh ? (size_t)r->image.sh_stride : 0;
+    int *owners = realloc(r->moved.owners, 2 * (size_t)rows * sizeof *owners);
     if (!owners) return td_fail(error, TIDES_NO_MEMORY, "out of memory: %d rows of moving Gaussians", rows);
-    r->source.owners = r->owners = owners;
+    r->source.owners = r->moved.owners = owners;
     tides_status status = grow(&r->arrays[0], all * TD_GEOMETRY_STRIDE, error);
     if (status == TIDES_OK) status = grow(&r->arrays[1], (size_t)rows * TD_GEOMETRY_STRIDE, error);
     if (status == TIDES_OK && sh) status = grow(&r->arrays[2], all * sh, error);
@@ -29,7 +29,7 @@ static tides_status grow_rows(reference *r, int rows, tides_error *error) {
 }
 
 static td_theta_sink sink_of(const reference *r, int row) {
-    size_t rate = (size_t)(row - r->count), sh = r->moves_sh ? (size_t)r->image.sh_stride : 0;
+    size_t rate = (size_t)(row - r->count), sh = r->moved.moves_sh ? (size_t)r->image.sh_stride : 0;
     td_theta_sink sink = {r->arrays[0] + (size_t)row * TD_GEOMETRY_STRIDE,
                           r->arrays[1] + rate * TD_GEOMETRY_STRIDE,
                           r->arrays[2] + (size_t)row * sh,
@@ -40,12 +40,12 @@ static td_theta_sink sink_of(const reference *r, int row) {
 }
 
 static void run_move_job(reference *r, const td_move_job *job, const td_move_batch *moves) {
-    const td_mover *mover = r->movers + job->mover;
-    const td_real *moment = r->moments + (size_t)job->moment * TD_MOMENT_REALS;
+    const td_mover *mover = r->moved.movers + job->mover;
+    const td_real *moment = r->moved.moments + (size_t)job->moment * TD_MOMENT_REALS;
     for (int i = 0; i < job->count; i++) {
         td_theta_sink sink = sink_of(r, job->row + i);
         sink.tau_dot = moment[TD_MOMENT_TAU_DOT];
-        td_move_group(mover, r->data + mover->data, moment, moves->gaussians[job->first + i], &sink);
+        td_move_group(mover, r->moved.data + mover->data, moment, moves->gaussians[job->first + i], &sink);
     }
 }
 
@@ -76,11 +76,13 @@ static tides_status move(td_backend *backend, const td_move_batch *moves, tides_
     double begun = td_now();
     size_t reals = (size_t)moves->moment_count * TD_MOMENT_REALS;
     tides_status status = grow_rows(r, moves->row + moves->row_count - r->count, error);
-    if (status == TIDES_OK) status = td_reserve((void **)&r->moments, &r->moment_capacity, reals, sizeof *r->moments, error);
+    if (status == TIDES_OK)
+        status = td_reserve((void **)&r->moved.moments, &r->moved.moment_capacity, reals, sizeof *r->moved.moments, error);
     if (status != TIDES_OK) return status;
-    narrow(moves->moments, r->moments, reals);
-    memcpy(r->owners + 2 * (size_t)(moves->row - r->count), moves->owners, 2 * (size_t)moves->row_count * sizeof *r->owners);
-    for (int i = 0; i < moves->kind_first[r->kinds]; i++) run_move_job(r, &moves->jobs[i], moves);
+    narrow(moves->moments, r->moved.moments, reals);
+    memcpy(r->moved.owners + 2 * (size_t)(moves->row - r->count), moves->owners,
+           2 * (size_t)moves->row_count * sizeof *r->moved.owners);
+    for (int i = 0; i < moves->kind_first[r->moved.kinds]; i++) run_move_job(r, &moves->jobs[i], moves);
     for (int i = 0; i < moves->host_runs; i++) take_host_rows(r, &moves->host[i], moves);
     for (int i = 0; i < moves->cubic_job_count; i++) run_cubic_job(r, &moves->cubic_jobs[i], moves);
     backend->stats.time_motion_s += td_now() - begun;

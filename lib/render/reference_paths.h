@@ -8,11 +8,11 @@ static void widen(const td_real *from, double *to, size_t count) {
 static tides_status moved_rows(td_backend *backend, const td_moved_rows *rows, tides_error *error) {
     const reference *r = (const reference *)backend;
     size_t row = (size_t)rows->row, rate = row - (size_t)r->source.first_rate, first = row - (size_t)r->count;
-    size_t count = (size_t)rows->count, sh = r->moves_sh ? (size_t)r->image.sh_stride : 0, stride = TD_GEOMETRY_STRIDE;
+    size_t count = (size_t)rows->count, sh = r->moved.moves_sh ? (size_t)r->image.sh_stride : 0, stride = TD_GEOMETRY_STRIDE;
     (void)error;
     widen(r->arrays[0] + row * stride, rows->geometry, count * stride);
     widen(r->arrays[1] + rate * stride, rows->rates, count * stride);
-    memcpy(rows->owners, r->owners + 2 * first, 2 * count * sizeof *rows->owners);
+    memcpy(rows->owners, r->moved.owners + 2 * first, 2 * count * sizeof *rows->owners);
     if (!sh) return TIDES_OK;
     widen(r->arrays[2] + row * sh, rows->sh, count * sh);
     widen(r->arrays[3] + rate * sh, rows->sh_rates, count * sh);

@@ -10,14 +10,15 @@ static tides_status truth_job(reference *r, const td_job *job, const td_batch *b
     td_job local = *job; /* records are reused by each job */
     local.records = 0;
     for (int i = 0; i < job->count; i++)
-        td_surface_group(&local, i, batch->candidates, r->object, r->object_numbers, r->views, image, &r->source, r->records,
-                         r->masks, &surfaces);
+        td_surface_group(&local, i, batch->candidates, r->object, r->object_numbers, r->views, image, &r->source,
+                         r->sorted.records, r->sorted.masks, &surfaces);
     for (int block = 0; block < TD_TILE_BLOCKS; block++) {
         if (!(job->blocks >> block & 1)) continue;
         for (int pixel = 0; pixel < TD_BLOCK_PIXELS; pixel++)
-            pairs += (size_t)td_truth_block(job, list, &surfaces, image, r->scene_objects, block, pixel, r->planes + pixel);
+            pairs +=
+                (size_t)td_truth_block(job, list, &surfaces, image, r->scene_objects, block, pixel, r->sorted.planes + pixel);
         for (int i = 0; i < TD_OUT_TRUTH * TD_BLOCK_PIXELS; i++)
-            planes[i / TD_BLOCK_PIXELS * TD_TILE_PIXELS + block * TD_BLOCK_PIXELS + i % TD_BLOCK_PIXELS] = r->planes[i];
+            planes[i / TD_BLOCK_PIXELS * TD_TILE_PIXELS + block * TD_BLOCK_PIXELS + i % TD_BLOCK_PIXELS] = r->sorted.planes[i];
         r->base.stats.blocks++;
     }
     r->base.stats.pairs_evaluated += pairs;

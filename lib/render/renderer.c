@@ -11,9 +11,9 @@
 #include <stdlib.h>
 
 enum {
-    RECORD_LIMIT = 1 << 20, /* records per launch: 64 MB, and about 0.3 s on two cores */
-    RECORDS_TOLD = 1 << 14, /* the same for a reference, which is fifty times slower, if somebody may stop it */
-    ROW_LIMIT = 1 << 20     /* rows of moving Gaussians per launch, and as many kept between launches: 128 MB each */
+    RECORD_LIMIT = 1 << 20,          /* records per launch: 64 MB, and about 0.3 s on two cores */
+    RECORDS_INTERRUPTIBLE = 1 << 14, /* for a reference, which is fifty times slower, if somebody may stop it */
+    ROW_LIMIT = 1 << 20              /* rows of moving Gaussians per launch, and as many kept between launches: 128 MB each */
 };
 
 static tides_status create_backend(tides_renderer *renderer, tides_error *error) {
@@ -37,12 +37,13 @@ static tides_status check_arguments(const tides_device *device, const tides_scen
 /* Allocates arrays whose sizes follow from the store, and finds where each object begins in it. */
 static tides_status allocate(tides_renderer *renderer, tides_error *error) {
     size_t count = (size_t)renderer->store.count, objects = (size_t)renderer->store.objects;
-    renderer->boxes = td_alloc(count * 4, sizeof *renderer->boxes, error);
-    renderer->travel = td_alloc(count, sizeof *renderer->travel, error);
+    renderer->sweep.boxes = td_alloc(count * 4, sizeof *renderer->sweep.boxes, error);
+    renderer->sweep.travel = td_alloc(count, sizeof *renderer->sweep.travel, error);
     renderer->object_first = td_alloc(objects + 1, sizeof *renderer->object_first, error);
-    renderer->object_moves = td_alloc(objects, sizeof *renderer->object_moves, error);
-    renderer->backdrops = td_alloc(1, sizeof *renderer->backdrops, error);
-    if (!renderer->boxes || !renderer->travel || !renderer->object_first || !renderer->object_moves || !renderer->backdrops)
+    renderer->sweep.object_moves = td_alloc(objects, sizeof *renderer->sweep.object_moves, error);
+    renderer->scratch.backdrops = td_alloc(1, sizeof *renderer->scratch.backdrops, error);
+    if (!renderer->sweep.boxes || !renderer->sweep.travel || !renderer->object_first || !renderer->sweep.object_moves ||
+        !renderer->scratch.backdrops)
         return TIDES_NO_MEMORY;
     for (size_t i = count; i-- > 0;) renderer->object_first[renderer->store.object[i]] = (int)i;
     renderer->object_first[objects] = (int)count;
@@ -66,10 +67,10 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     made->scene = scene;
     tides_device_info info;
     tides_device_describe(device, &info);
-    made->record_limit = made->record_limit_told = RECORD_LIMIT;
-    if (info.kind == TIDES_DEVICE_REFERENCE) made->record_limit_told = RECORDS_TOLD;
+    made->record_limit = made->control.record_limit = RECORD_LIMIT;
+    if (info.kind == TIDES_DEVICE_REFERENCE) made->control.record_limit = RECORDS_INTERRUPTIBLE;
     made->row_limit = ROW_LIMIT;
-    made->told = (td_share){.width = 1, .stage = "rendering"};
+    made->control.share = (td_share){.width = 1, .stage = "rendering"};
     status = td_image_resolve(params, intrinsics, tides_scene_sh_degree(scene), &made->image, error);
     if (status == TIDES_OK) status = td_image_take_training(params, scene, &made->image, error);
     if (status == TIDES_OK) status = td_image_take_transfer(params, scene, &made->image, error);
@@ -77,7 +78,7 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     if (status == TIDES_OK)
         status = td_store_create(scene, params->rules == TIDES_RULES_SMOOTH, made->image.soft_order, &made->store, error);
     if (status == TIDES_OK) status = td_dynamic_create(scene, &made->store, made->row_limit, &made->dynamic, error);
-    if (status == TIDES_OK) status = td_strays_create(&made->store, &made->strays, error);
+    if (status == TIDES_OK) status = td_strays_create(&made->store, &made->sweep.strays, error);
     if (status == TIDES_OK) status = td_clusters_create(&made->store, &made->clusters, error);
     if (status != TIDES_OK) goto done;
     made->image.objects = made->store.objects;
@@ -90,8 +91,8 @@ tides_status tides_renderer_create(tides_device *device, const tides_scene *scen
     made->stats.tiles = made->candidates.tiles_x * made->candidates.tiles_y;
     status = allocate(made, error);
     if (status != TIDES_OK) goto done;
-    made->backdrop_capacity = 1;
-    td_backdrop_set(&made->image, params->background, made->backdrops);
+    made->scratch.backdrop_capacity = 1;
+    td_backdrop_set(&made->image, params->background, made->scratch.backdrops);
     if (progress && progress(user, 0, "building kernels")) {
         status = td_fail(error, TIDES_CANCELLED, "stopped on request while building kernels");
         goto done;
@@ -112,24 +113,24 @@ void tides_renderer_destroy(tides_renderer *renderer) {
     if (renderer->backend) renderer->backend->type->destroy(renderer->backend);
     td_points_destroy(renderer->kept);
     td_points_destroy(renderer->points);
-    td_swaps_destroy(renderer->swaps);
+    td_swaps_destroy(renderer->sweep.swaps);
     td_candidates_release(&renderer->candidates);
     td_dynamic_release(&renderer->dynamic);
-    td_strays_release(&renderer->strays);
+    td_strays_release(&renderer->sweep.strays);
     td_clusters_release(&renderer->clusters);
-    free(renderer->sweep_time);
+    free(renderer->sweep.times);
     td_psf_release(&renderer->psf);
     td_store_release(&renderer->store);
-    free(renderer->boxes);
-    free(renderer->travel);
+    free(renderer->sweep.boxes);
+    free(renderer->sweep.travel);
     free(renderer->object_first);
-    free(renderer->object_moves);
-    free(renderer->views);
-    free(renderer->backdrops);
-    free(renderer->jobs);
-    free(renderer->empty);
-    free(renderer->in_order);
-    free(renderer->frame_planes);
+    free(renderer->sweep.object_moves);
+    free(renderer->scratch.views);
+    free(renderer->scratch.backdrops);
+    free(renderer->scratch.jobs);
+    free(renderer->scratch.empty);
+    free(renderer->scratch.in_order);
+    free(renderer->scratch.frame_planes);
     free(renderer);
 }
 
@@ -186,10 +187,10 @@ void td_renderer_put_counts(tides_renderer *renderer, const td_render_counts *co
     }
 }
 
-void td_renderer_set_heed(tides_renderer *renderer, td_heed heed, void *user) {
+void td_renderer_set_interrupt(tides_renderer *renderer, td_interrupt interrupt, void *user) {
     for (; renderer; renderer = renderer->beside) {
-        renderer->heed = heed;
-        renderer->heed_user = user;
+        renderer->control.interrupt = interrupt;
+        renderer->control.user = user;
     }
 }
 

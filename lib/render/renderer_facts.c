@@ -44,6 +44,6 @@ void td_renderer_image_facts(const tides_renderer *renderer, double facts[TD_IMA
     for (int i = 0; i < TD_IMAGE_INTS; i++) facts[at++] = image.whole[i];
     facts[at++] = psf->radius ? psf->sigma : 0;
     facts[at++] = psf->radius ? psf->domain : 0;
-    for (int c = 0; c < 3; c++) facts[at++] = renderer->backdrops[0].colour[c];
+    for (int c = 0; c < 3; c++) facts[at++] = renderer->scratch.backdrops[0].colour[c];
     facts[at++] = renderer->colour_filter;
 }

@@ -18,9 +18,8 @@ static tides_status rest(const tides_object *object, const td_mover_numbers *num
     double *wide = td_alloc(2 * count * sh + 1, sizeof *wide, error);
     tides_status status = rates && wide ? TIDES_OK : TIDES_NO_MEMORY;
     td_motion_sink sink = {store->geometry + first * TD_GEOMETRY_STRIDE, rates, wide, wide + count * sh, store->sh_stride};
-    if (status == TIDES_OK)
-        status = td_motion_rows(object->motion, &object->gaussians, numbers, object->motion->start, 1, 1, fades,
-                                store->number + first, resting->count, &sink, error);
+    const td_motion_asked asked = {object->motion->start, 1, 1, fades, store->number + first, resting->count};
+    if (status == TIDES_OK) status = td_motion_rows(object->motion, &object->gaussians, numbers, &asked, &sink, error);
     for (size_t i = 0; i < count * sh && status == TIDES_OK; i++) store->sh[first * sh + i] = (float)wide[i];
     free(rates);
     free(wide);

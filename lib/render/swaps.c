@@ -102,7 +102,7 @@ static double apart(const double *a, const double *b) {
 
 /* Computes views at the ends of `parts` parts of the interval: renderer->views. */
 static tides_status find_views(tides_renderer *renderer, const tides_trajectory *camera, int parts, tides_error *error) {
-    const double start = renderer->swept[0], stop = renderer->swept[1];
+    const double start = renderer->sweep.interval[0], stop = renderer->sweep.interval[1];
     double time[MOST_PARTS + 1];
     for (int k = 0; k < parts; k++) time[k] = start + (stop - start) * k / parts;
     time[parts] = stop;
@@ -114,7 +114,7 @@ static double most_turned(const tides_renderer *renderer, int parts) {
     const size_t objects = (size_t)renderer->store.objects;
     double most = 0;
     for (size_t i = 0; i < (size_t)parts * objects; i++) {
-        const double *from = renderer->views[i].r + 6, *to = renderer->views[i + objects].r + 6;
+        const double *from = renderer->scratch.views[i].r + 6, *to = renderer->scratch.views[i + objects].r + 6;
         most = td_greater(most, apart(from, to) / td_length3(from));
     }
     return most;
@@ -133,8 +133,9 @@ static tides_status take_views(tides_renderer *renderer, const tides_trajectory 
     if (status == TIDES_OK)
         status = td_reserve((void **)&swaps->view, &swaps->view_capacity, count, sizeof *swaps->view, error);
     if (status != TIDES_OK) return status;
-    memcpy(swaps->view, renderer->views, count * sizeof *swaps->view);
-    *at = (td_swap_samples){parts, renderer->store.objects, (renderer->swept[1] - renderer->swept[0]) / parts, swaps->view};
+    memcpy(swaps->view, renderer->scratch.views, count * sizeof *swaps->view);
+    *at = (td_swap_samples){parts, renderer->store.objects, (renderer->sweep.interval[1] - renderer->sweep.interval[0]) / parts,
+                            swaps->view};
     return status;
 }
 
@@ -188,7 +189,7 @@ static int find_who_may(const tides_renderer *renderer, struct td_swaps *swaps, 
     const int alone = moving + (rests > 0) < 2;
     for (int g = 0; g < store->count; g++) {
         const int object = store->object[g];
-        const float *box = renderer->boxes + 4 * (size_t)g;
+        const float *box = renderer->sweep.boxes + 4 * (size_t)g;
         swaps->may[g] = MAY_NOT;
         if (swaps->group[object] < 0 || !(box[0] <= box[2])) continue;
         if (alone && !(swaps->turning[object] > 0)) continue;
@@ -232,7 +233,7 @@ static void take_splat(const tides_renderer *renderer, const struct td_swaps *sw
                        double *z, td_swap_splat *to) {
     const double *geometry = renderer->store.geometry + (size_t)g * TD_GEOMETRY_STRIDE;
     const int object = renderer->store.object[g];
-    to->box = renderer->boxes + 4 * (size_t)g;
+    to->box = renderer->sweep.boxes + 4 * (size_t)g;
     to->geometry = geometry;
     to->opacity = geometry[TD_G_OPACITY];
     to->luminance = luminance_of(renderer, g);
@@ -380,9 +381,10 @@ tides_status td_renderer_find_swaps(tides_renderer *renderer, const tides_trajec
     tides_status status = TIDES_OK;
     td_swap_samples at;
     if (!renderer->image.soft_order) return status;
-    if (!renderer->swaps) status = td_swaps_create(&renderer->store, renderer->stats.tiles, &renderer->swaps, error);
+    if (!renderer->sweep.swaps)
+        status = td_swaps_create(&renderer->store, renderer->stats.tiles, &renderer->sweep.swaps, error);
     if (status != TIDES_OK) return status;
-    struct td_swaps *swaps = renderer->swaps;
+    struct td_swaps *swaps = renderer->sweep.swaps;
     status = find_groups(renderer, swaps, error);
     if (status == TIDES_OK) status = take_views(renderer, camera, swaps, &at, error);
     if (status != TIDES_OK) return status;
@@ -394,7 +396,7 @@ tides_status td_renderer_find_swaps(tides_renderer *renderer, const tides_trajec
 }
 
 const td_swap *td_renderer_swaps(const tides_renderer *renderer, int tile, int block, int *count) {
-    const struct td_swaps *swaps = renderer->swaps;
+    const struct td_swaps *swaps = renderer->sweep.swaps;
     *count = 0;
     if (!swaps || swaps->count == 0) return NULL;
     const int32_t *first = swaps->first + tile * TD_TILE_BLOCKS + block;

@@ -36,8 +36,8 @@ tides_status td_renderer_interpolate(tides_renderer *renderer, double tolerance,
 
 /* Sets a function (NULL: none) that is called before each launch of tiles or points. If it returns other than 0, the current
  * work ends with TIDES_CANCELLED: its results are invalid, but the renderer stays usable. */
-typedef int (*td_heed)(void *user);
-void td_renderer_set_heed(tides_renderer *renderer, td_heed heed, void *user);
+typedef int (*td_interrupt)(void *user);
+void td_renderer_set_interrupt(tides_renderer *renderer, td_interrupt interrupt, void *user);
 
 /* The counts of the statistics so far, of each channel of a colour filter. After work is undone, td_renderer_put_counts
  * restores them, except for times. */

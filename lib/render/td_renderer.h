@@ -129,7 +129,7 @@ void td_candidates_take_hints(td_candidates *candidates, const td_job *jobs, int
 
 /* Called before each launch with the finished share of the current work: TIDES_CANCELLED if the user or the solver wants to
  * stop. td_renderer_set_part sets which share of the user's call the following work is. */
-tides_status td_renderer_heed(const tides_renderer *renderer, double done, tides_error *error);
+tides_status td_renderer_check_stop(const tides_renderer *renderer, double done, tides_error *error);
 void td_renderer_set_part(tides_renderer *renderer, double from, double width);
 
 /* Largest number of records per launch. */
@@ -144,48 +144,61 @@ tides_status td_points_create_engine(const tides_renderer *renderer, const td_im
 tides_status td_point_take(const td_point *point, const double *found, td_point_value *value, tides_error *error);
 void td_points_destroy(td_points *points);
 
-struct tides_renderer {
-    /* [s] all times in lib/render are offsets from it, so that times of 1e9 s resolve as finely as times near 0 */
-    double epoch;
-    td_dynamic dynamic; /* Gaussians that a motion moves */
-    int row_limit;      /* limit of rows of dynamic Gaussians */
-    tides_device *device;
-    const tides_scene *scene;
-    td_image image;
-    td_store store;
-    td_backend *backend;
-    td_candidates candidates;
-    td_clusters clusters;
-    float *boxes;          /* (store.count x 4) */
-    float *travel;         /* (store.count) */
-    int *object_first;     /* (objects + 1) first Gaussian of each object in the store */
+/* Knowledge of the interval that was swept last. Arrays are in the store's order. */
+typedef struct td_swept {
+    double interval[2];    /* its ends [s after the epoch] */
+    double *times;         /* (td_sweep_times) of the current pieces */
+    size_t time_capacity;  /* of `times` */
+    float *boxes;          /* (store.count x 4) what each Gaussian may touch [px] */
+    float *travel;         /* (store.count) diameters that each travels on the screen */
     uint8_t *object_moves; /* (objects) 1: moves relative to the camera */
-    int rested;            /* 1: the camera rested in the last sweep, at rest_pose, so boxes of resting objects stay valid */
+    int rested;            /* 1: the camera rested, at rest_pose, so boxes of resting objects stay valid */
     tides_pose rest_pose;
-    int listed;         /* 1: the lists belong to the present boxes */
-    td_strays strays;   /* of the interval swept last */
-    double *sweep_time; /* (td_sweep_times) of the current pieces */
-    size_t sweep_time_capacity;
-    td_view *views; /* (slots x objects) */
-    td_backdrop *backdrops;
+    int listed;             /* 1: the lists of candidates belong to these boxes */
+    td_strays strays;       /* how far motions stray from their samples */
+    struct td_swaps *swaps; /* swaps of depth in the interval; NULL: not requested */
+} td_swept;
+
+/* Memory that calls share and keep: fresh pages cost as much as the work on a frame. */
+typedef struct td_renderer_scratch {
+    td_view *views;         /* (slots x objects) */
+    td_backdrop *backdrops; /* (slots) */
     size_t view_capacity, backdrop_capacity;
     td_job *jobs;
     size_t job_capacity;
     int *empty;           /* numbers of requests without candidates */
-    double *frame_planes; /* planes of a whole image, kept: fresh memory would cost as much as assembling the image */
-    size_t frame_capacity;
-    uint8_t *in_order; /* (requests) 1 if a job's list was in order */
-    size_t empty_capacity, in_order_capacity;
-    int record_limit;       /* records per launch */
-    int record_limit_told;  /* limit while somebody may stop the work */
-    td_points *points;      /* NULL: not enabled */
-    td_points *kept;        /* points of a kept instant; uses the scene in double of `points` */
-    double swept[2];        /* the interval swept last [s after the epoch] */
-    struct td_swaps *swaps; /* swaps of the interval; NULL: not requested */
-    td_psf psf;             /* blur by the optics */
-    td_heed heed;           /* called before each launch */
-    void *heed_user;
-    td_share told; /* progress to report (tides_renderer_set_progress) */
+    double *frame_planes; /* of a whole image */
+    uint8_t *in_order;    /* (requests) 1 if a job's list was in order */
+    size_t empty_capacity, frame_capacity, in_order_capacity;
+} td_renderer_scratch;
+
+/* The callers that may stop the work before each launch, or watch it. */
+typedef struct td_renderer_control {
+    td_interrupt interrupt; /* the solver; NULL: none */
+    void *user;             /* its argument */
+    td_share share;         /* of the user's call (tides_renderer_set_progress) */
+    int record_limit;       /* records per launch where either is there: launches are short then */
+} td_renderer_control;
+
+struct tides_renderer {
+    double epoch;       /* [s] all times in lib/render are offsets from it, so that 1e9 s resolve as finely as 0 */
+    td_dynamic dynamic; /* Gaussians that a motion moves */
+    int row_limit;      /* rows of dynamic Gaussians at a time */
+    int record_limit;   /* records per launch */
+    tides_device *device;
+    const tides_scene *scene;
+    td_image image;
+    td_store store;
+    int *object_first; /* (objects + 1) first Gaussian of each object in the store */
+    td_backend *backend;
+    td_candidates candidates;
+    td_clusters clusters;
+    td_swept sweep;
+    td_renderer_scratch scratch;
+    td_renderer_control control;
+    td_points *points; /* NULL: not enabled */
+    td_points *kept;   /* points of a kept instant; uses the scene in double of `points` */
+    td_psf psf;        /* blur by the optics */
     tides_render_stats stats;
     int colour_filter;      /* TIDES_FILTER_*; if not OFF, this is the renderer of red */
     tides_renderer *beside; /* with a filter: that of green beside red, and that of blue beside green; else NULL */

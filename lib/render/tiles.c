@@ -28,16 +28,16 @@ static int make_jobs(tides_renderer *renderer, const td_request *requests, int c
         int tile = requests[i].tile, first = candidates->first[tile];
         int length = candidates->first[tile + 1] - first;
         if (length == 0) {
-            renderer->empty[(*empty_count)++] = i;
+            renderer->scratch.empty[(*empty_count)++] = i;
             continue;
         }
         td_job job = job_of(renderer, &requests[i], i);
         job.candidates = first;
         job.count = length;
         td_candidates_give_hint(&renderer->candidates, tile, &job);
-        renderer->jobs[jobs++] = job;
+        renderer->scratch.jobs[jobs++] = job;
     }
-    qsort(renderer->jobs, (size_t)jobs, sizeof *renderer->jobs, td_job_by_falling_count);
+    qsort(renderer->scratch.jobs, (size_t)jobs, sizeof *renderer->scratch.jobs, td_job_by_falling_count);
     return jobs;
 }
 
@@ -55,7 +55,7 @@ static tides_status run_jobs(tides_renderer *renderer, td_batch *batch, td_job *
         batch->jobs = jobs + from;
         batch->job_count = to - from;
         batch->records = records;
-        status = td_renderer_heed(renderer, (double)from / count, error);
+        status = td_renderer_check_stop(renderer, (double)from / count, error);
         if (status == TIDES_OK) status = renderer->backend->type->render(renderer->backend, batch, planes, error);
     }
     return status;
@@ -65,8 +65,8 @@ static tides_status run_jobs(tides_renderer *renderer, td_batch *batch, td_job *
 static void fill_empty(tides_renderer *renderer, const td_request *requests, int empty_count, int outputs, double *planes) {
     double pixel[TD_OUT_COLOUR];
     for (int i = 0; i < empty_count; i++) {
-        int request = renderer->empty[i];
-        const double *backdrop = (const double *)&renderer->backdrops[requests[request].slot];
+        int request = renderer->scratch.empty[i];
+        const double *backdrop = (const double *)&renderer->scratch.backdrops[requests[request].slot];
         if (outputs == TD_OUT_TRUTH)
             td_truth_of_nothing(pixel);
         else
@@ -81,9 +81,9 @@ static void fill_empty(tides_renderer *renderer, const td_request *requests, int
 static void draw_empty(tides_renderer *renderer, const td_request *requests, int empty_count, int outputs,
                        const td_pictures *to) {
     double pixel[TD_OUT_COLOUR];
-    renderer->backend->type->empty_pixel(renderer->backend, (const double *)renderer->backdrops, pixel, outputs);
+    renderer->backend->type->empty_pixel(renderer->backend, (const double *)renderer->scratch.backdrops, pixel, outputs);
     for (int i = 0; i < empty_count; i++) {
-        const td_job at = job_of(renderer, &requests[renderer->empty[i]], 0);
+        const td_job at = job_of(renderer, &requests[renderer->scratch.empty[i]], 0);
         const int right = at.x + TD_TILE < to->width ? at.x + TD_TILE : to->width;
         const int bottom = at.y + TD_TILE < to->height ? at.y + TD_TILE : to->height;
         for (int k = 0; k < outputs; k++)
@@ -98,20 +98,22 @@ static tides_status run_empty(tides_renderer *renderer, td_batch *batch, const t
                               tides_error *error) {
     if (count == 0) return TIDES_OK;
     for (int i = 0; i < count; i++) {
-        int request = renderer->empty[i];
-        renderer->jobs[i] = job_of(renderer, &requests[request], request);
+        int request = renderer->scratch.empty[i];
+        renderer->scratch.jobs[i] = job_of(renderer, &requests[request], request);
     }
-    return run_jobs(renderer, batch, renderer->jobs, count, planes, error);
+    return run_jobs(renderer, batch, renderer->scratch.jobs, count, planes, error);
 }
 
 /* Makes room for `count` requests. */
 static tides_status reserve(tides_renderer *renderer, size_t count, tides_error *error) {
-    tides_status status = td_reserve((void **)&renderer->jobs, &renderer->job_capacity, count, sizeof *renderer->jobs, error);
+    tides_status status = td_reserve((void **)&renderer->scratch.jobs, &renderer->scratch.job_capacity, count,
+                                     sizeof *renderer->scratch.jobs, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&renderer->empty, &renderer->empty_capacity, count, sizeof *renderer->empty, error);
+        status = td_reserve((void **)&renderer->scratch.empty, &renderer->scratch.empty_capacity, count,
+                            sizeof *renderer->scratch.empty, error);
     if (status == TIDES_OK)
-        status =
-            td_reserve((void **)&renderer->in_order, &renderer->in_order_capacity, count, sizeof *renderer->in_order, error);
+        status = td_reserve((void **)&renderer->scratch.in_order, &renderer->scratch.in_order_capacity, count,
+                            sizeof *renderer->scratch.in_order, error);
     return status;
 }
 
@@ -125,22 +127,23 @@ tides_status td_renderer_raw_tiles(tides_renderer *renderer, const tides_traject
     int empty_count;
     int jobs = make_jobs(renderer, requests, asked->count, &empty_count);
     td_batch batch = {0};
-    batch.views = (const double *)renderer->views;
-    batch.backdrops = (const double *)renderer->backdrops;
+    batch.views = (const double *)renderer->scratch.views;
+    batch.backdrops = (const double *)renderer->scratch.backdrops;
     batch.slots = asked->slots;
     batch.candidates = renderer->candidates.list;
     batch.candidate_count = renderer->candidates.first[renderer->stats.tiles];
     batch.candidates_serial = renderer->candidates.serial;
     batch.outputs = outputs;
     batch.hint_count = td_candidates_hint_count(&renderer->candidates);
-    batch.in_order = renderer->in_order;
+    batch.in_order = renderer->scratch.in_order;
     batch.pictures = pictures;
     const td_groups groups = {renderer->candidates.groups, renderer->candidates.group_count};
     const int moves = renderer->dynamic.gaussians > 0; /* their rows have to be computed for the batch's times */
     if (!moves) batch.groups = &groups;
-    status = moves ? td_dynamic_run_jobs(renderer, &batch, asked, renderer->jobs, jobs, planes, error)
-                   : run_jobs(renderer, &batch, renderer->jobs, jobs, planes, error);
-    td_candidates_take_hints(&renderer->candidates, renderer->jobs, jobs, status == TIDES_OK ? renderer->in_order : NULL);
+    status = moves ? td_dynamic_run_jobs(renderer, &batch, asked, renderer->scratch.jobs, jobs, planes, error)
+                   : run_jobs(renderer, &batch, renderer->scratch.jobs, jobs, planes, error);
+    td_candidates_take_hints(&renderer->candidates, renderer->scratch.jobs, jobs,
+                             status == TIDES_OK ? renderer->scratch.in_order : NULL);
     if (status == TIDES_OK && renderer->image.decoder) return run_empty(renderer, &batch, requests, empty_count, planes, error);
     if (status == TIDES_OK && pictures) draw_empty(renderer, requests, empty_count, outputs, pictures);
     if (status == TIDES_OK && !pictures) fill_empty(renderer, requests, empty_count, outputs, planes);

@@ -85,12 +85,12 @@ tides_status td_view_at(const tides_scene *scene, int32_t object, const tides_tr
 }
 
 static tides_status reserve_slots(tides_renderer *renderer, int slots, tides_error *error) {
-    tides_status status = td_reserve((void **)&renderer->views, &renderer->view_capacity,
-                                     (size_t)slots * (size_t)renderer->store.objects, sizeof *renderer->views, error);
+    tides_status status = td_reserve((void **)&renderer->scratch.views, &renderer->scratch.view_capacity,
+                                     (size_t)slots * (size_t)renderer->store.objects, sizeof *renderer->scratch.views, error);
     if (status == TIDES_OK)
-        status = td_reserve((void **)&renderer->backdrops, &renderer->backdrop_capacity, (size_t)slots,
-                            sizeof *renderer->backdrops, error);
-    for (int i = 1; i < slots && status == TIDES_OK; i++) renderer->backdrops[i] = renderer->backdrops[0];
+        status = td_reserve((void **)&renderer->scratch.backdrops, &renderer->scratch.backdrop_capacity, (size_t)slots,
+                            sizeof *renderer->scratch.backdrops, error);
+    for (int i = 1; i < slots && status == TIDES_OK; i++) renderer->scratch.backdrops[i] = renderer->scratch.backdrops[0];
     return status;
 }
 
@@ -98,7 +98,7 @@ tides_status td_renderer_views_again(tides_renderer *renderer, const td_view *vi
     const size_t objects = (size_t)renderer->store.objects;
     const tides_status status = reserve_slots(renderer, slots, error);
     for (int i = 0; i < slots && status == TIDES_OK; i++)
-        memcpy(renderer->views + (size_t)i * objects, views, objects * sizeof *views);
+        memcpy(renderer->scratch.views + (size_t)i * objects, views, objects * sizeof *views);
     return status;
 }
 
@@ -107,7 +107,7 @@ tides_status td_renderer_views(tides_renderer *renderer, const tides_trajectory 
     size_t objects = (size_t)renderer->store.objects;
     tides_status status = reserve_slots(renderer, slots, error);
     for (int i = 0; i < slots && status == TIDES_OK; i++) {
-        td_view *views = renderer->views + (size_t)i * objects;
+        td_view *views = renderer->scratch.views + (size_t)i * objects;
         status = td_views_at(renderer->scene, camera, renderer->epoch, times[i], views, error);
         /* An object of the scene may be two of the store. Copying from the last one on, no view is overwritten before it is
          * read. */

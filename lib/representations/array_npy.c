@@ -8,7 +8,8 @@ static tides_status create(td_array_sink *sink, int zipped, tides_error *error) 
     td_npy_writer *writer = NULL;
     const size_t inner[3] = {sink->planes, sink->height, sink->width};
     tides_status status = td_npy_writer_open(sink->path, zipped, &writer, error);
-    if (status == TIDES_OK) status = td_npy_writer_begin(writer, sink->name, "'<f4'", sizeof(float), 4, inner, error);
+    if (status == TIDES_OK)
+        status = td_npy_writer_begin(writer, &(td_npy_form){sink->name, "'<f4'", sizeof(float), 4, inner}, error);
     if (status == TIDES_OK)
         sink->state = writer;
     else
@@ -33,7 +34,8 @@ static tides_status complete(td_array_sink *sink, tides_error *error) {
 static tides_status append_column(td_array_sink *sink, int column, tides_error *error) {
     static const char *const names[] = {"start_ns", "stop_ns", "events"};
     tides_status status =
-        td_npy_writer_begin(sink->state, names[column], column < 2 ? "'<i8'" : "'<u8'", sizeof(int64_t), 1, NULL, error);
+        td_npy_writer_begin(sink->state,
+                            &(td_npy_form){names[column], column < 2 ? "'<i8'" : "'<u8'", sizeof(int64_t), 1, NULL}, error);
     for (size_t i = 0; i < sink->count && status == TIDES_OK; i++) {
         const td_array_window *w = &sink->windows[i];
         const uint64_t value = column == 0 ? (uint64_t)w->start_ns : column == 1 ? (uint64_t)w->stop_ns : w->events;

@@ -144,6 +144,7 @@ static tides_status add_scene(list *l, const char *key, const char *path, const 
     if (status != TIDES_OK || !td_is_file(path)) return status;
     if (td_sog_is_meta(path)) status = add_ending(l, key, path, ".webp");
     if (td_lcc_is(path)) status = add_parts(l, key, path, part, td_lcc_files);
+    if (td_lcc2_is(path)) status = add_parts(l, key, path, part, td_lcc2_files);
     if (td_sog_is_lod(path)) status = add_parts(l, key, path, part, td_sog_lod_files);
     if (td_ends_in(path, ".gltf") || td_ends_in(path, ".glb")) status = add_parts(l, key, path, part, td_gltf_files);
     return status;

@@ -95,7 +95,8 @@ static tides_status write_pair(const recording *r, const char *path, void (*put)
 /* Writes an array (count x 3) of the values at `offset` in each sample. */
 static tides_status put_array(const recording *r, td_npy_writer *npz, const char *name, size_t offset, size_t width,
                               tides_error *error) {
-    tides_status status = td_npy_writer_begin(npz, name, "'<f8'", sizeof(double), width > 1 ? 2 : 1, &width, error);
+    tides_status status =
+        td_npy_writer_begin(npz, &(td_npy_form){name, "'<f8'", sizeof(double), width > 1 ? 2 : 1, &width}, error);
     for (size_t i = 0; i < r->count && status == TIDES_OK; i++)
         status = td_npy_writer_append(npz, (const char *)&r->samples[i] + offset, 1, error);
     return status;

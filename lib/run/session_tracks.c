@@ -38,16 +38,16 @@ static tides_status choose(track_job *job, tides_progress progress, void *user, 
     for (uint32_t k = 0; k < choices && status == TIDES_OK; k++) {
         const double time = k ? v->start + (v->stop - v->start) * k / (choices - 1) : v->start;
         const size_t share = wanted * (k + 1) / choices - wanted * k / choices;
-        size_t found = 0;
+        td_track_choice choice = {share, 0, xy, job->point + job->points};
         if (share == 0) continue;
         job->share = (td_share){progress, user, (double)k / choices, 1.0 / choices, "points to follow"};
-        status = td_tracks_choose(job->renderer, job->facts, time, k, share, xy, job->point + job->points, &found, error);
-        for (size_t i = 0; i < found; i++) {
+        status = td_tracks_choose(job->renderer, job->facts, time, k, &choice, error);
+        for (size_t i = 0; i < choice.count; i++) {
             double *query = job->query + 3 * (job->points + i);
             query[0] = time;
             memcpy(query + 1, xy + 2 * i, 2 * sizeof *query);
         }
-        job->points += status == TIDES_OK ? found : 0;
+        job->points += status == TIDES_OK ? choice.count : 0;
     }
     free(xy);
     if (status == TIDES_OK && job->points == 0)
@@ -100,7 +100,7 @@ static tides_status put_column(td_npy_writer *npz, const column *c, const void *
     if (!values) return TIDES_NO_MEMORY;
     for (size_t i = 0; i < count; i++) memcpy(values + i * c->bytes, (const char *)records + i * size + c->offset, c->bytes);
     const tides_status status = /* NOLINTNEXTLINE(clang-analyzer-core.DivideZero): there is at least one point */
-        td_npy_writer_put(npz, c->name, c->dtype, c->item, c->ndim, c->inner, values, count / row, error);
+        td_npy_writer_put(npz, &(td_npy_form){c->name, c->dtype, c->item, c->ndim, c->inner}, values, count / row, error);
     free(values);
     return status;
 }

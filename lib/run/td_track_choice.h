@@ -5,10 +5,17 @@
 #include "tides/session.h"
 #include "tides/truth.h"
 
-/* Chooses up to `count` points at `time`, as the `number`-th choice of the run (TIDES_TRACKS_*): xy (count x 2) [px], points,
- * and their number. It depends on the run's seed and `number` only. */
+/* Room for a choice of points, and the points. */
+typedef struct td_track_choice {
+    size_t most, count;           /* room, and how many there are */
+    double *xy;                   /* (most x 2) [px] */
+    tides_material_point *points; /* (most) */
+} td_track_choice;
+
+/* Adds up to `most` points at `time` to an empty choice, the `number`-th of the run (TIDES_TRACKS_*). It depends on the run's
+ * seed and `number` only. */
 tides_status td_tracks_choose(tides_renderer *renderer, const tides_session_facts *facts, double time, uint32_t number,
-                              size_t count, double *xy, tides_material_point *points, size_t *chosen, tides_error *error);
+                              td_track_choice *choice, tides_error *error);
 
 /* Number of such choices, at times evenly spaced from the run's start to its stop. */
 uint32_t td_tracks_choices(const tides_session_facts *facts);

@@ -17,27 +17,27 @@ uint32_t td_tracks_choices(const tides_session_facts *facts) {
 
 /* -- a grid ---------------------------------------------------------------------------------------------------------------- */
 
-/* Takes points at those of `places` that show a splat, in order, up to `count`. */
+/* Adds points at those of `places` that show a splat, in order, up to `count`. */
 static tides_status pick(tides_renderer *renderer, const tides_session_facts *facts, double time, const double *places,
-                         size_t tried, size_t count, double *xy, tides_material_point *points, size_t *chosen,
-                         tides_error *error) {
+                         size_t tried, size_t count, td_track_choice *choice, tides_error *error) {
     tides_material_point *seen = td_alloc(tried + 1, sizeof *seen, error);
     tides_status status =
         seen ? tides_renderer_pick(renderer, facts->camera, time, places, tried, seen, error) : TIDES_NO_MEMORY;
     size_t found = 0;
     for (size_t i = 0; i < tried && found < count && status == TIDES_OK; i++) {
         if (seen[i].object < 0) continue;
-        memcpy(xy + 2 * found, places + 2 * i, 2 * sizeof *xy);
-        points[found++] = seen[i];
+        memcpy(choice->xy + 2 * choice->count, places + 2 * i, 2 * sizeof *places);
+        choice->points[choice->count++] = seen[i];
+        found++;
     }
-    if (status == TIDES_OK) *chosen = found;
     free(seen);
     return status;
 }
 
-/* Tries the centres of `count` cells, which are as square as possible. */
-static tides_status choose_grid(tides_renderer *renderer, const tides_session_facts *facts, double time, size_t count,
-                                double *xy, tides_material_point *points, size_t *chosen, tides_error *error) {
+/* Tries the centres of `most` cells, which are as square as possible. */
+static tides_status choose_grid(tides_renderer *renderer, const tides_session_facts *facts, double time,
+                                td_track_choice *choice, tides_error *error) {
+    const size_t count = choice->most;
     const double width = facts->intrinsics.width, height = facts->intrinsics.height;
     size_t across = (size_t)fmax(1, rint(sqrt((double)count * width / height)));
     if (across > count) across = count;
@@ -49,7 +49,7 @@ static tides_status choose_grid(tides_renderer *renderer, const tides_session_fa
         places[2 * i] = ((double)column + 0.5) * width / (double)across;
         places[2 * i + 1] = ((double)row + 0.5) * height / (double)down;
     }
-    const tides_status status = pick(renderer, facts, time, places, cells, count, xy, points, chosen, error);
+    const tides_status status = pick(renderer, facts, time, places, cells, count, choice, error);
     free(places);
     return status;
 }
@@ -112,34 +112,31 @@ static void draw_places(const pixels_of *p, int32_t object, const tides_session_
 /* Chooses points per object. The object with the largest weight in a pixel may differ from that of the median splat, which is
  * followed. So more places are drawn than points are needed. */
 static tides_status choose_instances(tides_renderer *renderer, const tides_session_facts *facts, double time, uint32_t number,
-                                     size_t count, double *xy, tides_material_point *points, size_t *chosen,
-                                     tides_error *error) {
+                                     td_track_choice *choice, tides_error *error) {
     enum { DRAWN = 4 };
+    const size_t count = choice->most;
     pixels_of p = {.instance = NULL};
     double *places = td_alloc(DRAWN * count + 1, 2 * sizeof *places, error);
     tides_status status = places ? sort_pixels(renderer, facts, time, &p, error) : TIDES_NO_MEMORY;
-    size_t found = 0, turn = 0;
+    size_t turn = 0;
     for (int32_t k = 0; k < p.objects && status == TIDES_OK; k++) {
         if (p.first[k + 1] == p.first[k]) continue;
         /* NOLINTNEXTLINE(clang-analyzer-core.DivideZero): this object is seen */
         const size_t share = count * (turn + 1) / (size_t)p.seen - count * turn / (size_t)p.seen;
-        size_t some = 0;
         turn++;
         draw_places(&p, k, facts, number, DRAWN * share, places);
-        status = pick(renderer, facts, time, places, DRAWN * share, share, xy + 2 * found, points + found, &some, error);
-        found += some;
+        status = pick(renderer, facts, time, places, DRAWN * share, share, choice, error);
     }
-    if (status == TIDES_OK) *chosen = found;
     release(&p);
     free(places);
     return status;
 }
 
 tides_status td_tracks_choose(tides_renderer *renderer, const tides_session_facts *facts, double time, uint32_t number,
-                              size_t count, double *xy, tides_material_point *points, size_t *chosen, tides_error *error) {
+                              td_track_choice *choice, tides_error *error) {
     const tides_run_values *v = &facts->values;
-    if (v->track_choice == TIDES_TRACKS_GRID) return choose_grid(renderer, facts, time, count, xy, points, chosen, error);
-    if (v->track_choice == TIDES_TRACKS_INSTANCE)
-        return choose_instances(renderer, facts, time, number, count, xy, points, chosen, error);
-    return tides_renderer_choose(renderer, facts->camera, time, v->sensor.seed, number, count, xy, points, chosen, error);
+    if (v->track_choice == TIDES_TRACKS_GRID) return choose_grid(renderer, facts, time, choice, error);
+    if (v->track_choice == TIDES_TRACKS_INSTANCE) return choose_instances(renderer, facts, time, number, choice, error);
+    return tides_renderer_choose(renderer, facts->camera, time, v->sensor.seed, number, choice->most, choice->xy,
+                                 choice->points, &choice->count, error);
 }

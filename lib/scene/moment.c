@@ -29,7 +29,8 @@ static tides_status visit_rows(const td_object *object, const td_mover_numbers *
     for (int64_t first = 0; first < g.count && status == TIDES_OK; first += ROWS) {
         const int64_t count = g.count - first < ROWS ? g.count - first : ROWS;
         for (int64_t i = 0; i < count; i++) rows->index[i] = (int32_t)(first + i);
-        status = td_motion_rows(object->motion, &g, numbers, tau, tau_dot, 1, 0, rows->index, count, &sink, error);
+        const td_motion_asked asked = {tau, tau_dot, 1, 0, rows->index, count};
+        status = td_motion_rows(object->motion, &g, numbers, &asked, &sink, error);
         for (int64_t i = 0; i < count && status == TIDES_OK; i++)
             visit(user, first + i, rows->geometry + i * TD_GEOMETRY_STRIDE,
                   numbers->moves_sh ? rows->sh + i * SH_STRIDE : NULL);

@@ -49,15 +49,20 @@ static tides_status suggest_drop(tides_status status, int32_t drop, tides_error 
                             : "scene.invalid = drop (tides convert --drop-invalid) leaves such Gaussians out");
 }
 
-/* Fills an object. `drop` is the scene's option; left-out Gaussians are counted in `*dropped`. */
-static tides_status object_fill(td_object *object, td_gaussians *gaussians, const tides_trajectory *trajectory, double scale,
-                                const char *name, const char *source, int32_t drop, int64_t *dropped, tides_error *error) {
+/* Checks the Gaussians, or leaves out invalid ones: `drop` is the scene's option. Left-out ones are counted in `*dropped`. */
+static tides_status object_check(td_gaussians *gaussians, double scale, const char *source, int32_t drop, int64_t *dropped,
+                                 tides_error *error) {
     if (!(scale > 0 && scale <= FLT_MAX))
         return td_fail(error, TIDES_BAD_ARGUMENT, "scale is %g: must be a positive number within float's range", scale);
     const tides_status blame = source ? TIDES_BAD_FILE : TIDES_BAD_ARGUMENT;
     tides_status status =
         drop > 0 ? td_gaussians_drop(gaussians, scale, dropped, error) : td_gaussians_check(gaussians, scale, blame, error);
-    if (status) return source && drop <= 0 ? suggest_drop(status, drop, error) : status;
+    return status && source && drop <= 0 ? suggest_drop(status, drop, error) : status;
+}
+
+static tides_status object_fill(td_object *object, td_gaussians *gaussians, const tides_trajectory *trajectory, double scale,
+                                const char *name, const char *source, tides_error *error) {
+    tides_status status = TIDES_OK;
     if (trajectory && (status = td_trajectory_copy(trajectory, &object->trajectory, error)) != TIDES_OK) return status;
     if ((status = td_gaussians_recentre(gaussians, error)) != TIDES_OK) return status;
     object->name = td_strdup(name, error);
@@ -103,7 +108,8 @@ tides_status td_scene_take(tides_scene *scene, td_gaussians *gaussians, const ti
     td_object object;
     int64_t dropped = 0;
     memset(&object, 0, sizeof object);
-    status = object_fill(&object, gaussians, trajectory, scale, name ? name : numbered, source, scene->drop, &dropped, error);
+    status = object_check(gaussians, scale, source, scene->drop, &dropped, error);
+    if (status == TIDES_OK) status = object_fill(&object, gaussians, trajectory, scale, name ? name : numbered, source, error);
     if (status) {
         object_free(&object); /* its Gaussians still belong to the caller */
         return name ? td_fail_within(error, status, "object %zu ('%.80s')", scene->count, name)

@@ -41,6 +41,7 @@ static int is_ply(const beginning *b) {
 }
 
 static int is_lcc(const beginning *b) { return !b->folder && td_lcc_is(b->file); }
+static int is_lcc2(const beginning *b) { return !b->folder && td_lcc2_is(b->file); }
 static int is_splatv(const beginning *b) { return td_splatv_is(b->bytes, b->got); }
 static int is_spz(const beginning *b) { return td_spz_is(b->bytes, b->got); }
 
@@ -114,6 +115,7 @@ static const struct format {
     {is_sog_folder, {.read = td_sog_read_folder}, NULL, "meta.json", "unpacked SOG, or its folder", 0},
     {is_splatv, {.moving = td_splatv_parse}, NULL, ".splatv", "splaTV's SpacetimeGaussians", 0},
     {is_lcc, {.choose = td_lcc_read}, NULL, ".lcc", "XGRIDS' LCC, with the .bin files beside it", 0},
+    {is_lcc2, {.choose = td_lcc2_read}, NULL, ".lcc2", "XGRIDS' LCC2, with the .sog, .spz or .ply files below it", 0},
     {is_hdf5, {.parse = NULL}, NULL, ".h5", "TIDES's own, which holds everything", 0},
     {is_ksplat, {.parse = td_ksplat_parse}, NULL, ".ksplat", "mkkellogg's", 0},
     {is_splat,

@@ -95,7 +95,10 @@ tides_status td_gaussians_check(const td_gaussians *gaussians, double scale, tid
  * function. */
 tides_status td_gaussians_drop(td_gaussians *gaussians, double scale, int64_t *dropped, tides_error *error);
 
-/* -- means far from (0, 0, 0) -- */
+/* Row `from` takes the place of row `to`. */
+void td_gaussians_move(const td_gaussians *g, size_t to, size_t from);
+
+/* -- origin.c: means far from (0, 0, 0) -- */
 
 /* Coordinate `axis` of Gaussian i in the object, origin included. */
 double td_gaussians_mean(const td_gaussians *gaussians, int64_t i, int axis);

@@ -24,6 +24,10 @@ tides_status td_splat_parse(const char *path, const void *data, size_t size, td_
 int td_lcc_is(const char *path); /* 1 if the file's name ends in .lcc */
 tides_status td_lcc_read(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
 tides_status td_lcc_files(const char *path, const char *part, td_folder *files, tides_error *error);
+/* LCC2, by its .lcc2, and its files: as LCC (lcc2.c). */
+int td_lcc2_is(const char *path);
+tides_status td_lcc2_read(const char *path, const char *part, td_gaussians *gaussians, tides_error *error);
+tides_status td_lcc2_files(const char *path, const char *part, td_folder *files, tides_error *error);
 
 /* 1 if the bytes begin as a .splatv; reading returns its Gaussians and their motion, which belong to the caller. */
 int td_splatv_is(const void *start, size_t size);

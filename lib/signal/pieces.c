@@ -1,4 +1,5 @@
-/* Cubics between the places of a step where a pixel's signal is known. */
+/* Cubics between the places where a pixel's signal is known. The solver judges the nodes and adds more; the comparator decides
+ * which crossings count. */
 #include "td_pieces.h"
 #include "td_crossing.h"
 
@@ -15,7 +16,7 @@ void td_pieces_make(td_pieces *pieces, const td_ends *ends, const td_node *nodes
     pieces->from[count + 1] = 1;
 }
 
-/* Where pieces meet, the ramp's value is computed once for both, so that they stay equal. */
+/* The ramp at the end of a piece is that at the start of the next, to the bit. */
 void td_pieces_add_ramp(td_pieces *pieces, double begin, double rise) {
     for (int k = 0; k < pieces->count; k++) {
         const double from = pieces->from[k], to = pieces->from[k + 1], third = (to - from) / 3;

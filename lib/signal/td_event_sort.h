@@ -4,7 +4,7 @@
 
 #include "td_event_order.h"
 
-/* Sorts `count` events by (t, y, x, polarity), stably, in O(count) for any times. `scratch` is memory for as many events; its
+/* Sorts `count` events by (t, y, x, polarity), in O(count) for any times. Stable. `scratch` is memory for as many events, whose
  * contents are lost. */
 void td_event_sort(tides_event *events, tides_event *scratch, size_t count);
 

@@ -15,7 +15,7 @@ echo "docs: headers and guide"
 {
     cat scripts/docs/Doxyfile
     echo "PROJECT_NUMBER = $VERSION"
-    echo "INPUT_FILTER =" && echo "FILTER_PATTERNS = \"*.h=$python scripts/docs/header.py\""
+    echo "INPUT_FILTER =" && echo "FILTER_PATTERNS = \"*.h=$python scripts/docs/header.py\" \"*.md=$python scripts/docs/page.py\""
     echo "OUTPUT_DIRECTORY = $out" && echo "HTML_OUTPUT = ." && echo "WARN_LOGFILE = $log"
 } | doxygen - >"$log.doxygen" 2>&1 || { cat "$log.doxygen"; exit 1; }
 if [ -s "$log" ]; then

@@ -1,6 +1,6 @@
-/* Rows of record paths in double precision (td_exact.h): OpenCL's have the bits of the double reference's, at every width, of
- * scenes at rest and moving, around the camera, of needles and of splats wider than the image, with every rule; Gaussians that
- * a motion moves are the backend's. */
+/* Rows of record paths in double precision: OpenCL's have the bits of the double reference's, at every width. Scenes are at
+ * rest and moving, around the camera, with needles and with splats wider than the image, by every rule. Gaussians that a motion
+ * moves come from the backend. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -189,8 +189,8 @@ static moved moved_open(tides_device *device, const moving_scene *s, const char 
     scene_expect_ok(td_renderer_sweep(m.renderer, s->base.path, node_times[0], node_times[NODES - 1], &error), &error);
     scene_expect_ok(td_renderer_views(m.renderer, s->base.path, node_times, NODES, &error), &error);
     assert_true(m.renderer->dynamic.gaussians > 2 * TD_PAD);
-    m.a = ask((const double *)m.renderer->views, m.renderer->store.count + TD_PAD, m.renderer->dynamic.gaussians - TD_PAD,
-              1 << 20, 32);
+    m.a = ask((const double *)m.renderer->scratch.views, m.renderer->store.count + TD_PAD,
+              m.renderer->dynamic.gaussians - TD_PAD, 1 << 20, 32);
     scene_expect_ok(td_exact_create(device, &m.renderer->store, &image, &m.exact, &error), &error);
     m.a.is_coded = coded;
     return m;

@@ -1,6 +1,5 @@
 /* Scenes whose Gaussians move by themselves: the OpenCL kernels equal the single-precision reference to the bit, at every
- * vector width, and neither the way that a batch is cut, nor rows kept from the sweep, nor lists of fewer candidates change
- * a bit. */
+ * vector width. Neither the size of batches, nor rows kept from the sweep, nor shorter candidate lists change a bit. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -209,13 +208,15 @@ static void test_lists_are_conservative(void **state) {
         int listed = renderer->candidates.first[renderer->stats.tiles], count = renderer->store.count;
         tides_error error;
         for (int i = 0; i < count; i++) {
-            float *box = renderer->boxes + 4 * (size_t)i;
+            float *box = renderer->sweep.boxes + 4 * (size_t)i;
             int padding = i % TD_PAD && renderer->store.number[i] == renderer->store.number[i - 1];
             box[0] = box[1] = 0;
             box[2] = padding ? -1 : (float)renderer->image.width;
             box[3] = padding ? -1 : (float)renderer->image.height;
         }
-        const td_boxes all = {.box = renderer->boxes, .travel = renderer->travel, .object_moves = renderer->object_moves};
+        const td_boxes all = {.box = renderer->sweep.boxes,
+                              .travel = renderer->sweep.travel,
+                              .object_moves = renderer->sweep.object_moves};
         scene_expect_ok(td_candidates_build(&renderer->candidates, &renderer->store, &all, &error), &error);
         assert_true(listed < renderer->candidates.first[renderer->stats.tiles]);
         double *full = render_tiles(renderer, s.base.path);

@@ -1,5 +1,5 @@
-/* Sweeps on the OpenCL device equal those of the single-precision reference to the bit, at every width: of paths that stray, in
- * several pieces, of Gaussians that move by themselves on a shorter scale of time. */
+/* Sweeps on the OpenCL device equal those of the single-precision reference to the bit, at every width: of paths with strays,
+ * in several pieces, and of Gaussians that move by themselves on a shorter scale of time. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -18,8 +18,8 @@ static float *swept(tides_renderer *renderer, const world *w, double start, doub
     tides_error error;
     assert_non_null(all);
     scene_expect_ok(td_renderer_sweep(renderer, w->path, start, stop, &error), &error);
-    memcpy(all, renderer->boxes, 4 * count * sizeof *all);
-    memcpy(all + 4 * count, renderer->travel, count * sizeof *all);
+    memcpy(all, renderer->sweep.boxes, 4 * count * sizeof *all);
+    memcpy(all + 4 * count, renderer->sweep.travel, count * sizeof *all);
     return all;
 }
 

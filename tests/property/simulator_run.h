@@ -1,4 +1,4 @@
-/* Test support: one run of the simulator with all that comes out of it, and checks that hold for any run. */
+/* Test support: one run of the simulator with all its results, and checks that hold for any run. */
 #ifndef TESTS_PROPERTY_SIMULATOR_RUN_H
 #define TESTS_PROPERTY_SIMULATOR_RUN_H
 
@@ -76,7 +76,7 @@ static inline tides_simulator *make_simulator(const job *j, tides_device *device
     scene_expect_ok(tides_simulator_create(device, j->scene, j->path, &j->camera, &params, &j->sensor, &j->stepping, j->start,
                                            j->stop, NULL, NULL, &s, &error),
                     &error);
-    if (j->batch) s->batch = s->batch_limit = j->batch;
+    if (j->batch) s->batch.steps = s->batch.limit = j->batch;
     return s;
 }
 

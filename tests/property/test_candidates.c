@@ -1,5 +1,6 @@
-/* Candidate lists are conservative: what they leave out of a tile isn't in it at any time of their interval. And batches don't
- * matter: how many jobs go to the device at once, in how many launches. On random scenes that move fast. */
+/* Candidate lists are conservative: a Gaussian that isn't in a tile's list isn't in the tile at any time of the interval. And
+ * results don't depend on batches: how many jobs go to the device at once, in how many launches. On random scenes that move
+ * fast. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -49,9 +50,9 @@ static void list_everything(tides_renderer *renderer) {
         boxes[4 * (size_t)i + 2] = (float)renderer->image.width;
         boxes[4 * (size_t)i + 3] = (float)renderer->image.height;
     }
-    const td_boxes all = {.box = boxes, .travel = renderer->travel, .object_moves = renderer->object_moves};
+    const td_boxes all = {.box = boxes, .travel = renderer->sweep.travel, .object_moves = renderer->sweep.object_moves};
     scene_expect_ok(td_candidates_build(&renderer->candidates, &renderer->store, &all, &error), &error);
-    renderer->listed = 0; /* what the renderer has isn't of its boxes any more */
+    renderer->sweep.listed = 0; /* what the renderer has isn't of its boxes any more */
     free(boxes);
 }
 
@@ -191,12 +192,12 @@ static double worst_overhang(tides_renderer *renderer, const random_scene *s, do
     double worst = 0;
     assert_non_null(swept);
     sweep(renderer, s->path, start, start + length);
-    memcpy(swept, renderer->boxes, bytes);
+    memcpy(swept, renderer->sweep.boxes, bytes);
     for (int k = 0; k <= TIMES; k++) {
         double time = start + length * k / TIMES;
         sweep(renderer, s->path, time, time);
         for (int i = 0; i < renderer->store.count; i++)
-            worst = fmax(worst, overhang(renderer, swept + 4 * (size_t)i, renderer->boxes + 4 * (size_t)i));
+            worst = fmax(worst, overhang(renderer, swept + 4 * (size_t)i, renderer->sweep.boxes + 4 * (size_t)i));
     }
     free(swept);
     return worst;

@@ -1,6 +1,6 @@
-/* What is out of view: of a cluster that is left out of an interval, or a splat that is nowhere in it, nothing is seen at any
- * time in it. Cameras within what is there, that turn, rush past and shake, objects on paths of their own, splats of every
- * size, lenses, every rule. And what is out of view is mostly found to be. */
+/* Culling: a cluster that is left out of an interval, or a splat without a box in it, is invisible at all times in it. Cameras
+ * are within the scene, turn, rush past and shake; objects have paths of their own; splats have every size; with lenses, by
+ * every rule. And most that is out of view is left out. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -130,7 +130,7 @@ static tides_trajectory *rushing_path(uint64_t *seed) {
 static void boxes_at(tides_renderer *renderer, const tides_trajectory *path, double time, float *boxes, float *travel) {
     tides_error error;
     scene_expect_ok(td_renderer_sweep_views(renderer, path, time, time, 0, &error), &error);
-    const td_sweep_request request = {.views = (const double *)renderer->views, .end = renderer->store.count};
+    const td_sweep_request request = {.views = (const double *)renderer->scratch.views, .end = renderer->store.count};
     scene_expect_ok(renderer->backend->type->sweep(renderer->backend, &request, boxes, travel, &error), &error);
 }
 
@@ -153,7 +153,7 @@ static void check_interval(tides_renderer *renderer, const tides_trajectory *pat
             for (int g = renderer->clusters.of[c].begin; g < renderer->clusters.of[c].end; g++) {
                 if (!touches_image(renderer, boxes + 4 * (size_t)g)) continue;
                 seen[c] = 1;
-                if (!touches_image(renderer, renderer->boxes + 4 * (size_t)g))
+                if (!touches_image(renderer, renderer->sweep.boxes + 4 * (size_t)g))
                     fail_msg("trial %d: splat %d, of no box in [%g, %g] s, is at [%g, %g] x [%g, %g] at %g s", (int)trial, g,
                              start, start + length, boxes[4 * g], boxes[4 * g + 2], boxes[4 * g + 1], boxes[4 * g + 3], time);
                 if (renderer->clusters.state[c] != TD_CLUSTER_SEEN)
@@ -225,7 +225,7 @@ static void test_clusters_come_and_go(void **state) {
         scene_expect_ok(td_renderer_sweep_alone(renderer, i == 1 ? away : there, 0.2, 0.21, &error), &error);
         listed[i] = renderer->candidates.first[tiles];
         for (int g = 0; g < renderer->store.count && i == 1; g++)
-            assert_false(touches_image(renderer, renderer->boxes + 4 * (size_t)g));
+            assert_false(touches_image(renderer, renderer->sweep.boxes + 4 * (size_t)g));
     }
     assert_true(listed[0] > 0 && listed[1] == 0 && listed[2] == listed[0]);
     for (int c = 0; c < renderer->clusters.count; c++) renderer->clusters.of[c].radius = INFINITY;
@@ -263,7 +263,7 @@ static void test_boxes_from_afar(void **state) {
         bytes = (size_t)renderer->store.count * 4 * sizeof *boxes[far];
         boxes[far] = malloc(bytes);
         assert_non_null(boxes[far]);
-        memcpy(boxes[far], renderer->boxes, bytes);
+        memcpy(boxes[far], renderer->sweep.boxes, bytes);
         tides_renderer_destroy(renderer);
         tides_device_close(device);
     }

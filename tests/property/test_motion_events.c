@@ -1,6 +1,5 @@
-/* Events of scenes whose Gaussians move by themselves: the same whatever the device, the batch and the cut; the same from a
- * rigid path and from a motion; right behind a knot; nothing spent on what rests; and a run cut at a knot goes on as if it
- * weren't. */
+/* Events of scenes whose Gaussians move by themselves: equal for any device, batch and cut; equal from a rigid path and from a
+ * motion; correct right behind a knot. Gaussians at rest cost nothing, and a run cut at a knot goes on as one that wasn't. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -235,17 +234,18 @@ static size_t ramp_knots(const tides_motion *motion, double *tau, size_t capacit
 }
 static double ramp_colour(double t) { return first_colour + rise * fmin(t, ramp_knot) + fall * fmax(t - ramp_knot, 0); }
 
-static tides_status ramp_evaluate(const tides_motion *motion, const tides_gaussians *gaussians, double tau, int side,
-                                  const int32_t *index, int64_t count, double *geometry, double *rates, double *sh,
-                                  double *sh_rates, int sh_stride, tides_error *error) {
+static tides_status ramp_evaluate(const tides_motion *motion, const tides_gaussians *gaussians, const td_motion_asked *asked,
+                                  const td_motion_sink *to, tides_error *error) {
     static const double mean[3] = {0, 0, 0}, log_scale[3] = {0, 0, 0}, quaternion[4] = {1, 0, 0, 0};
-    int after = tau > ramp_knot || (tau >= ramp_knot && side > 0);
-    (void)motion, (void)gaussians, (void)index, (void)error;
-    memset(rates, 0, (size_t)count * TD_GEOMETRY_STRIDE * sizeof *rates);
-    for (int64_t i = 0; i < count; i++) td_activate(mean, log_scale, quaternion, 1, geometry + i * TD_GEOMETRY_STRIDE);
-    for (int64_t k = 0; k < count * sh_stride; k++) {
-        sh[k] = (ramp_colour(tau) - 0.5) / basis;
-        sh_rates[k] = (after ? fall : rise) / basis;
+    const double tau = asked->tau;
+    const int64_t count = asked->count;
+    int after = tau > ramp_knot || (tau >= ramp_knot && asked->side > 0);
+    (void)motion, (void)gaussians, (void)error;
+    memset(to->rates, 0, (size_t)count * TD_GEOMETRY_STRIDE * sizeof *to->rates);
+    for (int64_t i = 0; i < count; i++) td_activate(mean, log_scale, quaternion, 1, to->geometry + i * TD_GEOMETRY_STRIDE);
+    for (int64_t k = 0; k < count * to->sh_stride; k++) {
+        to->sh[k] = (ramp_colour(tau) - 0.5) / basis;
+        to->sh_rates[k] = (after ? fall : rise) / basis;
     }
     return TIDES_OK;
 }

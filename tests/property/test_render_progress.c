@@ -1,5 +1,5 @@
-/* Progress within an image: whoever is told hears shares that grow, and may stop any call that renders before a launch; the
- * next call is then what it would have been, to the bit. On the device that is there, and on a reference. */
+/* Progress within an image: a callback gets shares that grow, and may stop any call that renders before a launch. The next call
+ * then gives what it would have given, to the bit. On a device, and on a reference. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -100,7 +100,7 @@ static void try_all(tides_device *device, int filter) {
     tides_image_params_defaults(&params);
     params.colour_filter = filter;
     scene_expect_ok(tides_renderer_create(device, scene.scene, &scene.camera, &params, NULL, NULL, &renderer, &error), &error);
-    for (tides_renderer *one = renderer; one; one = one->beside) one->record_limit_told = 600; /* many launches */
+    for (tides_renderer *one = renderer; one; one = one->beside) one->control.record_limit = 600; /* many launches */
     call *const calls[] = {frame, truth, filter ? in_colour : exposed};
     for (int i = 0; i < 3; i++) stop_everywhere(renderer, scene.path, calls[i]);
     tides_renderer_destroy(renderer);

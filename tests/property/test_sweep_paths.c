@@ -1,7 +1,7 @@
-/* Sweeps hold for any motion: at random times within an interval no splat's box reaches out of the swept one, whatever camera,
- * objects and Gaussians do in between: band-limited vibrations up to 2 kHz, commensurate with the interval or not, bells far
- * narrower than it, passages of the near plane. And what is over between two samples asks for shorter steps; what is slow
- * doesn't. */
+/* Sweeps hold for any motion: at random times within an interval no splat's box exceeds the swept one, whatever camera, objects
+ * and Gaussians do in between. Motions are band-limited vibrations up to 2 kHz, commensurate with the interval or not, bells
+ * far narrower than it, and passages of the near plane. Changes that are over between two samples ask for shorter steps; slow
+ * ones don't. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -48,14 +48,14 @@ static double worst_overhang(tides_renderer *renderer, const world *w, uint64_t 
     double worst = 0;
     assert_true(swept && joined);
     sweep(renderer, w->path, start, start + length);
-    memcpy(swept, renderer->boxes, bytes);
+    memcpy(swept, renderer->sweep.boxes, bytes);
     for (int k = 0; k < TIMES; k++) {
         double time = scene_between(seed, start, start + length);
         sweep(renderer, w->path, time, time);
         for (int i = 0; i < 4 * renderer->store.count; i++) {
-            float now = renderer->boxes[i];
+            float now = renderer->sweep.boxes[i];
             joined[i] = k == 0 || (i % 4 < 2 ? now < joined[i] : now > joined[i]) ? now : joined[i];
-            if (i % 4 == 0) worst = fmax(worst, overhang(renderer, swept + i, renderer->boxes + i));
+            if (i % 4 == 0) worst = fmax(worst, overhang(renderer, swept + i, renderer->sweep.boxes + i));
         }
     }
     for (int i = 0; i < renderer->store.count; i++) {

@@ -76,18 +76,19 @@ static void bent_row(const tides_motion *motion, const tides_gaussians *g, doubl
     rates[TD_G_OPACITY] = -geometry[TD_G_OPACITY] / (1 - breath * sin(2 * tau) * sin(2 * tau)) * breath * 2 * sin(4 * tau);
 }
 
-static tides_status bent_evaluate(const tides_motion *motion, const tides_gaussians *g, double tau, int side,
-                                  const int32_t *index, int64_t count, double *geometry, double *rates, double *sh,
-                                  double *sh_rates, int sh_stride, tides_error *error) {
+static tides_status bent_evaluate(const tides_motion *motion, const tides_gaussians *g, const td_motion_asked *asked,
+                                  const td_motion_sink *to, tides_error *error) {
+    const double tau = asked->tau;
+    const int sh_stride = to->sh_stride;
     int own = 3 * (g->sh_degree + 1) * (g->sh_degree + 1);
     (void)error;
-    for (int64_t n = 0; n < count; n++) {
-        int32_t i = index[n];
-        bent_row(motion, g, tau, side, i, geometry + n * TD_GEOMETRY_STRIDE, rates + n * TD_GEOMETRY_STRIDE);
+    for (int64_t n = 0; n < asked->count; n++) {
+        int32_t i = asked->index[n];
+        bent_row(motion, g, tau, asked->side, i, to->geometry + n * TD_GEOMETRY_STRIDE, to->rates + n * TD_GEOMETRY_STRIDE);
         for (int k = 0; k < sh_stride; k++) {
             double change = i % 3 && k < 3 ? 0.1 : 0;
-            sh[n * sh_stride + k] = k < own ? g->sh[(int64_t)i * own + k] + change * sin(tau + k) : 0;
-            sh_rates[n * sh_stride + k] = change * cos(tau + k);
+            to->sh[n * sh_stride + k] = k < own ? g->sh[(int64_t)i * own + k] + change * sin(tau + k) : 0;
+            to->sh_rates[n * sh_stride + k] = change * cos(tau + k);
         }
     }
     return TIDES_OK;

@@ -1,5 +1,5 @@
-/* Frame sequences: each kind of file gives the values that were written, times come from where they should, and what is wrong
- * is said. */
+/* Frame sequences: each kind of file gives the values that were written, times come from the right place, and wrong files are
+ * reported. */
 #include "test_events_folder.h"
 
 #include <hdf5.h>
@@ -208,10 +208,10 @@ static void write_npz(const char *path, int zipped, const double *Y, const doubl
     const size_t inner[2] = {HEIGHT, WIDTH};
     td_npy_writer *writer = NULL;
     assert_int_equal(td_npy_writer_open(path, zipped, &writer, NULL), TIDES_OK);
-    assert_int_equal(td_npy_writer_begin(writer, "Y", "'<f8'", 8, 3, inner, NULL), TIDES_OK);
+    assert_int_equal(td_npy_writer_begin(writer, &(td_npy_form){"Y", "'<f8'", 8, 3, inner}, NULL), TIDES_OK);
     assert_int_equal(td_npy_writer_append(writer, Y, 2, NULL), TIDES_OK);
     if (zipped) {
-        assert_int_equal(td_npy_writer_begin(writer, "t", "'<f8'", 8, 1, NULL, NULL), TIDES_OK);
+        assert_int_equal(td_npy_writer_begin(writer, &(td_npy_form){"t", "'<f8'", 8, 1, NULL}, NULL), TIDES_OK);
         assert_int_equal(td_npy_writer_append(writer, t, 2, NULL), TIDES_OK);
     }
     assert_int_equal(td_npy_writer_close(writer, NULL), TIDES_OK);
@@ -297,7 +297,8 @@ static void structured_array(void **state) {
     td_npy_writer *writer = NULL;
     double Y[PIXELS];
     assert_int_equal(td_npy_writer_open(path, 0, &writer, &error), TIDES_OK);
-    assert_int_equal(td_npy_writer_begin(writer, "data", "[('a', '<f4'), ('b', '<f4')]", 8, 3, inner, &error), TIDES_OK);
+    assert_int_equal(td_npy_writer_begin(writer, &(td_npy_form){"data", "[('a', '<f4'), ('b', '<f4')]", 8, 3, inner}, &error),
+                     TIDES_OK);
     assert_int_equal(td_npy_writer_append(writer, fields, 2, &error), TIDES_OK);
     assert_int_equal(td_npy_writer_close(writer, &error), TIDES_OK);
     refused(path, &options, TIDES_BAD_FILE, "aren't numbers");
@@ -336,7 +337,7 @@ static void write_array(const char *path, const char *dtype, hid_t type, size_t 
     const size_t inner[2] = {HEIGHT, WIDTH};
     td_npy_writer *writer = NULL;
     assert_int_equal(td_npy_writer_open(path, strstr(path, ".npz") != NULL, &writer, NULL), TIDES_OK);
-    assert_int_equal(td_npy_writer_put(writer, "frames", dtype, item, 3, inner, values, MANY, NULL), TIDES_OK);
+    assert_int_equal(td_npy_writer_put(writer, &(td_npy_form){"frames", dtype, item, 3, inner}, values, MANY, NULL), TIDES_OK);
     assert_int_equal(td_npy_writer_close(writer, NULL), TIDES_OK);
 }
 

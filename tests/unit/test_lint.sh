@@ -1,5 +1,5 @@
 #!/bin/bash
-# The stages of scripts/lint.sh that look at the house as a whole find what they are there for, in a small tree made here.
+# The stages of scripts/lint.sh that check the whole repository find their faults, in a small tree made here.
 set -u
 house="${PYTHON:-python3} $PWD/scripts/house.py"
 work=$(mktemp -d)
@@ -102,6 +102,20 @@ printf '/* Helpers. */\n' >"$work/lib/lower/vague.c"
 expect 1 '^lib/lower/vague.c:1: an opening of 1 words' openings "an opening that says nothing"
 printf 'int x;\n' >"$work/lib/lower/vague.c"
 expect 1 '^lib/lower/vague.c:1: an opening of 0 words' openings "no opening"
+
+# -- wide --------------------------------------------------------------------------------------------------------------
+wide() { printf '%s\n/* A, b */\nint td_wide(int (*a)(int, int), int b%s) {\n    return b;\n}\n' "$opening" "$1" >"$work/lib/lower/wide.c"; }
+wide ', int c, int d, int e, int f, int g, int h'
+expect 0 '^$' wide "eight parameters"
+wide ', int c, int d, int e, int f, int g, int h, int i'
+expect 1 '^lib/lower/wide.c: td_wide has 9 parameters$' wide "nine"
+echo 'wide: td_wide # for a reason' >>"$work/scripts/arrows.txt"
+expect 0 '^$' wide "nine with a line of their own"
+{ printf '%s\nstruct td_many {\n' "$opening"; for i in $(seq 15); do echo "    int a$i, b$i[2]; /* one, two */"; done; echo '    union { int x; float y; } both; }; '; } >"$work/lib/lower/wide.c"
+expect 1 '^lib/lower/wide.c: td_many has 31 fields$' wide "31 fields, an inner one counted once"
+expect 1 '^arrows.txt: td_wide is wide no more: take its line out$' wide "a line without its function"
+rm "$work/lib/lower/wide.c"
+sed -i '/^wide/d' "$work/scripts/arrows.txt"
 
 # -- guards ------------------------------------------------------------------------------------------------------------
 printf '#ifndef TD_A_H\n#define TD_A_H\n#endif\n' >"$work/kernels/a.h"

@@ -1,5 +1,5 @@
-/* Maps of a sensor's pixels: what a file says is what pixels have, what it doesn't is drawn as ever; written, read and drawn
- * again; and files that can't be. */
+/* Maps of a sensor's pixels: a file's values become the pixels', missing ones are drawn as without a file; maps are written,
+ * read and drawn again; wrong files are refused. */
 #include "sensor_rig.h"
 
 #include "archive/td_npy.h"
@@ -112,7 +112,8 @@ static void test_pixels(void **state) {
     const size_t inner = WIDTH;
     assert_int_equal(td_npy_writer_open(named("maps.npz"), 1, &writer, &error), TIDES_OK);
     for (int m = 0; m < TD_MAPS; m++)
-        assert_int_equal(td_npy_writer_put(writer, td_map_names[m], "'<f8'", 8, 2, &inner, maps.map[m], HEIGHT, &error),
+        assert_int_equal(td_npy_writer_put(writer, &(td_npy_form){td_map_names[m], "'<f8'", 8, 2, &inner}, maps.map[m], HEIGHT,
+                                           &error),
                          TIDES_OK);
     assert_int_equal(td_npy_writer_close(writer, &error), TIDES_OK);
     expect_pixels(path);
@@ -121,7 +122,8 @@ static void test_pixels(void **state) {
     double *rows = rig_alloc(COUNT * TD_MAPS, sizeof *rows);
     for (int i = 0; i < COUNT * TD_MAPS; i++) rows[i] = maps.map[i % TD_MAPS][i / TD_MAPS];
     assert_int_equal(td_npy_writer_open(named("maps.npy"), 0, &writer, &error), TIDES_OK);
-    assert_int_equal(td_npy_writer_put(writer, "data", structured, sizeof(double) * TD_MAPS, 2, &inner, rows, HEIGHT, &error),
+    assert_int_equal(td_npy_writer_put(writer, &(td_npy_form){"data", structured, sizeof(double) * TD_MAPS, 2, &inner}, rows,
+                                       HEIGHT, &error),
                      TIDES_OK);
     assert_int_equal(td_npy_writer_close(writer, &error), TIDES_OK);
     expect_pixels(path);

@@ -1,4 +1,4 @@
-/* Motions from arrays and from a function: what is refused and how it is said, which Gaussians rest, what a callback may do. */
+/* Motions from arrays and from a function: refusals and their messages, which Gaussians rest, what a callback may do. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -226,7 +226,9 @@ static tides_status evaluate(script *s, double *geometry, double *rates, tides_e
     tides_gaussians gaussians = gaussians_of(N);
     const tides_callback_motion callback = {.count = N, .stop = 1, .function = scripted, .user = s};
     scene_expect_ok(tides_motion_create_callback(&callback, &motion, error), error);
-    tides_status status = motion->type->evaluate(motion, &gaussians, 0.25, 1, index, 3, geometry, rates, NULL, NULL, 3, error);
+    const td_motion_asked asked = {0.25, 1, 1, 0, index, 3};
+    const td_motion_sink to = {geometry, rates, NULL, NULL, 3};
+    tides_status status = motion->type->evaluate(motion, &gaussians, &asked, &to, error);
     tides_motion_destroy(motion);
     return status;
 }

@@ -1,4 +1,4 @@
-/* numpy's files: structured and big-endian dtypes, what is written, and what must be refused. */
+/* numpy's files: structured and big-endian dtypes, files by the library, and refusals. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -165,7 +165,9 @@ static void test_write_npy(void **state) {
     event events[1000];
     for (size_t i = 0; i < sizeof events; i++) ((unsigned char *)events)[i] = (unsigned char)(i * 7);
     scene_expect_ok(td_npy_writer_open(path, 0, &writer, &error), &error);
-    scene_expect_ok(td_npy_writer_begin(writer, "data", "[('t', '<i8'), ('x', '<i2'), ('y', '<i2'), ('p', '|i1')]", 13, 1, NULL,
+    scene_expect_ok(td_npy_writer_begin(writer,
+                                        &(td_npy_form){"data", "[('t', '<i8'), ('x', '<i2'), ('y', '<i2'), ('p', '|i1')]", 13,
+                                                       1, NULL},
                                         &error),
                     &error);
     for (size_t at = 0; at < 1000; at += 250) scene_expect_ok(td_npy_writer_append(writer, events + at, 250, &error), &error);
@@ -196,12 +198,12 @@ static void test_write_npz(void **state) {
     static const float grid[12] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
     static const int64_t answer = 42;
     scene_expect_ok(td_npy_writer_open(path, 1, &writer, &error), &error);
-    scene_expect_ok(td_npy_writer_begin(writer, "grid", "'<f4'", 4, 3, (const size_t[]){2, 3}, &error), &error);
+    scene_expect_ok(td_npy_writer_begin(writer, &(td_npy_form){"grid", "'<f4'", 4, 3, (const size_t[]){2, 3}}, &error), &error);
     scene_expect_ok(td_npy_writer_append(writer, grid, 1, &error), &error);
     scene_expect_ok(td_npy_writer_append(writer, grid + 6, 1, &error), &error);
-    scene_expect_ok(td_npy_writer_begin(writer, "answer", "'<i8'", 8, 0, NULL, &error), &error);
+    scene_expect_ok(td_npy_writer_begin(writer, &(td_npy_form){"answer", "'<i8'", 8, 0, NULL}, &error), &error);
     scene_expect_ok(td_npy_writer_append(writer, &answer, 1, &error), &error);
-    scene_expect_ok(td_npy_writer_begin(writer, "none", "'|u1'", 1, 1, NULL, &error), &error);
+    scene_expect_ok(td_npy_writer_begin(writer, &(td_npy_form){"none", "'|u1'", 1, 1, NULL}, &error), &error);
     scene_expect_ok(td_npy_writer_close(writer, &error), &error);
     td_npz *npz = NULL;
     scene_expect_ok(td_npz_open(path, &npz, &error), &error);
@@ -226,16 +228,16 @@ static void test_write_refusals(void **state) {
                        "/nonexistent");
     scene_expect_ok(td_npy_writer_open(path, 0, &writer, &error), &error);
     scene_expect_error(td_npy_writer_append(writer, "", 1, &error), TIDES_BAD_ARGUMENT, &error, "before an array");
-    scene_expect_ok(td_npy_writer_begin(writer, "a", "'|u1'", 1, 1, NULL, &error), &error);
-    scene_expect_error(td_npy_writer_begin(writer, "b", "'|u1'", 1, 1, NULL, &error), TIDES_BAD_ARGUMENT, &error,
-                       "no place for b");
+    scene_expect_ok(td_npy_writer_begin(writer, &(td_npy_form){"a", "'|u1'", 1, 1, NULL}, &error), &error);
+    scene_expect_error(td_npy_writer_begin(writer, &(td_npy_form){"b", "'|u1'", 1, 1, NULL}, &error), TIDES_BAD_ARGUMENT,
+                       &error, "no place for b");
     assert_int_equal(access(part, F_OK), 0);
     td_npy_writer_discard(writer);
     assert_int_not_equal(access(part, F_OK), 0);
     scene_expect_ok(td_npy_writer_open(path, 0, &writer, &error), &error);
     scene_expect_error(td_npy_writer_close(writer, &error), TIDES_BAD_ARGUMENT, &error, "none was begun");
     scene_expect_ok(td_npy_writer_open(path, 0, &writer, &error), &error);
-    scene_expect_ok(td_npy_writer_begin(writer, "a", "'|u1'", 1, 0, NULL, &error), &error);
+    scene_expect_ok(td_npy_writer_begin(writer, &(td_npy_form){"a", "'|u1'", 1, 0, NULL}, &error), &error);
     scene_expect_error(td_npy_writer_close(writer, &error), TIDES_BAD_ARGUMENT, &error, "scalar|0 elements");
     assert_int_not_equal(access(part, F_OK), 0);
     assert_int_not_equal(access(path, F_OK), 0);

@@ -1,6 +1,5 @@
-/* Wide point spread functions, which are blurred on a coarse image: against the sampled Gaussian, worked out pixel by pixel;
- * at a cost that doesn't grow with the width; tiles alone and an image at once to the same bits; and stopped when somebody
- * asks. */
+/* Wide point spread functions, which are blurred on a coarse image: against the sampled Gaussian, pixel by pixel; at a cost
+ * that doesn't grow with the width; single tiles and an image at once to the same bits; and stopped on request. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -185,7 +184,7 @@ typedef struct asked {
     int count, stop_at;
 } asked;
 
-static int heed(void *user) {
+static int interrupt(void *user) {
     asked *a = user;
     return ++a->count == a->stop_at;
 }
@@ -205,19 +204,19 @@ static void test_stopped(void **state) {
         assert_true(planes && requests);
         for (int i = 0; i < count; i++) requests[i] = (td_request){i, 0, 0};
         asked whole = {0, 0}, sharp = {0, 0};
-        td_renderer_set_heed(renderer, heed, &whole);
+        td_renderer_set_interrupt(renderer, interrupt, &whole);
         scene_expect_ok(tiles(renderer, &s, requests, count, 1, planes, &error), &error);
         assert_int_equal(tides_renderer_set_psf(renderer, 0, TIDES_PSF_LOG, NULL), TIDES_OK);
-        td_renderer_set_heed(renderer, heed, &sharp);
+        td_renderer_set_interrupt(renderer, interrupt, &sharp);
         scene_expect_ok(tiles(renderer, &s, requests, count, 1, planes, &error), &error);
         print_message("%d tiles: asked %d times with a blur, %d without\n", count, whole.count, sharp.count);
         assert_true(whole.count >= sharp.count + count / 16);
         assert_int_equal(tides_renderer_set_psf(renderer, sigmas[k], TIDES_PSF_LOG, NULL), TIDES_OK);
         asked last = {0, whole.count};
-        td_renderer_set_heed(renderer, heed, &last);
+        td_renderer_set_interrupt(renderer, interrupt, &last);
         assert_int_equal(tiles(renderer, &s, requests, count, 1, planes, &error), TIDES_CANCELLED);
         asked again = {0, 0};
-        td_renderer_set_heed(renderer, heed, &again);
+        td_renderer_set_interrupt(renderer, interrupt, &again);
         scene_expect_ok(tiles(renderer, &s, requests, count, 1, planes, &error), &error); /* nothing is left behind */
         free(planes);
         free(requests);

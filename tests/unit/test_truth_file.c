@@ -1,5 +1,5 @@
-/* Ground truth out of files: what DSEC's and TUM's pictures and BlinkFlow's arrays say, planes by name, NaN where nothing is
- * known; what is no ground truth is refused in a line. */
+/* Ground truth from files: values of DSEC's and TUM's pictures and BlinkFlow's arrays, planes by name, NaN where unknown; other
+ * files are refused in a line. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -26,7 +26,7 @@ static void write_npy(const char *path, const char *dtype, size_t item, int ndim
     td_npy_writer *npy = NULL;
     tides_error error = {0, ""};
     scene_expect_ok(td_npy_writer_open(path, 0, &npy, &error), &error);
-    const tides_status status = td_npy_writer_put(npy, "data", dtype, item, ndim, inner, rows, HEIGHT, &error);
+    const tides_status status = td_npy_writer_put(npy, &(td_npy_form){"data", dtype, item, ndim, inner}, rows, HEIGHT, &error);
     scene_expect_ok(td_npy_writer_end(npy, status, &error), &error);
 }
 

@@ -79,8 +79,8 @@ static tides_status add_host_run(td_dynamic *dynamic, const td_dynamic_object *o
     td_host_rows run = {rows->row + first, (int)count, (int)from};
     rows->host[rows->host_runs++] = run;
     rows->host_count += (int)count;
-    return td_motion_rows(object->of.motion, &object->of.gaussians, &numbers, at[0], at[1], side, 0, rows->gaussians + first,
-                          (int64_t)count, &sink, error);
+    const td_motion_asked asked = {at[0], at[1], side, 0, rows->gaussians + first, (int64_t)count};
+    return td_motion_rows(object->of.motion, &object->of.gaussians, &numbers, &asked, &sink, error);
 }
 
 static tides_status add_jobs(td_dynamic *dynamic, const td_dynamic_object *object, int first, const double at[2], int side,

@@ -254,20 +254,23 @@ static tides_status find_one(td_strays *strays, int object, const seen_path *pat
     return TIDES_OK;
 }
 
-tides_status td_strays_find(td_strays *strays, const tides_scene *scene, const td_store *store, const td_image *image,
-                            const tides_trajectory *camera, double epoch, double start, double stop, const uint8_t *moves,
+tides_status td_strays_find(td_strays *strays, const td_store *store, const td_image *image, const td_stray_interval *interval,
                             tides_error *error) {
-    int camera_rests = tides_trajectory_is_static(camera);
+    const double start = interval->start, stop = interval->stop;
+    int camera_rests = tides_trajectory_is_static(interval->camera);
     memset(strays->bound, 0, (size_t)strays->objects * TD_STRAY_REALS * sizeof *strays->bound);
     memset(strays->level, 0, (size_t)strays->objects * sizeof *strays->level);
     memset(strays->px, 0, (size_t)strays->objects * TD_STRAY_LEVELS * sizeof *strays->px);
     if (!(start < stop)) return TIDES_OK;
     for (int i = 0; i < strays->objects; i++) {
         tides_object facts;
-        tides_status status = tides_scene_object(scene, store->scene_object[i], &facts, error);
+        tides_status status = tides_scene_object(interval->scene, store->scene_object[i], &facts, error);
         int own = status == TIDES_OK && facts.trajectory && !tides_trajectory_is_static(facts.trajectory);
-        const seen_path path = {scene, store->scene_object[i], camera, own ? facts.trajectory : NULL, epoch, start, stop};
-        if (status == TIDES_OK && moves[i] && (own || !camera_rests)) status = find_one(strays, i, &path, image, error);
+        const tides_trajectory *path_own = own ? facts.trajectory : NULL;
+        const seen_path path =
+            {interval->scene, store->scene_object[i], interval->camera, path_own, interval->epoch, start, stop};
+        if (status == TIDES_OK && interval->moves[i] && (own || !camera_rests))
+            status = find_one(strays, i, &path, image, error);
         if (status != TIDES_OK) return status;
     }
     return TIDES_OK;

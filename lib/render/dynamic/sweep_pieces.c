@@ -70,7 +70,7 @@ static tides_status move_chunk(tides_renderer *r, const td_dynamic_object *objec
         status = td_rows_reserve(dynamic, count + TD_PAD, error);
         for (int k = 0; k < count && status == TIDES_OK; k++) td_rows_add(dynamic, object, gaussians[k]);
         if (status == TIDES_OK)
-            status = td_rows_end_run(dynamic, object, first, r->sweep_time[i], i == times - 1 ? -1 : 1, error);
+            status = td_rows_end_run(dynamic, object, first, r->sweep.times[i], i == times - 1 ? -1 : 1, error);
     }
     return status == TIDES_OK ? td_rows_send(dynamic, r->backend, error) : status;
 }
@@ -81,8 +81,8 @@ static tides_status sweep_chunk(tides_renderer *r, const td_dynamic_object *obje
     td_dynamic *dynamic = &r->dynamic;
     int padded = (count + TD_PAD - 1) / TD_PAD * TD_PAD;
     tides_status status = move_chunk(r, object, gaussians, count, td_sweep_times(level), rows, error);
-    const td_sweep_request request = {.views = (const double *)r->views,
-                                      .strays = r->strays.bound,
+    const td_sweep_request request = {.views = (const double *)r->scratch.views,
+                                      .strays = r->sweep.strays.bound,
                                       .duration = duration,
                                       .level = level,
                                       .end = padded,
@@ -90,8 +90,8 @@ static tides_status sweep_chunk(tides_renderer *r, const td_dynamic_object *obje
     if (status == TIDES_OK)
         status = r->backend->type->sweep(r->backend, &request, dynamic->fine_box, dynamic->fine_travel, error);
     for (int k = 0; k < count && status == TIDES_OK; k++) {
-        memcpy(r->boxes + 4 * (size_t)gaussians[k], dynamic->fine_box + 4 * (size_t)k, 4 * sizeof *r->boxes);
-        r->travel[gaussians[k]] = dynamic->fine_travel[k];
+        memcpy(r->sweep.boxes + 4 * (size_t)gaussians[k], dynamic->fine_box + 4 * (size_t)k, 4 * sizeof *r->sweep.boxes);
+        r->sweep.travel[gaussians[k]] = dynamic->fine_travel[k];
         /* Three rows can't represent this motion: rows in between must not be interpolated. */
         if (dynamic->misfit) dynamic->misfit[object->base + gaussians[k] - object->first] = INFINITY;
     }

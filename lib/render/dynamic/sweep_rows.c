@@ -39,9 +39,17 @@ static td_row_cache *find_spare(td_dynamic *dynamic, td_row_cache *const used[3]
     return spare;
 }
 
-/* Rows of the three times, of which those that are needed already aren't given up for another. */
-static tides_status cache_rows(td_dynamic *dynamic, td_backend *backend, const double time[3], const int side[3],
-                               const td_row_cache *cached[3], tides_error *error) {
+/* The three times of a sweep, and the side of a knot that rates are of there: 1 what begins, -1 what ends. */
+typedef struct row_times {
+    double time[3];
+    int side[3];
+} row_times;
+
+/* Rows of the three times. Cached rows that one of them has found aren't given up for another. */
+static tides_status cache_rows(td_dynamic *dynamic, td_backend *backend, const row_times *at, const td_row_cache *cached[3],
+                               tides_error *error) {
+    const double *time = at->time;
+    const int *side = at->side;
     td_row_cache *used[3] = {NULL, NULL, NULL};
     tides_status status = TIDES_OK;
     for (int i = 0; i < 3; i++) used[i] = td_dynamic_find_cached(dynamic, time[i], side[i]);
@@ -65,8 +73,7 @@ static void empty_padding(const td_dynamic_object *object, float *boxes) {
 
 /* Gaussians [from, from + count) of an object: rows at the three times one after the other, used up at once. */
 static tides_status sweep_chunk(td_dynamic *dynamic, td_backend *backend, const td_dynamic_object *object, int from, int count,
-                                const double *views, const double *strays, const double time[3], const int side[3],
-                                float *boxes, float *travel, tides_error *error) {
+                                const row_times *at, const td_dynamic_sweep *sweep, tides_error *error) {
     int row[3], length = padded(count);
     tides_status status = td_rows_reserve(dynamic, 3 * length, error);
     td_rows_begin(dynamic, dynamic->store->count);
@@ -75,41 +82,46 @@ static tides_status sweep_chunk(td_dynamic *dynamic, td_backend *backend, const 
         int first = dynamic->rows.count;
         row[i] = dynamic->rows.row + first;
         for (int k = 0; k < count; k++) td_rows_add(dynamic, object, object->first + from + k);
-        status = td_rows_end_run(dynamic, object, first, time[i], side[i], error);
+        status = td_rows_end_run(dynamic, object, first, at->time[i], at->side[i], error);
     }
     if (status == TIDES_OK) status = td_rows_send(dynamic, backend, error);
     if (status != TIDES_OK) return status;
     int begin = object->first + from;
-    const td_sweep_request request =
-        {.views = views, .strays = strays, .duration = time[2] - time[0], .begin = begin, .end = begin + length, .rows = row};
-    return backend->type->sweep(backend, &request, boxes, travel, error);
+    const td_sweep_request request = {.views = sweep->views,
+                                      .strays = sweep->strays,
+                                      .duration = sweep->stop - sweep->start,
+                                      .begin = begin,
+                                      .end = begin + length,
+                                      .rows = row};
+    return backend->type->sweep(backend, &request, sweep->boxes, sweep->travel, error);
 }
 
-tides_status td_dynamic_sweep_rows(td_dynamic *dynamic, td_backend *backend, const double *views, const double *strays,
-                                   double start, double stop, int row_limit, float *boxes, float *travel, tides_error *error) {
+tides_status td_dynamic_sweep_rows(td_dynamic *dynamic, td_backend *backend, const td_dynamic_sweep *sweep,
+                                   tides_error *error) {
+    const double start = sweep->start, stop = sweep->stop;
     /* the middle as when steps are halved, so that its rows are found again */
-    const double time[3] = {start, start + 0.5 * (stop - start), stop};
-    const int instant = !(start < stop), sides[3] = {1, 1, instant ? 1 : -1};
+    const row_times at = {{start, start + 0.5 * (stop - start), stop}, {1, 1, !(start < stop) ? 1 : -1}};
     const td_row_cache *cached[3] = {&dynamic->cached[0], &dynamic->cached[1], &dynamic->cached[2]};
-    int chunk = row_limit / 3 / TD_PAD * TD_PAD;
+    int chunk = sweep->row_limit / 3 / TD_PAD * TD_PAD;
     tides_status status = TIDES_OK;
     if (chunk < TD_PAD) chunk = TD_PAD;
-    if (dynamic->cached_rows) status = cache_rows(dynamic, backend, time, sides, cached, error);
-    if (dynamic->cached_rows && status == TIDES_OK) status = td_dynamic_measure(dynamic, backend, views, cached, error);
+    if (dynamic->cached_rows) status = cache_rows(dynamic, backend, &at, cached, error);
+    if (dynamic->cached_rows && status == TIDES_OK) status = td_dynamic_measure(dynamic, backend, sweep->views, cached, error);
     for (int p = 0; p < dynamic->objects; p++) {
         const td_dynamic_object *object = &dynamic->object[p];
         int rows[3] = {cached[0]->row + object->base, cached[1]->row + object->base, cached[2]->row + object->base};
         for (int from = 0; from < object->count && !dynamic->cached_rows && status == TIDES_OK; from += chunk)
             status = sweep_chunk(dynamic, backend, object, from, object->count - from < chunk ? object->count - from : chunk,
-                                 views, strays, time, sides, boxes, travel, error);
-        const td_sweep_request request = {.views = views,
-                                          .strays = strays,
+                                 &at, sweep, error);
+        const td_sweep_request request = {.views = sweep->views,
+                                          .strays = sweep->strays,
                                           .duration = stop - start,
                                           .begin = object->first,
                                           .end = object->first + padded(object->count),
                                           .rows = rows};
-        if (dynamic->cached_rows && status == TIDES_OK) status = backend->type->sweep(backend, &request, boxes, travel, error);
-        empty_padding(object, boxes);
+        if (dynamic->cached_rows && status == TIDES_OK)
+            status = backend->type->sweep(backend, &request, sweep->boxes, sweep->travel, error);
+        empty_padding(object, sweep->boxes);
     }
     return status;
 }

@@ -186,9 +186,15 @@ void td_cubic_weights(double start, double stop, double time, double weights[TD_
 
 /* -- sweeps -- */
 
-/* Sets boxes and travel (in diameters) of all dynamic Gaussians over [start, stop]. At an instant, start = stop, rates are
- * those after it. */
-tides_status td_dynamic_sweep_rows(td_dynamic *dynamic, td_backend *backend, const double *views, const double *strays,
-                                   double start, double stop, int row_limit, float *boxes, float *travel, tides_error *error);
+/* An interval [start, stop] to sweep, and its results. At an instant, start = stop, rates are those after it. */
+typedef struct td_dynamic_sweep {
+    const double *views, *strays; /* of td_sweep_request */
+    double start, stop;           /* [s after the epoch] */
+    int row_limit;                /* rows per launch, unless they are cached */
+    float *boxes, *travel;        /* (store.count x 4) and (store.count), results */
+} td_dynamic_sweep;
+
+/* Sets boxes and travel (in diameters) of all dynamic Gaussians. */
+tides_status td_dynamic_sweep_rows(td_dynamic *dynamic, td_backend *backend, const td_dynamic_sweep *sweep, tides_error *error);
 
 #endif

@@ -25,10 +25,16 @@ typedef struct td_strays {
 tides_status td_strays_create(const td_store *store, td_strays *strays, tides_error *error);
 void td_strays_release(td_strays *strays);
 
-/* Finds bounds and levels of every object over [start, stop] after `epoch`; `moves` (objects): 1 if it moves relative to the
- * camera. */
-tides_status td_strays_find(td_strays *strays, const tides_scene *scene, const td_store *store, const td_image *image,
-                            const tides_trajectory *camera, double epoch, double start, double stop, const uint8_t *moves,
+/* The paths of camera and objects over an interval. */
+typedef struct td_stray_interval {
+    const tides_scene *scene;
+    const tides_trajectory *camera;
+    double epoch, start, stop; /* [s], start and stop after the epoch */
+    const uint8_t *moves;      /* (objects of the store) 1: it moves relative to the camera */
+} td_stray_interval;
+
+/* Finds bounds and levels of every object of the store over the interval. */
+tides_status td_strays_find(td_strays *strays, const td_store *store, const td_image *image, const td_stray_interval *interval,
                             tides_error *error);
 
 #endif

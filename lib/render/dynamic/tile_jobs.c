@@ -112,7 +112,7 @@ static tides_status take_slot(tides_renderer *r, const td_tile_batch *wanted, td
     td_dynamic *dynamic = &r->dynamic;
     const int *candidates = r->candidates.list;
     /* Rows are computed once per launch, so the limit must not depend on whether somebody may stop a run: statistics would. */
-    const int limit = r->heed ? r->record_limit : td_renderer_record_limit(r);
+    const int limit = r->control.interrupt ? r->record_limit : td_renderer_record_limit(r);
     int first = launch->to, slot = jobs[first].slot, asked = 0, padding = 2 * TD_PAD * dynamic->objects;
     begin_slot(dynamic);
     for (; launch->to < count && jobs[launch->to].slot == slot; launch->to++) {
@@ -161,7 +161,7 @@ tides_status td_dynamic_run_jobs(tides_renderer *r, td_batch *batch, const td_ti
     qsort(jobs, (size_t)count, sizeof *jobs, by_slot);
     for (launch_plan launch = {0, 0, 0, 0}; launch.from < count && status == TIDES_OK; launch.from = launch.to) {
         int more = 1;
-        status = td_renderer_heed(r, (double)launch.from / count, error);
+        status = td_renderer_check_stop(r, (double)launch.from / count, error);
         launch.records = launch.rows = 0;
         td_rows_begin(&r->dynamic, r->store.count + r->dynamic.cached_rows);
         while (more && status == TIDES_OK) status = take_slot(r, asked, jobs, count, &launch, &more, error);

@@ -133,14 +133,16 @@ double tides_stat_value(const tides_stats *stats, const tides_stat *row) {
 void td_stat_set(tides_stats *stats, const tides_stat *row, double value) {
     char *at = (char *)stats + row->offset;
     const uint64_t count = row->type == TIDES_STAT_COUNT ? (uint64_t)value : 0;
+    const int32_t whole = row->type == TIDES_STAT_WHOLE ? (int32_t)value : 0;
     if (row->type == TIDES_STAT_REAL) memcpy(at, &value, sizeof value);
     if (row->type == TIDES_STAT_COUNT) memcpy(at, &count, sizeof count);
+    if (row->type == TIDES_STAT_WHOLE) memcpy(at, &whole, sizeof whole);
 }
 
 /* -- of a run -------------------------------------------------------------------------------------------------------------- */
 
 void td_stats_take(const tides_simulator *s, tides_stats *stats) {
-    *stats = s->stats;
+    *stats = s->totals.here;
     for (size_t i = 0; i < ROWS; i++)
         if (table[i].source != IN_STATS)
             memcpy((char *)stats + table[i].stat.offset, (const char *)s + table[i].source, sizeof(uint64_t));
@@ -151,13 +153,13 @@ void td_stats_take(const tides_simulator *s, tides_stats *stats) {
 static int is_spent(const tides_stat *row) { return row->joined == TIDES_JOIN_SUM && strcmp(row->unit, "s") == 0; }
 
 void td_stats_put(tides_simulator *s, const tides_stats *stats) {
-    const tides_stats now = s->stats;
-    s->stats = *stats;
+    const tides_stats now = s->totals.here;
+    s->totals.here = *stats;
     for (size_t i = 0; i < ROWS; i++) {
         const tides_stat *row = &table[i].stat;
         if (table[i].source != IN_STATS)
             memcpy((char *)s + table[i].source, (const char *)stats + row->offset, sizeof(uint64_t));
-        if (is_spent(row)) td_stat_set(&s->stats, row, tides_stat_value(&now, row));
+        if (is_spent(row)) td_stat_set(&s->totals.here, row, tides_stat_value(&now, row));
     }
 }
 
@@ -219,7 +221,7 @@ static void derive_filters(const tides_simulator *s, tides_stats *stats) {
 
 void tides_simulator_stats(const tides_simulator *simulator, tides_stats *stats) {
     collect(simulator, stats);
-    join(stats, &simulator->before);
+    join(stats, &simulator->totals.before);
     stats->events = stats->events_on + stats->events_off;
     stats->renders_full_frame_equivalent = (double)stats->render.blocks / TD_TILE_BLOCKS / stats->render.tiles;
     derive_times(simulator, stats);
