@@ -329,8 +329,7 @@ static tides_status begin_launch(const tides_renderer *renderer, td_points *p, c
     return status;
 }
 
-/* Computes the points of which[0 .. count) that see a splat without a curve. The others stay in `which`; `count` is their
- * number. */
+/* Computes the points of which[0 .. count) that see a splat without a curve. The others, `count`, stay in `which`. */
 static tides_status take_direct(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
                                 int *which, int *count, int *order, td_point_value *values, tides_error *error) {
     int left = 0, direct = 0;
