@@ -1,16 +1,16 @@
-/* Entries: values of a splat that points see, kept until all are known, and their order: TD_LANES points, a vector for each
- * number. For point_splats.h, which makes entries, and point_light.h, through which light goes.
+/* Entries: the splats that points see, kept in order of depth until all are known. A vector has one number for TD_LANES points.
  *
- * A tile's list has one order for an interval, by the depths in its middle, and a point one by those at its own time. They are
- * nearly the same, so that an entry's place is mostly the last or near it; but where a surface turns past the camera all of it
- * changes places, and of n splats each would pass some n/2. The order is total, and how it came about makes no difference. */
+ * A tile's list has one order for an interval, by depths in its middle; a point has an order by depths at its own time. They
+ * are nearly equal, so that an entry's place is mostly the last or near it. Where a surface turns past the camera all entries
+ * change places, and insertion would pass some n/2 of n entries for each. Then entries are sorted at the end. The order is
+ * total, so that the result doesn't depend on the way. */
 #ifndef TD_POINT_ENTRIES_H
 #define TD_POINT_ENTRIES_H
 
 #include "layout.h"
 
-/* An entry: the light that the splat takes (point_splats.h), its light, its depth, growth = depth_dot / depth,
- * and its path. */
+/* An entry: the light that the splat takes (tau in hard order, optical depth in soft order), its light, depth,
+ * growth = depth_dot / depth, and path. */
 enum {
     TD_E_TAKES = 0,
     TD_E_TAKES_DOT,
@@ -19,7 +19,7 @@ enum {
     TD_E_DEPTH,
     TD_E_GROWTH,
     TD_E_PATH,
-    TD_E_GREEN, /* from here on where light isn't linear in colours: luminance is red then */
+    TD_E_GREEN, /* from here on only where light isn't linear in colours: luminance is then red */
     TD_E_GREEN_DOT,
     TD_E_BLUE,
     TD_E_BLUE_DOT,
@@ -31,7 +31,7 @@ typedef struct td_point_entry {
     td_lanes green, green_dot, blue, blue_dot;
 } td_point_entry;
 
-/* Reals of an entry. */
+/* Reals per lane of an entry. */
 TD_INLINE int td_point_room(const td_image *image) {
     return (td_is_coded(image) ? TD_POINT_CODED_NUMBERS : TD_POINT_NUMBERS) * TD_LANES;
 }
@@ -86,9 +86,9 @@ TD_INLINE td_point_entry td_point_choose(const td_image *image, const td_point_e
     return entry;
 }
 
-/* Puts an entry in its place among those at k - gap, k - 2 gap ..., in each lane by its own depth; how many it passed. At equal
- * depth, paths decide (td_point_lists). Whoever doesn't see a splat has it in its order all the same, so that splats change
- * places together. */
+/* Puts an entry in its place among those at k - gap, k - 2 gap ..., in each lane by that lane's depth. Returns how many it
+ * passed. At equal depth the number of the path decides. Lanes that don't see a splat have it in their order too, so that
+ * splats are moved for all lanes at once. */
 TD_INLINE int td_point_insert(const td_image *image, TD_GLOBAL td_real *entries, int k, int gap, const td_point_entry *made) {
     td_point_entry entry = *made;
     const int room = td_point_room(image);
@@ -108,16 +108,17 @@ TD_INLINE int td_point_insert(const td_image *image, TD_GLOBAL td_real *entries,
     return passed;
 }
 
-/* Entries so far, how many of the others these passed on their way to their places, and whether they no longer have them. */
+/* The number of entries, how many others they passed on the way to their places, and 1 where they are no longer kept in
+ * order. */
 typedef struct td_point_order {
     int count, passed, loose;
 } td_point_order;
 
-/* Passed by an entry on average where the list's order is of no use; so many entries more are allowed for, or a handful would
- * be sorted. A choice: 3 makes no difference that can be measured. */
+/* Entries that an entry passes on average before the order counts as useless; so many entries more are allowed for, lest a
+ * handful is sorted. A choice: 3 makes no measurable difference. */
 enum { TD_POINT_PATIENCE = 8 };
 
-/* Adds an entry: in its place, or in any, for td_point_sort. */
+/* Adds an entry, in its place, or at the end where all are sorted later. */
 TD_INLINE void td_point_add(const td_image *image, TD_GLOBAL td_real *entries, const td_point_entry *entry,
                             td_point_order *order) {
     if (order->loose)
@@ -128,8 +129,8 @@ TD_INLINE void td_point_add(const td_image *image, TD_GLOBAL td_real *entries, c
     order->loose |= order->passed > TD_POINT_PATIENCE * (order->count + TD_POINT_PATIENCE);
 }
 
-/* Shell's sort, by the gaps of Gonnet and Baeza-Yates (each 5/11 of the one before): 400 entries pass 6400 others, where their
- * places are any in each of 8 lanes, and 71 000 by insertion. */
+/* Shell's sort with the gaps of Gonnet and Baeza-Yates (each 5/11 of the one before). 400 entries at random places in each of 8
+ * lanes pass 6400 others; by insertion they pass 71 000. */
 TD_INLINE void td_point_sort(const td_image *image, TD_GLOBAL td_real *entries, int count) {
     for (int gap = count; gap > 1;) {
         gap = gap > 3 ? (5 * gap - 1) / 11 : 1;
@@ -140,7 +141,7 @@ TD_INLINE void td_point_sort(const td_image *image, TD_GLOBAL td_real *entries, 
     }
 }
 
-/* All are added: they have their places. */
+/* Brings all entries in order, after the last was added. */
 TD_INLINE void td_point_settle(const td_image *image, TD_GLOBAL td_real *entries, const td_point_order *order) {
     if (order->loose) td_point_sort(image, entries, order->count);
 }

@@ -1,5 +1,5 @@
-/* A process for each row of `tides bench stability` and `determinism`: its memory is its own, and one that crashes or doesn't
- * end is a row that fails. Nothing that has threads is open in the process that forks. */
+/* Runs each row of `tides bench stability` and `determinism` in a process of its own: its memory is measured alone, and a row
+ * that crashes or doesn't end fails by itself. The forking process has nothing open that has threads. */
 #include "batch.h"
 #include "bench.h"
 
@@ -9,7 +9,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* All of `size`, or nothing: what is written is far below a pipe's capacity. */
+/* Reads a result of `size` bytes, or returns 0. Results are far smaller than a pipe's capacity. */
 static int32_t take_result(int from, void *result, size_t size) {
     size_t taken = 0;
     while (taken < size) {
@@ -29,7 +29,7 @@ static void be_child(pid_t parent, int to, bench_work work, void *user, void *re
     _exit(write(to, result, size) == (ssize_t)size ? CLI_OK : CLI_FAILED);
 }
 
-/* Waits until the child ends, the limit is reached or the user wants to stop; both of these end it. */
+/* Waits until the child ends. At the time limit, or when the user wants to stop, it kills the child. */
 static int wait_for(bench *b, pid_t child, double limit_s, int32_t *how) {
     static const struct timespec pause = {0, 2000000};
     const double began = cli_now();
@@ -71,7 +71,7 @@ tides_status bench_child(bench *b, bench_work work, void *user, void *result, si
 
 /* -- the device ------------------------------------------------------------------------------------------------------------ */
 
-/* A driver that takes longer to say its name has no end [s]. */
+/* [s] A driver that doesn't give its name within this time hangs. */
 #define ASK_LIMIT_S 120.0
 
 typedef struct device_answer {

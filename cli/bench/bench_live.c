@@ -1,6 +1,6 @@
-/* tides bench live: how long a run that is told poses as it goes takes for each, at 346x260 and a pose every millisecond: from
- * the pose told to its events there. The first step also makes the first image, and is listed apart. Poses are those of the
- * scene's own camera, without rates, to and fro where it is shorter than the run. Rows of way "ros2" are the ROS 2 feed's: from
+/* tides bench live: the time that a live run takes for each pose, from getting the pose to having its events, at 346x260 and a
+ * pose every millisecond. The first step also makes the first image, and is listed separately. Poses are those of the scene's
+ * own camera, without rates, to and fro where its path is shorter than the run. Rows of way "ros2" are the ROS 2 feed's: from
  * a packet of a millisecond's events to its events read by another process, at a few rates. */
 #include "bench.h"
 #include "bench_worlds.h"
@@ -48,7 +48,7 @@ static int count_events(void *user, const tides_event *events, size_t count) {
     return 0;
 }
 
-/* Where the camera is at `time` [s] of the run: along its path, and back. */
+/* The camera's pose at `time` [s] of the run: along its path and back. */
 static tides_status pose_at(const bench_scene *scene, double time, tides_pose_sample *sample, tides_error *error) {
     const double lasts = scene->stop - scene->start, turns = fmod(time / lasts, 2), place = turns > 1 ? 2 - turns : turns;
     tides_pose pose;
@@ -59,7 +59,7 @@ static tides_status pose_at(const bench_scene *scene, double time, tides_pose_sa
     memset(sample, 0, sizeof *sample);
     sample->time = time;
     memcpy(sample->position, pose.position, sizeof sample->position);
-    /* Shepperd's formulas: the largest component is found first, the others are differences over it. */
+    /* Shepperd's formulas: the largest component first, the others as differences over it. */
     int32_t large = r[0] > r[4] ? (r[0] > r[8] ? 0 : 2) : (r[4] > r[8] ? 1 : 2);
     if (trace > r[4 * large]) {
         q[0] = 0.5 * sqrt(1 + trace);
@@ -111,7 +111,7 @@ static tides_status measure(bench *b, const bench_scene *scene, const live_way *
     double start, stop;
     tides_scene_range(scene->scene, &start, &stop);
     stop = fmin(stop, (row->steps + 2) * STEP_S);
-    if (stop < (row->steps + 2) * STEP_S) row->steps = (int32_t)(stop / STEP_S) - 2; /* objects' paths end */
+    if (stop < (row->steps + 2) * STEP_S) row->steps = (int32_t)(stop / STEP_S) - 2; /* until paths of objects end */
     if (row->steps < 1)
         return cli_error(error, TIDES_OUT_OF_RANGE, "%s: its objects' paths end after %g s, too early for a live run",
                          scene->name, stop);
@@ -138,10 +138,10 @@ static double percentile(const live_row *row, double percent) {
 
 /* -- scenes --------------------------------------------------------------------------------------------------------------- */
 
-/* The demo's world, which lasts as long as the run; others as they are. */
+/* The demo's world, made as long as the run; other scenes as they are. */
 static tides_status make_scene(const bench *b, const char *name, bench_scene *scene, tides_error *error) {
     if (strcmp(name, "demo") != 0) return bench_world_make(name, b->quick, scene, error);
-    return bench_make_demo((STEPS + 2) * STEP_S, scene, error); /* quick ones see its beginning */
+    return bench_make_demo((STEPS + 2) * STEP_S, scene, error); /* quick runs use its beginning */
 }
 
 static live_row *add_row(live_rows *all, tides_error *error) {
@@ -237,7 +237,7 @@ static void print_table(const live_rows *all) {
     }
 }
 
-/* How many percent of the steps take how long, a point for every other percent. */
+/* Draws how many percent of the steps take at most a time, a point for every second percent. */
 static tides_status draw(const bench *b, const live_rows *all, tides_error *error) {
     enum { CURVES_MAX = CANVAS_SERIES, POINTS = 50 };
     double ms[CURVES_MAX][POINTS], percent[POINTS];

@@ -1,11 +1,11 @@
-/* Man pages, in the man(7) macros. */
+/* Prints man pages, with the man(7) macros. */
 #include "describe.h"
 
 #include <ctype.h>
 #include <stdio.h>
 #include <string.h>
 
-/* A text that roff takes as it stands: hyphens that are typed, no escapes, no line that looks like a macro. */
+/* Prints a text for roff: hyphens as typed, no escapes, no line that looks like a macro. */
 static void put(const char *text) {
     int32_t fresh = 1;
     for (; *text; text++) {
@@ -24,7 +24,7 @@ static void put_upper(const char *text) {
     for (; *text; text++) putchar(toupper((unsigned char)*text));
 }
 
-/* No date: a page is made from the tool, and says its version. */
+/* Prints the title, without a date: the page has the tool's version. */
 static void put_title(const char *name, int section) {
     fputs(".TH TIDES", stdout);
     if (name[0]) putchar('-');
@@ -49,7 +49,7 @@ static void put_option(const cli_option *o) {
     putchar('\n');
 }
 
-/* Lines stay lines. */
+/* Prints lines that roff doesn't join. */
 static void put_lines(const char *text) {
     for (; *text; text++) {
         const size_t length = strcspn(text, "\n");

@@ -1,8 +1,8 @@
-/* Single pixels at single times, for the solver, which places events on them: rows of record paths for the interval swept last
- * when it is first asked for, lists of the tiles that have points, and then the points, tile by tile.
+/* Points: pixels at times of their own, on which the solver places events. First, rows of record paths for the interval swept
+ * last are found; then lists of the tiles with points; then values, tile by tile.
  *
- * A kept instant has an engine of its own beside the shared scene in double. In turns on one engine, preparing it again for
- * each interval cost as much as the points that were spared by asking for it late. */
+ * A kept instant, which stays available after later sweeps, has an engine of its own. With one engine for both, preparing it
+ * again for each interval would cost as much as asking for the instant's points late saves. */
 #include "td_point_nodes.h"
 #include "td_point_order.h"
 #include "td_points_direct.h"
@@ -11,37 +11,37 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { POINTS_AT_ONCE = 1 << 16 }; /* in a launch: 5 MB with what goes with them */
+enum { POINTS_AT_ONCE = 1 << 16 }; /* per launch: 5 MB with all their data */
 
-/* A part of the interval that is asked for, with rows of its own. Most intervals are one. */
+/* A part of the interval, with its own rows. Most intervals have one part. */
 typedef struct points_part {
     double start, stop;
 } points_part;
 
-/* A launch that may be under way: points numbered order[0 .. count), the caller's. */
+/* A launch that may be running: points order[0 .. count) of the caller's. */
 typedef struct points_away {
     const td_point *points;
     td_point_value *values;
     const int *order;
-    int count; /* 0: there is none */
+    int count; /* 0: no launch is running */
 } points_away;
 
 struct td_points {
     td_points_engine *engine;
     td_point_nodes nodes;
-    td_point_span at;  /* the interval that is asked for */
-    uint64_t serial;   /* of the one that there are parts of */
+    td_point_span at;  /* the requested interval */
+    uint64_t serial;   /* serial number of the interval that the parts are of */
     points_part *part; /* (parts) in order of time */
     int parts;
     size_t part_capacity;
-    int begun;                 /* the part whose rows are there; -1: none */
-    int *own_first, *own_list; /* copies of its lists, of an instant that is kept; else NULL */
+    int begun;                 /* the part whose rows are ready; -1: none */
+    int *own_first, *own_list; /* copies of the lists of a kept instant; else NULL */
     td_points_tile *tiles;     /* (tiles) */
-    uint8_t *listed;           /* (tiles) 1: its list is made */
+    uint8_t *listed;           /* (tiles) 1: its list is ready */
     int *wanted;               /* (tiles) lists to make */
-    td_point_place *place;     /* of order_points */
+    td_point_place *place;     /* used by order_points */
     size_t place_capacity;
-    int *which; /* (2 x points asked for) of exact_points */
+    int *which; /* (2 x points requested) used by exact_points */
     size_t which_capacity;
     points_away away;
     td_points_direct direct;
@@ -51,7 +51,7 @@ struct td_points {
     double *values;
 };
 
-/* Whatever came of it is nobody's. */
+/* Abandons the running launch; its results are lost. */
 static void drop_launch(td_points *p) {
     if (p->away.count == 0) return;
     tides_status ignored = p->engine->type->finish(p->engine, NULL);
@@ -102,7 +102,7 @@ tides_status td_points_create_engine(const tides_renderer *renderer, const td_im
                                                   : td_points_create_twin(image, engine, error);
 }
 
-/* `shared`: another's scene in double, or NULL. */
+/* `shared`: the scene in double of another td_points, or NULL. */
 static tides_status create_points(const tides_renderer *renderer, td_exact *shared, td_points **points, tides_error *error) {
     const td_image_numbers image = td_image_pack(&renderer->image);
     td_points *made = td_alloc(1, sizeof *made, error);
@@ -138,7 +138,7 @@ static void lay_tiles(const tides_renderer *renderer, td_points *p) {
     }
 }
 
-/* A new interval is one part, until that has turned out not to do. */
+/* Begins a new interval, as one part until that proves to be too long. */
 static tides_status begin_interval(td_points *p, tides_error *error) {
     if (p->parts > 0 && p->serial == p->at.serial) return TIDES_OK;
     tides_status status = td_reserve((void **)&p->part, &p->part_capacity, 1, sizeof *p->part, error);
@@ -159,7 +159,7 @@ static tides_status halve(td_points *p, int k, double at, tides_error *error) {
     return status;
 }
 
-/* Rows for a part, unless they are there; or it is halved. */
+/* Makes rows for part k unless they are ready; or halves the part. */
 static tides_status begin_part(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, int k,
                                tides_error *error) {
     td_point_nodes *nodes = &p->nodes;
@@ -192,7 +192,7 @@ static tides_status begin_part(tides_renderer *renderer, const tides_trajectory 
     return td_points_direct_begin(renderer, nodes, &p->direct, error);
 }
 
-/* The part that a time is in: where one ends, that one. */
+/* The part that a time is in; at a border, the earlier part. */
 static int part_of(const td_points *p, double time) {
     int low = 0, high = p->parts - 1;
     while (low < high) {
@@ -222,7 +222,7 @@ static int piece_of(const td_point_nodes *nodes, double time) {
     return low;
 }
 
-/* Where a point is in its tile. */
+/* Place of a point in its tile and in the interval. */
 static td_point_place place_of(const td_points *p, const td_point *point, int which) {
     const points_part *part = &p->part[p->begun];
     const double length = part->stop - part->start;
@@ -231,14 +231,14 @@ static td_point_place place_of(const td_points *p, const td_point *point, int wh
     return (td_point_place){{(uint8_t)(point->x % TD_TILE), (uint8_t)(point->y % TD_TILE), (uint8_t)step}, which};
 }
 
-/* The points numbered which[0 .. count) tile by tile, neighbours together: order (count). */
+/* Orders the points which[0 .. count) tile by tile, with neighbours together: order (count). */
 static tides_status order_points(const tides_renderer *renderer, td_points *p, const td_point *points, const int *which,
                                  int count, int *order, tides_error *error) {
     const int tiles = renderer->stats.tiles;
     tides_status status = td_reserve((void **)&p->place, &p->place_capacity, 2 * (size_t)count, sizeof *p->place, error);
     if (status != TIDES_OK) return status;
     td_point_place *places = p->place, *room = places + count;
-    int *end = p->wanted; /* of tiles: nobody has asked for lists yet */
+    int *end = p->wanted; /* borrowed as scratch: no lists are wanted yet */
     memset(end, 0, (size_t)tiles * sizeof *end);
     for (int i = 0; i < count; i++) end[tile_of(renderer, &points[which[i]])]++;
     for (int i = 0, sum = 0; i < tiles; i++) {
@@ -264,7 +264,7 @@ static tides_status check_point(const tides_renderer *renderer, const td_point_s
                    (int)point->x, (int)point->y, point->time, at->start, at->stop);
 }
 
-/* Point i is at `time`: in which piece, and where there. */
+/* Sets the piece of point i, which is at `time`, and its place within the piece. */
 static void place_time(const td_point_nodes *nodes, double time, td_points *p, int i) {
     const int low = piece_of(nodes, time);
     const double length = nodes->knot[low + 1] - nodes->knot[low];
@@ -273,7 +273,7 @@ static void place_time(const td_point_nodes *nodes, double time, td_points *p, i
     p->column[3][i] = length > 0 ? length : TD_POINT_INSTANT;
 }
 
-/* Lays points order[0 .. count) for a launch; returns the number of chunks, and of tiles whose lists are missing. */
+/* Prepares points order[0 .. count) for a launch. Returns the number of chunks, and the tiles whose lists are missing. */
 static int lay_launch(const tides_renderer *renderer, td_points *p, const td_point *points, const int *order, int count,
                       int *wanted) {
     int chunks = 0;
@@ -300,7 +300,7 @@ tides_status td_point_take(const td_point *point, const double *found, td_point_
                    (int)point->x, (int)point->y, point->time, value->L, value->L_dot);
 }
 
-/* Waits for the launch that is under way, if there is one. */
+/* Waits for the running launch, if there is one. */
 static tides_status finish_launch(td_points *p, tides_error *error) {
     const points_away away = p->away;
     if (away.count == 0) return TIDES_OK;
@@ -311,7 +311,7 @@ static tides_status finish_launch(td_points *p, tides_error *error) {
     return status;
 }
 
-/* Begins the next launch, behind the one that is under way. */
+/* Queues the next launch behind the running one. */
 static tides_status begin_launch(const tides_renderer *renderer, td_points *p, const points_away *next, tides_error *error) {
     int wanted;
     const int chunks = lay_launch(renderer, p, next->points, next->order, next->count, &wanted);
@@ -323,13 +323,14 @@ static tides_status begin_launch(const tides_renderer *renderer, td_points *p, c
                                    td_points_backdrop_of(&renderer->image, renderer->scratch.backdrops)};
     tides_status status = finish_launch(p, error);
     if (status == TIDES_OK) status = p->engine->type->lists(p->engine, p->wanted, wanted, error);
-    if (status != TIDES_OK) p->begun = -1; /* which lists are there isn't known */
+    if (status != TIDES_OK) p->begun = -1; /* it isn't known which lists are ready */
     if (status == TIDES_OK) status = p->engine->type->values(p->engine, &batch, p->values, error);
     if (status == TIDES_OK) p->away = *next;
     return status;
 }
 
-/* Works out the points numbered which[0 .. count) that see a splat without a curve; the number of points left in `which`. */
+/* Computes the points of which[0 .. count) that see a splat without a curve. The others stay in `which`; `count` is their
+ * number. */
 static tides_status take_direct(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
                                 int *which, int *count, int *order, td_point_value *values, tides_error *error) {
     int left = 0, direct = 0;
@@ -342,7 +343,7 @@ static tides_status take_direct(tides_renderer *renderer, const tides_trajectory
     return td_points_direct_values(renderer, camera, &p->direct, p->nodes.exact, &p->at, points, order, direct, values, error);
 }
 
-/* Points of the part that has its rows: those numbered which[0 .. count), of which order (count) becomes an order. */
+/* Computes the points which[0 .. count) of the part whose rows are ready; order (count) is scratch. */
 static tides_status points_of_part(tides_renderer *renderer, const tides_trajectory *camera, td_points *p,
                                    const td_point *points, int *which, int count, int *order, td_point_value *values,
                                    tides_error *error) {
@@ -356,7 +357,7 @@ static tides_status points_of_part(tides_renderer *renderer, const tides_traject
     return status;
 }
 
-/* Points of a part, which may be halved for them, and then is the first half: which (count) of them there are. */
+/* Finds the points of part k, in which (count). The part may be halved for them, and then it is its first half. */
 static tides_status choose_part(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, int k,
                                 const td_point *points, int count, int *which, int *some, tides_error *error) {
     tides_status status = TIDES_OK;
@@ -371,7 +372,7 @@ static tides_status choose_part(tides_renderer *renderer, const tides_trajectory
     return status;
 }
 
-/* The last launch is left under way. */
+/* Computes points, but leaves the last launch running. */
 static tides_status begin_points(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, const td_point *points,
                                  size_t count, td_point_value *values, tides_error *error) {
     tides_status status = td_renew((void **)&p->which, &p->which_capacity, 2 * count, sizeof *p->which, error);
@@ -379,7 +380,7 @@ static tides_status begin_points(tides_renderer *renderer, const tides_trajector
     if (status == TIDES_OK) status = begin_interval(p, error);
     for (int k = 0; k < p->parts && status == TIDES_OK; k++) {
         int some = 0;
-        status = finish_launch(p, error); /* which has its points' numbers where the next part's go */
+        status = finish_launch(p, error); /* the next part overwrites the running launch's list of points */
         if (status == TIDES_OK) status = choose_part(renderer, camera, p, k, points, (int)count, p->which, &some, error);
         if (status == TIDES_OK && some > 0)
             status = points_of_part(renderer, camera, p, points, p->which, some, p->which + count, values, error);
@@ -431,7 +432,7 @@ int td_renderer_points_go_on(const tides_renderer *renderer) {
     return p && !renderer->colour_filter && p->engine->goes_on && p->parts <= 1;
 }
 
-/* Where all is then: open paths may forget it before the instant's rows are asked for. */
+/* Keeps the instant's views: open paths may forget it before its points are requested. */
 static tides_status keep_views(tides_renderer *renderer, const tides_trajectory *camera, td_points *p, tides_error *error) {
     const size_t objects = (size_t)renderer->store.objects;
     tides_status status = td_renderer_views(renderer, camera, renderer->sweep.interval, 1, error);

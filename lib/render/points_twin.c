@@ -1,5 +1,5 @@
-/* Single pixels at single times in C: the twin of the OpenCL kernels in double precision, to the bit, and what devices
- * without double precision have, and the references. */
+/* Points in C: a twin of the OpenCL kernels in double, equal to the bit. References use it, and devices without double
+ * precision. */
 #define TD_REAL_DOUBLE
 #include "kernels/path_node.h"
 #include "kernels/points.h"
@@ -19,13 +19,13 @@ typedef struct twin {
     td_image image;
     td_points_interval interval;
     double *rows, *curves;
-    double *rows_beside, *beside; /* green and blue of these, where light isn't linear in colours */
-    float *records;               /* (gaussians x slices x TD_TEST_REALS) tests of each */
+    double *rows_beside, *beside; /* green and blue of these, if light isn't linear in colours */
+    float *records;               /* (gaussians x slices x TD_TEST_REALS) test boxes of each */
     int *listed;                  /* (candidate_count) the lists */
     float *tests;                 /* (candidate_count x slices x TD_TEST_REALS) */
-    int *count;                   /* (tile_count) splats of each */
+    int *count;                   /* (tile_count) number of splats in each list */
     twin_key *keys;
-    double *entries; /* of a point */
+    double *entries; /* of one point */
     size_t list_capacity[4], curve_capacity, rows_capacity, rows_beside_capacity, beside_capacity, key_capacity, entry_capacity;
 } twin;
 
@@ -80,7 +80,7 @@ static void make_curve(const twin *t, int i) {
                               t->beside + curve * TD_BESIDE_REALS);
 }
 
-/* Tests of all that have paths. */
+/* Makes the test boxes of all Gaussians with paths. */
 static void make_records(twin *t) {
     const td_point_paths paths = paths_of(t);
     for (int i = 0; i < t->interval.seen_count; i++)
@@ -128,7 +128,7 @@ static void make_list(twin *t, int number) {
         if (path >= 0) t->keys[count++] = (twin_key){td_point_depth_key(&paths, path), i, path, gaussian};
     }
     t->count[number] = count;
-    if (count == 0) return; /* there may be neither keys nor tests at all */
+    if (count == 0) return; /* keys and tests may be NULL */
     qsort(t->keys, (size_t)count, sizeof *t->keys, key_order);
     for (int i = 0; i < count; i++) t->listed[tile.first + i] = t->keys[i].path;
     const int groups = (count + TD_PAD - 1) / TD_PAD;

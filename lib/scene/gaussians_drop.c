@@ -1,11 +1,11 @@
-/* Leaves Gaussians out that can't be rendered, for files of which a few rows are broken. Each is judged alone, by the rules
- * that judge them all. */
+/* Leaves out Gaussians that can't be rendered, for files with a few broken rows. Each is checked alone, by the same rules as
+ * whole sets. */
 #include "td_base.h"
 #include "td_scene.h"
 
 #include <string.h>
 
-/* A view of Gaussian i alone. */
+/* A view of Gaussian i only. */
 static td_gaussians one_of(const td_gaussians *g, size_t i) {
     td_gaussians one = *g;
     one.count = 1;

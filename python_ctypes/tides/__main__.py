@@ -7,7 +7,7 @@ from pathlib import Path
 from ._tool import tool_beside
 
 
-#: The wheel has a font for its pictures, since small systems have none: the system's are looked at first.
+# #: The wheel has a font for pictures, since small systems have none. The system's fonts are preferred.
 FONTS = Path(__file__).resolve().parent / "fonts" / "fonts.conf"
 
 

@@ -46,14 +46,14 @@ PERIOD_S = 0.01  # of packets, along the run's own path
 GAP_S = 60.0  # between poses, at most: clocks that disagree would ask for years of events
 POSE, TWIST = "geometry_msgs::msg::dds_::PoseStamped_", "geometry_msgs::msg::dds_::TwistStamped_"
 
-#: Cyclone's settings for a run that nobody outside this machine hears.
+# #: Cyclone's settings for runs that only this machine receives.
 LOOPBACK = """<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces>
 <AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>30
 </MaxAutoParticipantIndex><Peers><Peer address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>"""
 
 
 def qos(depth: int = DEPTH) -> Any:
-    """ROS 2's default: reliable, volatile, the last `depth`; XCDR1."""
+    """ROS 2's default quality of service: reliable, volatile, the last `depth` messages; XCDR1."""
     return Qos(
         Policy.Reliability.Reliable(duration(milliseconds=100)),
         Policy.Durability.Volatile,
@@ -70,7 +70,7 @@ def _domain_of(text: str) -> int:
 
 
 class Bus:
-    """A participant in a ROS domain (None: ROS_DOMAIN_ID, else 0). `loopback`: on this machine alone (None: as
+    """A participant in a ROS domain (None: ROS_DOMAIN_ID, else 0). `loopback`: only on this machine (None: as
     ROS_LOCALHOST_ONLY or ROS_AUTOMATIC_DISCOVERY_RANGE says)."""
 
     def __init__(self, domain: int | None = None, loopback: bool | None = None):
@@ -94,8 +94,9 @@ class Bus:
 
 
 class Node:
-    """What a run sends, below `name`: events, image_raw with camera_info, imu; and /clock. `step` is given events with the run's
-    time; `shift_ns` is added to the run's time for ROS' clock. `frame`: the frame_id of all. `image_hz` 0: no pictures."""
+    """Publishes a run's messages below `name`: events, image_raw with camera_info, imu; and /clock. `step` takes events and
+    the run's time. `shift_ns` is added to the run's time for ROS' clock. `frame`: the frame_id of all messages. `image_hz`
+    0: no pictures."""
 
     def __init__(
         self,
@@ -117,11 +118,11 @@ class Node:
         self._sequence, self._picture_s, self._next_s = 0, 1 / image_hz if image_hz else 0.0, session.values.start
 
     def header(self, ns: int) -> Any:
-        """Of the run's time `ns`."""
+        """The header of a message at the run's time `ns`."""
         return messages.header(ns + self.shift_ns, self.frame)
 
     def events(self, events: np.ndarray, ns: int) -> None:
-        """One packet, of what fired up to `ns`; none where nothing did."""
+        """Publishes one packet of the events up to `ns`; none if there were no events."""
         if self._clock:
             self._clock.write(messages.Clock(messages.stamp(ns + self.shift_ns)))
         if not len(events):
@@ -135,7 +136,7 @@ class Node:
         self._events.write(packet)
 
     def pictures(self, until: float, path: Trajectory) -> None:
-        """The pictures that are due up to `until` [s], along `path`, each with the lens."""
+        """Publishes the pictures that are due up to `until` [s], along `path`, each with the lens."""
         while self._renderer and self._next_s <= until + 1e-9:
             frame = self._renderer.frame(self._next_s, "RGB", path)
             rgb = picture_rgb(frame["R"], frame["G"], frame["B"])
@@ -146,13 +147,13 @@ class Node:
             self._next_s += self._picture_s
 
     def imu(self, time: float, rate: Any, force: Any) -> None:
-        """Angular rate (3) [rad/s] and specific force (3) [m/s^2] at `time` [s]."""
+        """Publishes angular rate (3) [rad/s] and specific force (3) [m/s^2] at `time` [s]."""
         self._imu.write(messages.imu(self.header(round(_SECOND * time)), rate, force))
 
 
 def play(node: Node, speed: float = 1.0, period_s: float = PERIOD_S) -> int:
-    """The session's run along its own path: a packet each `period_s`, at `speed` times real time (0: as fast as it goes). The number
-    of events."""
+    """Publishes the session's run along its own path: a packet each `period_s`, at `speed` times real time (0: as fast as
+    possible). Returns the number of events."""
     session = node.session
     start, stop, path = session.values.start, session.values.stop, session.camera.trajectory
     inertial = _inertial(session)
@@ -172,7 +173,8 @@ def play(node: Node, speed: float = 1.0, period_s: float = PERIOD_S) -> int:
 
 
 def _inertial(session: Session) -> list[tuple[float, Any, Any]]:
-    """What `tides imu` writes of the run, the last sample first; nothing where the path has no acceleration, or the scene no unit."""
+    """The run's measurements by `tides imu`, the last sample first; none if the path has no acceleration, or the scene no
+    unit."""
     with tempfile.TemporaryDirectory() as folder:
         try:
             session.write_imu(os.path.join(folder, "imu.npz"))
@@ -203,7 +205,7 @@ class Follower:
             self._wait.attach(ReadCondition(reader, mask))
 
     def spin(self, timeout_s: float) -> int:
-        """Waits at most so long for messages, and steps to each pose that is complete. How many events there were."""
+        """Waits at most `timeout_s` for messages, and steps to each complete pose. Returns the number of events."""
         self._wait.wait(duration(seconds=timeout_s))
         poses, twists = self._waiting
         for reader, kept in ((self._poses, poses), (self._twists, twists)):
@@ -214,7 +216,7 @@ class Follower:
         for ns in sorted(poses):
             if self._twisted and ns not in twists:
                 if not any(later > ns for later in twists):
-                    break  # its twist is on the way
+                    break  # its twist hasn't arrived
                 warn(f"pose at {ns / _SECOND:.9g} s: no twist has its stamp; it is left out")
                 del poses[ns]
                 continue
@@ -288,7 +290,7 @@ def options() -> argparse.ArgumentParser:
 
 
 def follow(follower: Follower, silence_s: float | None) -> int:
-    """Until no pose came for so long."""
+    """Follows poses until none came for `silence_s`."""
     count, heard = 0, time.monotonic()
     while silence_s is None or time.monotonic() - heard < silence_s:
         before = follower.live.time, follower._first

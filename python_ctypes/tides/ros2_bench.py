@@ -1,4 +1,4 @@
-"""How long events take from a writer to a reader in another process, and how many get there: python -m tides.ros2_bench
+"""Latency of events from a writer to a reader in another process, and how many arrive: python -m tides.ros2_bench
 
 Packets of 1 ms are made as a run sends them, at a few rates, over the loopback interface. Latency is from before a packet is encoded to
 after it was read there; both processes have this machine's clock. `tides bench live` has these rows in its table."""
@@ -36,7 +36,7 @@ def listen() -> None:
                 continue
             if one.height == 0:
                 return print(json.dumps([latencies, size]))
-            latencies.append(1e-9 * (now - one.time_base))  # a field that EVT 3 has no use for
+            latencies.append(1e-9 * (now - one.time_base))  # a field that EVT 3 doesn't use
             size += len(one.events)
         time.sleep(1e-4)
 

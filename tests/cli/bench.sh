@@ -1,4 +1,4 @@
-# A benchmark leaves tables that agree with each other and pictures, refuses nonsense, and stops when asked to.
+# Benchmarks write tables that agree with each other, and pictures; they refuse wrong options, and stop on request.
 refuse 2 "no benchmark is called acuracy; did you mean accuracy\?" tides bench acuracy
 refuse 2 "no benchmark is called speed; there are accuracy, ablation, blocks, calibrate, determinism, live, sensors, stability and all" \
     tides bench speed

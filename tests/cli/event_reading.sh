@@ -1,5 +1,5 @@
-# How event files are read where they don't say it: columns, units, streams, the zero, windows of another clock, invalid events.
-# Each file is one that other tools write; the truth is 400 events, 346 x 260 px, 0.02 s.
+# Reading event files that don't tell it themselves: columns, units, streams, the zero, windows of another clock, invalid
+# events. Each file has a form that other tools write; the truth is 400 events, 346 x 260 px, 0.02 s.
 awk 'BEGIN { srand(5); t = 1000
     for (i = 0; i < 400; i++) { t += int(100 * rand()); printf "%d,%d,%d,%d\n", t, 346 * rand(), 260 * rand(), 2 * rand() } }' >t.csv
 { echo "t,x@346,y@260,on"; cat t.csv; } >truth.csv

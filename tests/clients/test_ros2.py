@@ -1,5 +1,5 @@
-"""ROS 2's topics without ROS: bytes as rosbags has them from the published definitions, and a second process that hears a run on the
-loopback interface alone, and flies one."""
+"""ROS 2's topics without ROS: bytes as rosbags makes them from the published definitions. A second process receives a run on
+the loopback interface alone, and flies one."""
 
 import json
 import subprocess

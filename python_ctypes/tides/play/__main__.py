@@ -1,4 +1,4 @@
-"""python -m tides.play SCENE: opens the window in a browser, or says its address."""
+"""python -m tides.play SCENE: opens the window in a browser, or prints its address."""
 
 from __future__ import annotations
 

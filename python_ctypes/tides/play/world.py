@@ -1,4 +1,5 @@
-"""The live run behind the page: opened anew where a slider changes the run, stepped once for each picture, recorded on request."""
+"""The live run behind the page: opened again when a slider changes the run, stepped once for each picture, and recorded on
+request."""
 
 from __future__ import annotations
 
@@ -25,14 +26,14 @@ from ..session import Session
 from ..trajectory import Camera, Pose, Trajectory
 from .flight import Controls, Flight
 
-ORBIT_S = 12.0  # of a turn about the scene [s]
-SLOWEST = 0.01  # of time
-TOLERANCE = 0.3  # [thresholds]; events are looked up on the image all the same
-FLIGHT = 0.12  # of distances to the scene's middle a second, without Shift: some 2 px from picture to picture
-RESPONSE_S = 0.12  # of the camera to keys, on the clock on the wall
-LONGEST_S = 1e5  # that a flight lasts where nothing in the scene ends before
+ORBIT_S = 12.0  # [s] of a turn about the scene
+SLOWEST = 0.01  # slowest speed of time
+TOLERANCE = 0.3  # [thresholds]; a large one is enough, since events are looked up on the image
+FLIGHT = 0.12  # speed without Shift, in distances to the scene's middle per second: some 2 px per picture
+RESPONSE_S = 0.12  # of the camera to keys, in real time
+LONGEST_S = 1e5  # of a flight if nothing in the scene ends before
 
-#: What the page says of a preset: key of the run file, what it is, its unit, and the factor to that unit.
+# #: Rows of a preset on the page: key of the run file, name, unit, and the factor to that unit.
 ROWS = [
     ("sensor.threshold_on", "threshold ON", "", 1),
     ("sensor.threshold_off", "threshold OFF", "", 1),
@@ -71,7 +72,8 @@ def _run_file(path: Path) -> dict[str, Any]:
 
 
 def run_text(source: str | os.PathLike[str], size: tuple[int, int] | None = None) -> tuple[dict[str, Any], str]:
-    """What to run, and the folder that its paths are relative to: a run file as it is, or a scene, seen from an orbit."""
+    """The run file for a source and the folder that its paths are relative to: a run file unchanged, or a scene, seen from an
+    orbit."""
     if os.fspath(source).endswith(".json"):
         text, folder = _run_file(Path(source)), os.path.dirname(os.path.abspath(source))
     else:
@@ -87,7 +89,7 @@ def run_text(source: str | os.PathLike[str], size: tuple[int, int] | None = None
 
 
 def _absolute(text: dict[str, Any], folder: str) -> dict[str, Any]:
-    """A run file that may lie anywhere: paths in it made whole."""
+    """The run file with absolute paths, so that it may lie anywhere."""
     text = json.loads(json.dumps(text))
     for row in parameters():
         group, _, name = row.key.rpartition(".")
@@ -108,8 +110,8 @@ def _circle_of(pose: Pose) -> tuple[np.ndarray, np.ndarray, float]:
 
 
 class World:
-    """A scene with a camera that is flown. `picture` goes one picture on; `change` sets what the sliders say; `record` begins a
-    recording and `keep` ends it. `rate` [1/s] of pictures; `out`: where recordings go."""
+    """A scene with a camera that is flown. `picture` advances by one picture; `change` sets the sliders' values; `record`
+    begins a recording and `keep` ends it. `rate` [1/s] of pictures; `out`: folder of recordings."""
 
     def __init__(
         self,
@@ -151,7 +153,7 @@ class World:
         return self._text["device"] if device is None and self._text["device"] != "auto" else device
 
     def _start(self, text: dict[str, Any], folder: str, set: dict[str, Any] | None) -> dict[str, Any]:
-        """The run file with `set` in it, and a camera that stands where the run's begins: its path is told from there on."""
+        """The run file with `set`, and an open camera path that begins at the run's first pose."""
         for key, value in (set or {}).items():
             group, _, name = key.rpartition(".")
             (text.setdefault(group, {}) if group else text)[name] = value
@@ -183,15 +185,15 @@ class World:
     # -- the run ----------------------------------------------------------------------------------------------------
     @property
     def presets(self) -> list[str]:
-        """What `change` takes: the names, and a file of the run's own."""
+        """Names for `change`: the library's presets, and the run's own preset file."""
         own = self._text["sensor"]["preset"]
         return preset_names() + ([] if own in preset_names() else [own])
 
     def _settings(self, start: float) -> dict[str, Any]:
-        """What the sliders say, as keys of the run file."""
+        """The sliders' values as keys of the run file."""
         made: dict[str, Any] = {"time.start": start, "time.stop": self._end, "stepping.step_s": self.speed / self.rate}
         if self.preset != self._text["sensor"]["preset"]:
-            made["sensor.preset"] = self.preset  # which then wins over the run file's own values
+            made["sensor.preset"] = self.preset  # it overrides the run file's own values
         if self.factor != 1:
             nominal = self._session.vary(made).values.sensor
             made["sensor.threshold_on"] = self.factor * nominal.threshold_on
@@ -199,7 +201,7 @@ class World:
         return made
 
     def _open(self, start: float, keep: bool = False) -> None:
-        """A new live run from here on, as the sliders say."""
+        """Opens a new live run from `start` on, with the sliders' values."""
         session = self._session.vary(self._settings(start))
         live = Live(session, keep=keep)
         live.tell(self.flight.pose(), start)
@@ -213,8 +215,8 @@ class World:
         return self._live
 
     def change(self, threshold: float | None = None, preset: str | None = None, speed: float | None = None) -> None:
-        """`threshold`: what the preset's thresholds are multiplied by; `speed` of time, SLOWEST to 1. Each begins a new run from
-        here; while one is recorded, it is refused."""
+        """`threshold`: factor of the preset's thresholds; `speed` of time, SLOWEST to 1. Each begins a new run at the present
+        pose, and is refused during a recording."""
         if self._recording:
             raise ValueError("a recording has one preset, threshold and speed of time: stop it first")
         before = self.factor, self.preset, self.speed
@@ -261,7 +263,7 @@ class World:
         return self._drawn.result()
 
     def says(self) -> dict[str, Any]:
-        """What the preset does: its sentence, and rows of (what, value, unit, how it is known)."""
+        """Facts of the preset: its sentence, and rows of (name, value, unit, source)."""
         told, text = _told(self.preset), json.loads(self._varied.values.json)
         rows = []
         for key, what, unit, factor in ROWS:
@@ -280,14 +282,14 @@ class World:
         return self._recording is not None
 
     def record(self) -> None:
-        """Begins a recording, which is a run of its own from here on."""
+        """Begins a recording, a new run from the present pose on."""
         if self._recording:
             raise ValueError("it is recorded already")
         self._open(self.live.time, keep=True)
         self._recording = Recording(self)
 
     def keep(self) -> dict[str, Any]:
-        """Ends the recording: its folder, how many events, their hash, and the lines that make them again."""
+        """Ends the recording. Returns its folder, the number of events, their hash, and commands that make them again."""
         if not self._recording:
             raise ValueError("nothing is recorded")
         recording, self._recording = self._recording, None
@@ -318,7 +320,7 @@ class Recording:
         self._world, self._live, self.start = world, world.live, world.live.time
         self.folder = _new_folder(world.out)
         lens, values = world.intrinsics, self._live.session.values
-        self.run = json.loads(values.json)  # every key with its value, so that neither preset nor default decides
+        self.run = json.loads(values.json)  # every key with its value, so that neither preset nor default matters
         self._writer = EventWriter(self.folder / "events.h5", lens.width, lens.height, run=values.json, seed=values.seed)
 
     def append(self, events: np.ndarray) -> None:
@@ -352,7 +354,7 @@ def _new_folder(out: Path) -> Path:
 
 
 def _told(name: str) -> dict[str, Any]:
-    """A preset's file: of a name, or at a path."""
+    """The content of a preset file, by name or path."""
     return dict(json.loads(Path(name).read_text())) if name.endswith(".json") else preset(name)
 
 

@@ -1,5 +1,5 @@
-/* tides bench scaling: how cost grows with what a scene has. Points are measured in processes of their own; exponents are
- * fitted to processor time, which others on the machine hardly lengthen, and targets are about those and about shares of it. */
+/* tides bench scaling: growth of cost with the size of a scene. Points are measured in processes of their own. Exponents are
+ * fitted to processor time, which other load hardly affects, and targets are about exponents and about shares of time. */
 #include "bench_scaling.h"
 #include "bench_stability.h"
 #include "bench_targets.h"
@@ -53,7 +53,8 @@ static tides_status measure_point(bench *b, const scaling_axis *axis, double x, 
     tides_status status = bench_child(b, do_errand, &e, r, sizeof *r, LIMIT_S, &ending, error);
     if (status != TIDES_OK) return status;
     if (ending.how == BENCH_STOPPED) return cli_error(error, TIDES_CANCELLED, "stopped on request");
-    if (ending.how == BENCH_LATE) return cli_error(error, TIDES_CANCELLED, "%s %g: took longer than %g s", axis->name, x, LIMIT_S);
+    if (ending.how == BENCH_LATE)
+        return cli_error(error, TIDES_CANCELLED, "%s %g: took longer than %g s", axis->name, x, LIMIT_S);
     if (ending.how != BENCH_RAN)
         return cli_error(error, TIDES_BAD_ARGUMENT, "%s %g: died of signal %d", axis->name, x, (int)ending.signal);
     if (r->failed) return cli_error(error, TIDES_BAD_ARGUMENT, "%s %g: %s", axis->name, x, r->said);
